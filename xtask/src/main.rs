@@ -1,0 +1,75 @@
+//! Tasks of this workspace: `cargo xtask <task>`.
+//!
+//! One file a task. The tasks compose the library crates; a step that a second program would need belongs in a
+//! library, not here.
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command-line program talks to its user"
+)]
+
+mod fixtures;
+mod generated;
+mod reproduce_paper_d;
+mod validate;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Fixtures, reproductions of the papers, and validation on measured records.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Write fixtures/golden from the transcribed tables of fixtures/papers.
+    Fixtures {
+        /// Change nothing; fail, naming the command to run, where a golden file is not what would be written.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Reproduce the tables of paper D (identification of viscoelastic materials) on virtual tests.
+    ReproducePaperD {
+        /// Compare the result with the snapshot in the repository; exit status 1 on drift.
+        #[arg(long)]
+        check: bool,
+        /// Accept the result as the new snapshot.
+        #[arg(long, conflicts_with = "check")]
+        accept: bool,
+    },
+    /// Run the software on measured records and print its figures next to what is known of them.
+    Validate {
+        /// Folder of measured records; without it, everything that needs one is listed as skipped.
+        #[arg(long, env = "RODLAB_DATA")]
+        data: Option<PathBuf>,
+    },
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().task {
+        Task::Fixtures { check } => fixtures::run(check),
+        Task::ReproducePaperD { check, accept } => reproduce_paper_d::run(check, accept),
+        Task::Validate { data } => validate::run(data.as_deref()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            let mut source = error.source();
+            while let Some(cause) = source {
+                eprintln!("  because: {cause}");
+                source = cause.source();
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What every task returns: nothing, or an error that says what, where, found and expected.
+type Outcome = Result<(), Box<dyn std::error::Error>>;
