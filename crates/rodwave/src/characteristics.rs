@@ -1,0 +1,560 @@
+//! The direct problem of paper D by the method of characteristics.
+//!
+//! Given E, F(σ) and the velocity v_e(t) at x = -L, find the velocity v_r(t) of the free end x = 0
+//! (Ödeen 1993, paper D, eqs. 1-8). The paper used a "finite system method" that no public text describes; this
+//! module solves the same equations as follows.
+//!
+//! # Method
+//! With Z = ρc and s = σ/Z, the combinations R = s - v and L = s + v travel right and left at speed c and both
+//! change at the rate -(E/Z) F(Z s). On a grid with dx = c dt the travel is a shift by one node and exact (Courant number 1).
+//! The source is split off symmetrically (Strang): half a step of relaxation, the shift, half a step of relaxation,
+//! each with the exact flow of the law. The two halves between consecutive shifts are one whole flow, so each cell
+//! relaxes once a step. The scheme is second order for smooth histories, exact for F = 0, stable for any F, and
+//! cannot create energy: the shift keeps Σ(R² + L²) and the flow can only lower |s|. Behind a jump the error is
+//! first order.
+//!
+//! # Sensitivities
+//! The tangent-linear model marches along in the same sweep. It is written in the dimensionless time t c/L, in which the grid
+//! does not depend on E; the derivative at constant time adds (t/2) ∂v/∂t at the end.
+
+use crate::band_limited::VelocityHistory;
+use crate::error::RodwaveError;
+use crate::inelastic::{InelasticLaw, MAX_PARAMETERS, RelaxationFlow};
+use crate::rod::InelasticRod;
+
+/// Fewest cells of a grid: the time interpolation reaches three steps ahead, which must not have arrived yet.
+const FEWEST_CELLS: usize = 8;
+
+/// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal cells.
+///
+/// ```
+/// use rodwave::band_limited::SampledHistory;
+/// use rodwave::inelastic::MaxwellNorton;
+/// use rodwave::{DirectProblem, InelasticRod};
+///
+/// let rate = 51_200.0;
+/// let excitation: Vec<f64> = (0..150)
+///     .map(|k| 8.0 * (-((f64::from(k) / rate - 0.4e-3) / 80e-6).powi(2)).exp())
+///     .collect();
+/// let rod = InelasticRod::new(0.394, 910.0, 2.58e9, MaxwellNorton::new(2.108, 7e13)?)?;
+/// let times: Vec<f64> = (0..120).map(|k| f64::from(k) / rate).collect();
+/// let response = DirectProblem::new(rod, 200)?
+///     .free_end_velocity(&SampledHistory::new(&excitation, rate)?, &times)?;
+/// // a free end doubles the incident velocity, less what the law dissipates on the way
+/// let peak = response.iter().copied().fold(0.0, f64::max);
+/// assert!(peak > 10.0 && peak < 16.0);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct DirectProblem<L> {
+    rod: InelasticRod<L>,
+    cells: usize,
+}
+
+/// Velocity of the free end with its derivatives by the parameters, all at the same times.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Response {
+    /// v_r [m/s], one entry for each time.
+    pub velocity: Vec<f64>,
+    /// dv_r/d ln E [m/s].
+    pub by_log_modulus: Vec<f64>,
+    /// dv_r/dp [m/s] for each parameter p of the law, in the order of [`InelasticLaw::PARAMETERS`].
+    pub by_parameter: Vec<Vec<f64>>,
+}
+
+impl<L: InelasticLaw> DirectProblem<L> {
+    /// Cuts `rod` into `cells` equal cells.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells.
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    pub fn new(rod: InelasticRod<L>, cells: usize) -> Result<Self, RodwaveError> {
+        if cells < FEWEST_CELLS {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "number of cells",
+                value: cells as f64,
+                expected: "at least 8",
+            });
+        }
+        Ok(Self { rod, cells })
+    }
+
+    /// The rod.
+    #[must_use]
+    pub fn rod(&self) -> &InelasticRod<L> {
+        &self.rod
+    }
+
+    /// Time step dt = L/(c N) \[s\].
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    pub fn time_step(&self) -> f64 {
+        self.rod.transit_time() / self.cells as f64
+    }
+
+    /// Starts the march at time 0 from rest, with the velocity `velocity` [m/s] already imposed at x = -L.
+    #[must_use]
+    pub fn march(&self, velocity: f64) -> March<L> {
+        March::new(self, velocity, 0)
+    }
+
+    /// v_r [m/s] at `times` \[s\] for the excitation v_e.
+    ///
+    /// # Errors
+    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
+    /// [`RodwaveError::NonPhysical`] if one is negative or not finite.
+    pub fn free_end_velocity(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<Vec<f64>, RodwaveError> {
+        let steps = self.steps_until(excitation, times)?;
+        let step = self.time_step();
+        let mut march = self.march(excitation.at(0.0));
+        let mut history = Vec::with_capacity(steps + 1);
+        history.push(march.free_end_velocity());
+        for n in 1..=steps {
+            march.advance(excitation.at(time_at(n, step)));
+            history.push(march.free_end_velocity());
+        }
+        Ok(times
+            .iter()
+            .map(|time| quintic(&history, time / step).value)
+            .collect())
+    }
+
+    /// v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
+    ///
+    /// # Errors
+    /// As [`Self::free_end_velocity`].
+    pub fn free_end_velocity_with_sensitivities(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<Response, RodwaveError> {
+        let steps = self.steps_until(excitation, times)?;
+        let step = self.time_step();
+        let tangents = 1 + L::PARAMETERS.len();
+        let mut march = March::new(self, excitation.at(0.0), tangents);
+        let mut history = Vec::with_capacity(steps + 1);
+        let mut tangent_history = vec![Vec::with_capacity(steps + 1); tangents];
+        for n in 0..=steps {
+            if n > 0 {
+                let time = time_at(n, step);
+                march.advance_with_tangents(
+                    excitation.at(time),
+                    -0.5 * time * excitation.slope(time),
+                );
+            }
+            history.push(march.free_end_velocity());
+            for (index, tangent) in tangent_history.iter_mut().enumerate() {
+                tangent.push(march.free_end_tangent(index));
+            }
+        }
+        let at_times = |history: &[f64]| -> Vec<Interpolated> {
+            times
+                .iter()
+                .map(|time| quintic(history, time / step))
+                .collect()
+        };
+        let velocity = at_times(&history);
+        let mut derivatives = tangent_history.iter().map(|tangent| {
+            at_times(tangent)
+                .iter()
+                .map(|point| point.value)
+                .collect::<Vec<f64>>()
+        });
+        let by_log_modulus = derivatives
+            .next()
+            .unwrap_or_default()
+            .iter()
+            .zip(times)
+            .zip(&velocity)
+            .map(|((derivative, time), point)| derivative + 0.5 * time * point.slope / step)
+            .collect();
+        Ok(Response {
+            by_log_modulus,
+            by_parameter: derivatives.collect(),
+            velocity: velocity.iter().map(|point| point.value).collect(),
+        })
+    }
+
+    /// Checks `times` and returns the number of steps that the interpolation at the last of them needs.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "times are checked to be finite and not negative"
+    )]
+    fn steps_until(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<usize, RodwaveError> {
+        let mut last = 0.0_f64;
+        for &time in times {
+            if !time.is_finite() || time < 0.0 {
+                return Err(RodwaveError::NonPhysical {
+                    quantity: "time of the response [s]",
+                    value: time,
+                    expected: "a finite value not below 0",
+                });
+            }
+            last = last.max(time);
+        }
+        let end = excitation.end();
+        // a whole number of sampling intervals may exceed the end by rounding
+        if last > end * (1.0 + 1e-12) {
+            return Err(RodwaveError::ExcitationTooShort {
+                needed: last,
+                found: end,
+            });
+        }
+        Ok((last / self.time_step()).floor() as usize + 3)
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
+fn time_at(n: usize, step: f64) -> f64 {
+    n as f64 * step
+}
+
+/// Energies per unit cross-sectional area since the start [J/m²]; supplied = stored + dissipated to rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EnergyBalance {
+    /// Work done on the rod at x = -L.
+    pub supplied: f64,
+    /// Kinetic and elastic energy of the rod.
+    pub stored: f64,
+    /// Energy lost to the inelastic strain rate; never decreases.
+    pub dissipated: f64,
+}
+
+/// The state of a [`DirectProblem`] at one time level.
+#[derive(Debug, Clone)]
+pub struct March<L: InelasticLaw> {
+    wave: WavePair,
+    tangents: Vec<WavePair>,
+    flow: L::Flow,
+    half_flow: L::Flow,
+    impedance: f64,
+    steps: usize,
+    /// ρ dx/4, the energy per unit area of a unit R² or L² in one cell
+    energy_weight: f64,
+    supplied: f64,
+    dissipated: f64,
+}
+
+impl<L: InelasticLaw> March<L> {
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    fn new(problem: &DirectProblem<L>, velocity: f64, tangents: usize) -> Self {
+        let rod = &problem.rod;
+        let step = problem.time_step();
+        let mut march = Self {
+            wave: WavePair::at_rest(problem.cells + 1),
+            tangents: vec![WavePair::at_rest(problem.cells + 1); tangents],
+            flow: rod.law().flow(rod.modulus(), step),
+            half_flow: rod.law().flow(rod.modulus(), 0.5 * step),
+            impedance: rod.specific_impedance(),
+            steps: 0,
+            energy_weight: rod.density() * rod.length() / problem.cells as f64 / 4.0,
+            supplied: 0.0,
+            dissipated: 0.0,
+        };
+        march.wave.impose_velocity(velocity);
+        // half a cell at the end of the rod is set in motion at once
+        let stored = march.stored();
+        march.supplied = stored;
+        march
+    }
+
+    /// Advances one time step, at whose end the velocity at x = -L is `velocity` [m/s].
+    pub fn advance(&mut self, velocity: f64) {
+        let nodes = self.wave.len();
+        let reached = (self.steps + 1).min(nodes);
+        let relaxed = if self.steps == 0 {
+            relax(&mut self.wave, &self.half_flow, self.impedance, reached)
+        } else {
+            relax(&mut self.wave, &self.flow, self.impedance, reached)
+        };
+        self.dissipated += self.energy_weight * relaxed;
+        self.supplied += 0.5 * self.energy_weight * self.wave.net_inflow();
+        self.wave.shift(velocity);
+        self.supplied += 0.5 * self.energy_weight * self.wave.net_inflow();
+        self.steps += 1;
+    }
+
+    /// Advances one time step with the tangents; `velocity_tangent` is dv_e/d ln E at constant dimensionless time.
+    fn advance_with_tangents(&mut self, velocity: f64, velocity_tangent: f64) {
+        let reached = (self.steps + 1).min(self.wave.len());
+        let flow = if self.steps == 0 {
+            &self.half_flow
+        } else {
+            &self.flow
+        };
+        relax_with_tangents::<L>(
+            &mut self.wave,
+            &mut self.tangents,
+            flow,
+            self.impedance,
+            reached,
+        );
+        self.wave.shift(velocity);
+        for (index, tangent) in self.tangents.iter_mut().enumerate() {
+            tangent.shift(if index == 0 { velocity_tangent } else { 0.0 });
+        }
+        self.steps += 1;
+    }
+
+    /// Velocity of the free end [m/s] at the present time.
+    #[must_use]
+    pub fn free_end_velocity(&self) -> f64 {
+        self.wave.free_end_velocity()
+    }
+
+    fn free_end_tangent(&self, index: usize) -> f64 {
+        self.tangents[index].free_end_velocity()
+    }
+
+    /// Number of steps made.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Stress \[Pa\] and velocity [m/s] at every node, from x = -L to x = 0, at the present time (before the half
+    /// relaxation that ends the step, which differs by a term of order dt).
+    pub fn state(&self) -> impl Iterator<Item = NodeState> + '_ {
+        let impedance = self.impedance;
+        self.wave
+            .right
+            .as_slice()
+            .iter()
+            .zip(self.wave.left.as_slice())
+            .map(move |(r, l)| NodeState {
+                stress: 0.5 * impedance * (r + l),
+                velocity: 0.5 * (l - r),
+            })
+    }
+
+    /// The energy balance since the start.
+    #[must_use]
+    pub fn energy(&self) -> EnergyBalance {
+        EnergyBalance {
+            supplied: self.supplied,
+            stored: self.stored(),
+            dissipated: self.dissipated,
+        }
+    }
+
+    /// Trapezoidal sum over the nodes of ρ dx (R² + L²)/4.
+    fn stored(&self) -> f64 {
+        let (right, left) = (self.wave.right.as_slice(), self.wave.left.as_slice());
+        let last = right.len() - 1;
+        let sum: f64 = right.iter().zip(left).map(|(r, l)| r * r + l * l).sum();
+        let ends = right[0].powi(2) + left[0].powi(2) + right[last].powi(2) + left[last].powi(2);
+        self.energy_weight * (sum - 0.5 * ends)
+    }
+}
+
+/// Stress and velocity at one node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeState {
+    /// σ \[Pa\], positive in tension.
+    pub stress: f64,
+    /// v [m/s], positive towards the free end.
+    pub velocity: f64,
+}
+
+/// Relaxes the first `reached` nodes (ahead of the front there is nothing) and returns the loss of Σ(R² + L²).
+#[inline]
+fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
+    let inverse = 1.0 / impedance;
+    let right = &mut wave.right.as_mut_slice()[..reached];
+    let left = &mut wave.left.as_mut_slice()[..reached];
+    let mut loss = 0.0;
+    let mut first = 0.0;
+    for (index, (r, l)) in right.iter_mut().zip(left.iter_mut()).enumerate() {
+        let scaled = 0.5 * (*r + *l);
+        let stress = impedance * scaled;
+        let change = (flow.relax(stress) - stress) * inverse;
+        *r += change;
+        *l += change;
+        // (R² + L²) changes by 2 change (R + L) + 2 change² = 2 change (2 scaled + change)
+        let lost = -2.0 * change * (2.0 * scaled + change);
+        loss += lost;
+        if index == 0 {
+            first = lost;
+        }
+    }
+    // the end node carries half a cell
+    loss - 0.5 * first
+}
+
+/// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
+fn relax_with_tangents<L: InelasticLaw>(
+    wave: &mut WavePair,
+    tangents: &mut [WavePair],
+    flow: &L::Flow,
+    impedance: f64,
+    reached: usize,
+) {
+    let inverse = 1.0 / impedance;
+    let count = L::PARAMETERS.len();
+    let mut by_parameter = [0.0; MAX_PARAMETERS];
+    let right = wave.right.as_mut_slice();
+    let left = wave.left.as_mut_slice();
+    for node in 0..reached {
+        let scaled = 0.5 * (right[node] + left[node]);
+        let stress = impedance * scaled;
+        let relaxed = flow.relax_with_sensitivity(stress, &mut by_parameter[..count]);
+        let change = (relaxed.stress - stress) * inverse;
+        let scaled_after = scaled + change;
+        right[node] += change;
+        left[node] += change;
+        for (index, tangent) in tangents.iter_mut().enumerate() {
+            let r = &mut tangent.right.as_mut_slice()[node];
+            let l = &mut tangent.left.as_mut_slice()[node];
+            let before = 0.5 * (*r + *l);
+            let source = if index == 0 {
+                0.5 * (scaled * relaxed.by_stress + relaxed.by_log_modulus * inverse - scaled_after)
+            } else {
+                by_parameter[index - 1] * inverse
+            };
+            let change = relaxed.by_stress * before + source - before;
+            *r += change;
+            *l += change;
+        }
+    }
+}
+
+/// R = s - v and L = s + v [m/s] at the nodes.
+#[derive(Debug, Clone)]
+struct WavePair {
+    right: SlidingWindow,
+    left: SlidingWindow,
+}
+
+impl WavePair {
+    fn at_rest(nodes: usize) -> Self {
+        Self {
+            right: SlidingWindow::zeros(nodes),
+            left: SlidingWindow::zeros(nodes),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.right.len
+    }
+
+    /// R² - L² at x = -L, which is -4 s v: the inflow of energy up to a factor.
+    fn net_inflow(&self) -> f64 {
+        self.right.as_slice()[0].powi(2) - self.left.as_slice()[0].powi(2)
+    }
+
+    fn impose_velocity(&mut self, velocity: f64) {
+        self.right.as_mut_slice()[0] = self.left.as_slice()[0] - 2.0 * velocity;
+    }
+
+    /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given at x = -L.
+    fn shift(&mut self, velocity: f64) {
+        self.right.slide_towards_end();
+        self.left.slide_towards_start();
+        let last = self.right.len - 1;
+        self.left.as_mut_slice()[last] = -self.right.as_slice()[last];
+        self.impose_velocity(velocity);
+    }
+
+    fn free_end_velocity(&self) -> f64 {
+        -self.right.as_slice()[self.right.len - 1]
+    }
+}
+
+/// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
+#[derive(Debug, Clone)]
+struct SlidingWindow {
+    buffer: Vec<f64>,
+    start: usize,
+    len: usize,
+}
+
+impl SlidingWindow {
+    fn zeros(len: usize) -> Self {
+        Self {
+            buffer: vec![0.0; 4 * len],
+            start: 0,
+            len,
+        }
+    }
+
+    fn as_slice(&self) -> &[f64] {
+        &self.buffer[self.start..self.start + self.len]
+    }
+
+    fn as_mut_slice(&mut self) -> &mut [f64] {
+        &mut self.buffer[self.start..self.start + self.len]
+    }
+
+    /// Every value moves to the next higher index; the first is to be set by the caller.
+    fn slide_towards_end(&mut self) {
+        if self.start == 0 {
+            let target = self.buffer.len() - self.len;
+            self.buffer.copy_within(0..self.len - 1, target + 1);
+            self.start = target;
+        } else {
+            self.start -= 1;
+        }
+    }
+
+    /// Every value moves to the next lower index; the last is to be set by the caller.
+    fn slide_towards_start(&mut self) {
+        if self.start + self.len == self.buffer.len() {
+            self.buffer
+                .copy_within(self.start + 1..self.start + self.len, 0);
+            self.start = 0;
+        } else {
+            self.start += 1;
+        }
+    }
+}
+
+/// Value and slope per step of an interpolating polynomial.
+struct Interpolated {
+    value: f64,
+    slope: f64,
+}
+
+/// Polynomial of degree five through the six grid values around `position`; zero before the start (the rod is at rest).
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "positions lie on the grid, far below 2^52"
+)]
+fn quintic(history: &[f64], position: f64) -> Interpolated {
+    let base = position.floor();
+    let u = position - base;
+    let first = base as isize - 2;
+    let points: [f64; 6] = std::array::from_fn(|k| {
+        usize::try_from(first + k.cast_signed())
+            .ok()
+            .and_then(|index| history.get(index))
+            .copied()
+            .unwrap_or(0.0)
+    });
+    // Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3
+    let mut value = 0.0;
+    let mut slope = 0.0;
+    for (j, point) in points.iter().enumerate() {
+        let node_j = j as f64 - 2.0;
+        let (mut product, mut derivative) = (1.0, 0.0);
+        for i in (0..6).filter(|i| *i != j) {
+            let node_i = i as f64 - 2.0;
+            let gap = node_j - node_i;
+            derivative = derivative * (u - node_i) / gap + product / gap;
+            product *= (u - node_i) / gap;
+        }
+        value += point * product;
+        slope += point * derivative;
+    }
+    Interpolated { value, slope }
+}

@@ -1,0 +1,95 @@
+//! What can be wrong with a request to this crate.
+
+use thiserror::Error;
+
+/// Why a body, a law or a computation was refused.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RodwaveError {
+    /// A physical quantity has a value that nature does not allow, or is not a number.
+    #[error("{quantity} is {value}, expected {expected}")]
+    NonPhysical {
+        /// Name and unit of the quantity, as `density [kg/m^3]`.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates, as `a finite value above 0`.
+        expected: &'static str,
+    },
+    /// A sample of a history is NaN or infinite.
+    #[error("sample {index} of {history} is {value}, expected a finite value")]
+    NonFiniteSample {
+        /// Name of the history.
+        history: &'static str,
+        /// Position of the sample, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// Two arrays that belong together differ in length.
+    #[error("{what} has {found} entries, expected {expected}")]
+    LengthMismatch {
+        /// Which array is wrong.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+    /// A history has too few samples for what is asked.
+    #[error("{history} has {found} samples, expected at least {expected}")]
+    TooFewSamples {
+        /// Name of the history.
+        history: &'static str,
+        /// Number of samples found.
+        found: usize,
+        /// Number needed.
+        expected: usize,
+    },
+    /// The response is asked for beyond the end of the excitation.
+    #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]
+    ExcitationTooShort {
+        /// End of the requested window, in seconds from the first sample.
+        needed: f64,
+        /// End of the excitation, in seconds from its first sample.
+        found: f64,
+    },
+}
+
+/// Accepts a finite value above zero.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts any finite value.
+pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value",
+        })
+    }
+}
+
+/// Accepts a history whose samples are all finite.
+pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
+    match samples.iter().position(|sample| !sample.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(RodwaveError::NonFiniteSample {
+            history,
+            index,
+            value: samples[index],
+        }),
+    }
+}

@@ -1,0 +1,105 @@
+//! Inelastic laws: the part F(σ) of the strain rate that is not elastic.
+//!
+//! The rod of paper D obeys (Ödeen 1993, paper D, eq. 7)
+//!
+//! ```text
+//! ∂ε/∂t = (1/E) ∂σ/∂t + F(σ)
+//! ```
+//!
+//! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ), over any
+//! duration: its sub-flow. With it, an operator-splitting solver needs no restriction on the time step and
+//! [`crate::characteristics`] creates no energy. The laws of the paper are [`Maxwell`], [`MaxwellNorton`] and
+//! [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0) is their null hypothesis. Other laws plug in by implementing
+//! the two traits of this module.
+//!
+//! # Parameters
+//! All laws are held by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and, where they are nonlinear,
+//! by a dimensionless shape. The printed parameters (η, B, m) are accepted and returned by constructors and getters,
+//! but they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is
+//! 0.9999, between κ and ln r it is of order 0.5.
+
+mod elastic;
+mod gurevich_rabinovich;
+mod maxwell;
+mod norton;
+
+pub use elastic::{Elastic, ElasticFlow};
+pub use gurevich_rabinovich::{GurevichRabinovichFlow, MaxwellGurevichRabinovich};
+pub use maxwell::{Maxwell, MaxwellFlow};
+pub use norton::{MaxwellNorton, NortonFlow};
+
+use crate::RodwaveError;
+
+/// Reference stress of the laws unless another is chosen, 10 MPa: the order of the stress behind the front of a
+/// polymer rod that is struck at 10 m/s.
+pub const DEFAULT_REFERENCE_STRESS: f64 = 10e6;
+
+/// Largest number of parameters a law may have; the sensitivities of one cell then fit on the stack.
+pub const MAX_PARAMETERS: usize = 4;
+
+/// An inelastic strain rate F(σ) [1/s] with its exact relaxation.
+///
+/// # Requirements
+/// F is odd, F(σ) σ >= 0 (no energy is created), and the sub-flow solves dσ/dt = -E F(σ) to rounding.
+pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
+    /// Names of the parameters, in the order of every parameter array. The last is `ln_reference_rate` where there
+    /// is a rate at all.
+    const PARAMETERS: &'static [&'static str];
+
+    /// The relaxation over one fixed duration, prepared once and applied to every cell of a rod.
+    type Flow: RelaxationFlow + Send + Sync;
+
+    /// The inelastic strain rate F(σ) [1/s] at stress σ [Pa].
+    fn inelastic_strain_rate(&self, stress: f64) -> f64;
+
+    /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` [s] for Young's modulus `modulus` [Pa].
+    fn flow(&self, modulus: f64, duration: f64) -> Self::Flow;
+
+    /// The parameters, in the order of [`Self::PARAMETERS`].
+    fn parameters(&self) -> Vec<f64>;
+
+    /// The same law, at the same reference stress, with other parameters.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`] or [`RodwaveError::NonPhysical`].
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>;
+
+    /// The stress [Pa] at which the reference rate is taken.
+    fn reference_stress(&self) -> f64;
+}
+
+/// The exact relaxation of one law over one duration.
+pub trait RelaxationFlow {
+    /// Stress [Pa] after the relaxation, from the stress before.
+    ///
+    /// |result| <= |stress|, and the sign is kept.
+    fn relax(&self, stress: f64) -> f64;
+
+    /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to
+    /// `by_parameter`, which has as many entries as the law has parameters.
+    fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
+}
+
+/// Result of [`RelaxationFlow::relax_with_sensitivity`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelaxedStress {
+    /// σ1, the stress after the relaxation \[Pa\].
+    pub stress: f64,
+    /// dσ1/dσ0, the derivative by the stress before.
+    pub by_stress: f64,
+    /// dσ1/d ln(E h) \[Pa\]: modulus E and duration h enter only by their product.
+    pub by_log_modulus: f64,
+}
+
+/// Checks the number of parameters handed to a law.
+fn check_count(parameters: &[f64], expected: usize) -> Result<(), RodwaveError> {
+    if parameters.len() == expected {
+        Ok(())
+    } else {
+        Err(RodwaveError::LengthMismatch {
+            what: "parameter array",
+            found: parameters.len(),
+            expected,
+        })
+    }
+}

@@ -1,0 +1,54 @@
+//! F = 0: the elastic rod, null hypothesis of every damping law.
+
+use super::{InelasticLaw, RelaxationFlow, RelaxedStress, check_count};
+use crate::RodwaveError;
+
+/// The elastic rod, F(σ) = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Elastic;
+
+impl InelasticLaw for Elastic {
+    const PARAMETERS: &'static [&'static str] = &[];
+    type Flow = ElasticFlow;
+
+    fn inelastic_strain_rate(&self, _stress: f64) -> f64 {
+        0.0
+    }
+
+    fn flow(&self, _modulus: f64, _duration: f64) -> ElasticFlow {
+        ElasticFlow
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        check_count(parameters, 0)?;
+        Ok(Self)
+    }
+
+    fn reference_stress(&self) -> f64 {
+        super::DEFAULT_REFERENCE_STRESS
+    }
+}
+
+/// No relaxation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ElasticFlow;
+
+impl RelaxationFlow for ElasticFlow {
+    #[inline]
+    fn relax(&self, stress: f64) -> f64 {
+        stress
+    }
+
+    #[inline]
+    fn relax_with_sensitivity(&self, stress: f64, _by_parameter: &mut [f64]) -> RelaxedStress {
+        RelaxedStress {
+            stress,
+            by_stress: 1.0,
+            by_log_modulus: 0.0,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! A uniform rod of an inelastic material.
+
+use crate::RodwaveError;
+use crate::error::check_positive;
+use crate::inelastic::InelasticLaw;
+
+/// A straight uniform rod that obeys (Ödeen 1993, paper D, eqs. 1, 2, 7).
+///
+/// ```
+/// use rodwave::{InelasticRod, inelastic::Maxwell};
+///
+/// let rod = InelasticRod::new(0.391, 1140.0, 3.209e9, Maxwell::new(4e6)?)?;
+/// assert!((rod.wave_speed() - 1678.0).abs() < 1.0);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct InelasticRod<L> {
+    length: f64,
+    density: f64,
+    modulus: f64,
+    law: L,
+}
+
+impl<L: InelasticLaw> InelasticRod<L> {
+    /// A rod of `length` \[m\], `density` [kg/m³], Young's modulus `modulus` \[Pa\] and inelastic `law`.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless all three are finite and above 0.
+    pub fn new(length: f64, density: f64, modulus: f64, law: L) -> Result<Self, RodwaveError> {
+        Ok(Self {
+            length: check_positive("length [m]", length)?,
+            density: check_positive("density [kg/m^3]", density)?,
+            modulus: check_positive("Young's modulus [Pa]", modulus)?,
+            law,
+        })
+    }
+
+    /// Length \[m\].
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Density [kg/m³].
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.density
+    }
+
+    /// Young's modulus E \[Pa\], the elastic part of the strain rate.
+    #[must_use]
+    pub fn modulus(&self) -> f64 {
+        self.modulus
+    }
+
+    /// The inelastic law.
+    #[must_use]
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// Speed of the fronts c = (E/ρ)^½ [m/s].
+    #[must_use]
+    pub fn wave_speed(&self) -> f64 {
+        (self.modulus / self.density).sqrt()
+    }
+
+    /// Characteristic impedance per unit area ρc [Pa s/m].
+    #[must_use]
+    pub fn specific_impedance(&self) -> f64 {
+        self.density * self.wave_speed()
+    }
+
+    /// Transit time of a front L/c \[s\].
+    #[must_use]
+    pub fn transit_time(&self) -> f64 {
+        self.length / self.wave_speed()
+    }
+}

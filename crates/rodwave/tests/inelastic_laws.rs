@@ -1,0 +1,200 @@
+//! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E F(σ), the semigroup
+//! property, dissipation, and finite differences for every derivative.
+
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+};
+
+const MODULUS: f64 = 2.5e9;
+
+/// Classical Runge-Kutta on ln|σ|, which is smooth where σ itself spans decades.
+fn integrate<L: InelasticLaw>(law: &L, stress: f64, duration: f64, steps: u32) -> f64 {
+    let rate = |z: f64| -MODULUS * law.inelastic_strain_rate(z.exp()) / z.exp();
+    let h = duration / f64::from(steps);
+    let mut z = stress.abs().ln();
+    for _ in 0..steps {
+        let k1 = rate(z);
+        let k2 = rate(z + 0.5 * h * k1);
+        let k3 = rate(z + 0.5 * h * k2);
+        let k4 = rate(z + h * k3);
+        z += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    z.exp().copysign(stress)
+}
+
+/// Durations from far below to above the relaxation time at 10 MPa of the laws below (about 1 ms).
+const DURATIONS: [f64; 5] = [1e-8, 1e-6, 3e-5, 4e-4, 2e-3];
+const STRESSES: [f64; 7] = [1e2, -4e4, 1e6, -5e6, 1.2e7, 3e7, -6e7];
+
+fn battery<L: InelasticLaw>(law: &L) {
+    for duration in DURATIONS {
+        let flow = law.flow(MODULUS, duration);
+        let half = law.flow(MODULUS, 0.5 * duration);
+        assert_eq!(flow.relax(0.0), 0.0, "{law:?}");
+        for stress in STRESSES {
+            let relaxed = flow.relax(stress);
+            let context = format!("{law:?}, {stress} Pa for {duration} s: {relaxed}");
+            // 4000 steps of a fourth-order scheme leave about 1e-10 in the stiffest case of the table
+            let expected = integrate(law, stress, duration, 4000);
+            assert!(
+                (relaxed / expected - 1.0).abs() < 1e-9,
+                "{context}, expected {expected}"
+            );
+            assert!(
+                relaxed.abs() <= stress.abs() && relaxed * stress >= 0.0,
+                "{context}"
+            );
+            // two halves are the whole: both sides are exact, so only rounding remains (E1 of 20 carries 1e-15)
+            let twice = half.relax(half.relax(stress));
+            assert!(
+                (relaxed / twice - 1.0).abs() < 2e-13,
+                "{context}, twice half {twice}"
+            );
+            assert!(
+                (flow.relax(-stress) + relaxed).abs() < f64::EPSILON,
+                "odd: {context}"
+            );
+            derivatives(law, stress, duration);
+        }
+    }
+}
+
+/// Central differences; their error is of order (1e-4)² times a third derivative of order one.
+fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
+    const H: f64 = 1e-4;
+    let mut by_parameter = vec![0.0; L::PARAMETERS.len()];
+    let result = law
+        .flow(MODULUS, duration)
+        .relax_with_sensitivity(stress, &mut by_parameter);
+    let relaxed = law.flow(MODULUS, duration).relax(stress);
+    let context = format!("{law:?}, {stress} Pa for {duration} s");
+    assert!(
+        (result.stress - relaxed).abs() <= 1e-15 * stress.abs(),
+        "{context}"
+    );
+    let check = |name: &str, exact: f64, plus: f64, minus: f64| {
+        let difference = (plus - minus) / (2.0 * H);
+        // relative to the value or, where the derivative is a small part of the stress, to its rounding
+        let scale = exact.abs().max(1e-9 * stress.abs());
+        assert!(
+            (exact - difference).abs() < 2e-6 * scale + 1e-11 * stress.abs(),
+            "{context}: {name} {exact}, by differences {difference}"
+        );
+    };
+    let flow = law.flow(MODULUS, duration);
+    check(
+        "by ln stress",
+        result.by_stress * stress,
+        flow.relax(stress * H.exp()),
+        flow.relax(stress * (-H).exp()),
+    );
+    let stretched = |h: f64| law.flow(MODULUS * f64::exp(h), duration).relax(stress);
+    check(
+        "by ln modulus",
+        result.by_log_modulus,
+        stretched(H),
+        stretched(-H),
+    );
+    for (index, name) in L::PARAMETERS.iter().enumerate() {
+        let moved = |h: f64| {
+            let mut parameters = law.parameters();
+            parameters[index] += h;
+            law.with_parameters(&parameters)
+                .unwrap()
+                .flow(MODULUS, duration)
+                .relax(stress)
+        };
+        check(name, by_parameter[index], moved(H), moved(-H));
+    }
+}
+
+#[test]
+fn elastic() {
+    battery(&Elastic);
+}
+
+#[test]
+fn maxwell() {
+    battery(&Maxwell::new(2.5e6).unwrap());
+}
+
+#[test]
+fn norton() {
+    for exponent in [0.7, 0.999_999, 1.0, 1.000_001, 1.55, 2.108, 3.5] {
+        battery(&MaxwellNorton::from_reference_rate(exponent, 4.0, 10e6).unwrap());
+    }
+}
+
+#[test]
+fn gurevich_rabinovich() {
+    for sharpness in [-1.5, -1e-9, 0.0, 1e-9, 1e-4, 0.3, 1.4, 4.0] {
+        battery(&MaxwellGurevichRabinovich::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
+    }
+}
+
+#[test]
+fn nonlinear_laws_tend_to_the_linear_one() {
+    let linear = Maxwell::from_reference_rate(4.0, 10e6)
+        .unwrap()
+        .flow(MODULUS, 1e-4);
+    let norton = MaxwellNorton::from_reference_rate(1.0, 4.0, 10e6).unwrap();
+    let gurevich = MaxwellGurevichRabinovich::from_reference_rate(0.0, 4.0, 10e6).unwrap();
+    for stress in STRESSES {
+        let expected = linear.relax(stress);
+        for found in [
+            norton.flow(MODULUS, 1e-4).relax(stress),
+            gurevich.flow(MODULUS, 1e-4).relax(stress),
+        ] {
+            // three evaluations of the same exponential
+            assert!((found / expected - 1.0).abs() < 1e-15, "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn extreme_steps_neither_overflow_nor_create_stress() {
+    // e^{|σ|/m} overflows here; the stress must fall to the solution of E1(y) = q, far below its start
+    let law = MaxwellGurevichRabinovich::new(1e6, 1e4).unwrap();
+    let relaxed = law.flow(MODULUS, 1e-6).relax(5e7);
+    assert!(relaxed > 0.0 && relaxed < 1e5, "{relaxed}");
+    // κ < 1: extinct in finite time
+    let norton = MaxwellNorton::from_reference_rate(0.5, 4.0, 10e6).unwrap();
+    assert_eq!(norton.flow(MODULUS, 1.0).relax(1e6), 0.0);
+    // a step without length changes nothing
+    assert_eq!(law.flow(MODULUS, 0.0).relax(5e6), 5e6);
+}
+
+#[test]
+fn printed_parameters_survive_the_round_trip() {
+    // values of Table 4 read literally: the prefix exa on Pa^κ s, tera on Pa
+    let norton = MaxwellNorton::new(2.108, 38.16e18).unwrap();
+    assert!((norton.coefficient() / 38.16e18 - 1.0).abs() < 1e-13);
+    let gurevich = MaxwellGurevichRabinovich::new(314.6e9, 7.082e12).unwrap();
+    assert!((gurevich.viscosity() / 314.6e9 - 1.0).abs() < 1e-13);
+    assert!((gurevich.activation_stress() / 7.082e12 - 1.0).abs() < 1e-13);
+    assert!((Maxwell::new(40.85e9).unwrap().viscosity() / 40.85e9 - 1.0).abs() < 1e-13);
+}
+
+#[test]
+fn unphysical_parameters_are_refused_by_name() {
+    for (error, expected) in [
+        (
+            Maxwell::new(-1.0).unwrap_err(),
+            "viscosity [Pa s] is -1, expected a finite value above 0",
+        ),
+        (
+            MaxwellNorton::new(f64::NAN, 1.0).unwrap_err(),
+            "exponent kappa is NaN, expected a finite value above 0",
+        ),
+        (
+            MaxwellGurevichRabinovich::new(1.0, f64::INFINITY).unwrap_err(),
+            "activation stress m [Pa] is inf, expected a finite value above 0",
+        ),
+        (
+            Maxwell::new(1.0).unwrap().with_parameters(&[]).unwrap_err(),
+            "parameter array has 0 entries, expected 1",
+        ),
+    ] {
+        assert_eq!(error.to_string(), expected);
+    }
+}
