@@ -1,1 +1,43 @@
-//! placeholder
+//! Identification of nonlinear Maxwell laws from two velocity histories of an impacted rod.
+//!
+//! # Problem
+//! A rod is struck at one end. The velocity v_e(t) at a section near that end and the velocity v_r(t) of the free end, a
+//! distance L away, are known. Which Young's modulus E and which inelastic law F(σ) in ∂ε/∂t = (1/E) ∂σ/∂t + F(σ) explain the
+//! second from the first (Ödeen 1993, paper D), and how well do the data determine them?
+//!
+//! # Method
+//! Each evaluation solves the direct problem of [`rodwave::characteristics`] with v_e prescribed; the sum of squares of
+//! simulated minus measured v_r over all tests (paper D, eq. 12) is minimised over (ln E, shape of the law, ln of its rate at
+//! 10 MPa) by damped least squares with exact derivatives. At the minimum the singular values of the Jacobian, the covariance
+//! and a [`Verdict`] for each parameter say what was learnt.
+//!
+//! # Errata of the source
+//! * Eq. (14), a recursion with gain 1/m on the printed parameters, diverges or stands still: in Pa the Hessian has the eigenvalues
+//!   3e-29, 2e-14 and 4.5e4 (m/s)². It is replaced.
+//! * The units of Tables 4 and A1 have no physically consistent reading; read literally, the rods are elastic over the
+//!   record and their damping cannot be identified from data with 2 % noise. This crate then says so.
+//!
+//! # What this does not do
+//! * It takes velocities; differentiation of measured displacements is the caller's.
+//! * The excitation is taken as exact; its noise is not propagated, so with a noisy excitation the errors are too small.
+//! * It does not choose between laws. Beware: data of a *linear* material with constant loss factor are fitted well by a nonlinear
+//!   law, because amplitude and frequency content fall together along the rod. From one impact velocity the nonlinearity of a
+//!   law is not proved.
+//! * Errors are those of the linearised problem at the minimum.
+
+mod error;
+mod fit;
+mod identifiability;
+mod law;
+mod least_squares;
+mod report;
+mod residual;
+mod test;
+
+pub use error::MaxwellidError;
+pub use fit::{DEFAULT_CELL, Fit, Identification};
+pub use identifiability::{Estimate, IDENTIFIED_BELOW, Identifiability, Noise, Verdict};
+pub use law::{IdentifiableLaw, Role, Scale, StatedParameter};
+pub use least_squares::Termination;
+pub use report::Report;
+pub use test::{Provenance, RodTest, RodTestData};

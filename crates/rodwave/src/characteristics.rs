@@ -22,6 +22,9 @@ use crate::error::RodwaveError;
 use crate::inelastic::{InelasticLaw, MAX_PARAMETERS, RelaxationFlow};
 use crate::rod::InelasticRod;
 
+/// Name of this solver in the provenance of virtual records.
+pub const GENERATOR: &str = "rodwave::characteristics";
+
 /// Fewest cells of a grid: the time interpolation reaches three steps ahead, which must not have arrived yet.
 const FEWEST_CELLS: usize = 8;
 

@@ -2,6 +2,7 @@
 pub mod band_limited;
 pub mod characteristics;
 mod error;
+pub mod experiment;
 pub mod impact;
 pub mod inelastic;
 pub mod lumped;

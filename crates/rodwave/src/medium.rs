@@ -1,1 +1,191 @@
-//! To be written.
+//! A material as waves see it: density and law, propagation coefficient and characteristic impedance.
+//!
+//! ```text
+//! γ = α + ik = iω (E/ρ)^{-1/2}          (Ödeen 1993, paper E, eq. 4)
+//! Z/A = (E ρ)^{1/2} = iωρ/γ             (paper E, eqs. 5-6)
+//! E = -ρω²/γ²                           (paper A, eq. 2; paper B, eq. 3)
+//! ```
+//!
+//! Of the two roots for γ it is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and
+//! decays along +x. For ω < 0 everything is the complex conjugate.
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+use crate::error::{check_finite, check_positive};
+use crate::modulus::{ComplexModulus, LaplaceModulus};
+
+/// How harmonic waves propagate in a material once its density is known.
+///
+/// Every [`ComplexModulus`] is such a law. A fit to measured waves, as
+/// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation), is one without being a modulus.
+pub trait PropagationLaw {
+    /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] for `density` [kg/m³]; 0 at ω = 0.
+    fn propagation_coefficient(&self, omega: f64, density: f64) -> Complex64;
+
+    /// Complex modulus E \[Pa\] at `omega` [rad/s] for `density` [kg/m³]; the limit at ω = 0.
+    fn modulus(&self, omega: f64, density: f64) -> Complex64;
+}
+
+impl<M: ComplexModulus> PropagationLaw for M {
+    fn propagation_coefficient(&self, omega: f64, density: f64) -> Complex64 {
+        if omega == 0.0 {
+            return Complex64::ZERO; // also where E(0) = 0: γ² is then of order ω
+        }
+        root(self.at(omega), Complex64::new(0.0, omega), density)
+    }
+
+    fn modulus(&self, omega: f64, _density: f64) -> Complex64 {
+        self.at(omega)
+    }
+}
+
+/// γ = s (E/ρ)^{-1/2} with the root of positive real part.
+fn root(modulus: Complex64, s: Complex64, density: f64) -> Complex64 {
+    s / (modulus / density).sqrt()
+}
+
+/// A linearly viscoelastic material of given density.
+///
+/// ```
+/// use rodwave::medium::Medium;
+/// use rodwave::modulus::Elastic;
+///
+/// let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+/// assert!((steel.phase_velocity(1e4) - 5146.0).abs() < 1.0);
+/// assert!((steel.specific_characteristic_impedance(1e4).re / 4.003e7 - 1.0).abs() < 1e-3);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium<L> {
+    density: f64,
+    law: L,
+}
+
+impl<L: PropagationLaw> Medium<L> {
+    /// A material of `density` ρ [kg/m³] that obeys `law`.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the density is finite and above 0.
+    pub fn new(density: f64, law: L) -> Result<Self, RodwaveError> {
+        Ok(Self {
+            density: check_positive("density [kg/m^3]", density)?,
+            law,
+        })
+    }
+
+    /// Density ρ [kg/m³].
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.density
+    }
+
+    /// The law.
+    #[must_use]
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// Complex modulus E \[Pa\] at `omega` [rad/s].
+    #[must_use]
+    pub fn modulus(&self, omega: f64) -> Complex64 {
+        self.law.modulus(omega, self.density)
+    }
+
+    /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] (paper E, eq. 4); 0 at ω = 0.
+    #[must_use]
+    pub fn propagation_coefficient(&self, omega: f64) -> Complex64 {
+        self.law.propagation_coefficient(omega, self.density)
+    }
+
+    /// Damping coefficient α = Re γ [1/m], an even function of `omega` [rad/s].
+    #[must_use]
+    pub fn damping_coefficient(&self, omega: f64) -> f64 {
+        self.propagation_coefficient(omega).re
+    }
+
+    /// Wave number k = Im γ [rad/m], an odd function of `omega` [rad/s].
+    #[must_use]
+    pub fn wave_number(&self, omega: f64) -> f64 {
+        self.propagation_coefficient(omega).im
+    }
+
+    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static modulus E(0), which
+    /// is 0 for a fluid.
+    #[must_use]
+    pub fn phase_velocity(&self, omega: f64) -> f64 {
+        if omega == 0.0 {
+            let speed = (self.modulus(0.0) / self.density).sqrt();
+            speed.norm_sqr() / speed.re.max(f64::MIN_POSITIVE) // 1/Re(1/c), and 0 where c = 0
+        } else {
+            omega / self.wave_number(omega)
+        }
+    }
+
+    /// Characteristic impedance per unit area Z/A = (Eρ)^½ [Pa s/m] at `omega` [rad/s] (paper E, eq. 5).
+    ///
+    /// Times the area of the cross-section it is the Z of paper E. At ω = 0 it is the limit (E(0) ρ)^½.
+    #[must_use]
+    pub fn specific_characteristic_impedance(&self, omega: f64) -> Complex64 {
+        (self.modulus(omega) * self.density).sqrt()
+    }
+}
+
+impl<M: LaplaceModulus> Medium<M> {
+    /// Propagation coefficient γ = s (E(s)/ρ)^{-1/2} [1/m] at the Laplace variable `s` [1/s], Re s > 0.
+    #[must_use]
+    pub fn propagation_coefficient_at_s(&self, s: Complex64) -> Complex64 {
+        root(self.law.at_s(s), s, self.density)
+    }
+
+    /// Characteristic impedance per unit area (E(s) ρ)^½ [Pa s/m] at the Laplace variable `s` [1/s], Re s > 0.
+    #[must_use]
+    pub fn specific_characteristic_impedance_at_s(&self, s: Complex64) -> Complex64 {
+        (self.law.at_s(s) * self.density).sqrt()
+    }
+}
+
+/// Complex modulus E = -ρω²/γ² \[Pa\] from the `propagation_coefficient` γ [1/m] at `omega` [rad/s] in a material of
+/// `density` [kg/m³] (paper A, eq. 2; paper B, eq. 3).
+///
+/// ```text
+/// E' = ρω² (k² - α²)/(k² + α²)² ,    E'' = ρω² 2kα/(k² + α²)²
+/// ```
+///
+/// γ and -γ give the same modulus. α < 0, which noise can bring about, gives E'' < 0.
+///
+/// # Errors
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω = 0 a propagation
+/// coefficient tells nothing about the modulus.
+pub fn modulus_from_propagation(
+    propagation_coefficient: Complex64,
+    omega: f64,
+    density: f64,
+) -> Result<Complex64, RodwaveError> {
+    check_positive(
+        "magnitude of the propagation coefficient [1/m]",
+        propagation_coefficient.norm(),
+    )?;
+    let omega = check_finite("angular frequency [rad/s]", omega)?;
+    let density = check_positive("density [kg/m^3]", density)?;
+    let velocity = Complex64::new(0.0, omega) / propagation_coefficient;
+    Ok(density * velocity * velocity)
+}
+
+/// Propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\] at `omega` [rad/s] in a material
+/// of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
+///
+/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus keeps its meaning, α < 0.
+///
+/// # Errors
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0.
+pub fn propagation_from_modulus(
+    modulus: Complex64,
+    omega: f64,
+    density: f64,
+) -> Result<Complex64, RodwaveError> {
+    check_positive("magnitude of the complex modulus [Pa]", modulus.norm())?;
+    let omega = check_finite("angular frequency [rad/s]", omega)?;
+    let density = check_positive("density [kg/m^3]", density)?;
+    Ok(root(modulus, Complex64::new(0.0, omega), density))
+}

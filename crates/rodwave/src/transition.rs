@@ -1,1 +1,202 @@
-//! To be written.
+//! Transition matrices: the state (N, v) of one section from that of another.
+//!
+//! The state is the normal force N, positive in tension, and the particle velocity v, positive along +x, both
+//! Fourier transforms. Along a rod (Ödeen 1993, paper E, eqs. A1-A2)
+//!
+//! ```text
+//! dN/dx = γZ v ,    dv/dx = (γ/Z) N ,    γZ = iωρA ,    γ/Z = iω/(AE)
+//! ```
+//!
+//! and a uniform part, or a mass between two faces, is a matrix P with (N, v) on its right from (N, v) on its left. Of a
+//! row of elements it is the product, the last element first: P = P_B P_A (paper E, eq. A9). Every P has determinant 1,
+//! which is reciprocity.
+//!
+//! # Limits of the plain product
+//! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the free-end mobility, a ratio of
+//! two entries of one row, keeps its digits. What is a *difference* of large entries does not: determinant, inverse and
+//! the state transferred along +x lose a factor e^{2αL} of the rounding, that is all digits at αL ≈ 18. Beyond the
+//! overflow the mobility is refused, not returned wrong.
+//!
+//! ```
+//! use rodwave::medium::Medium;
+//! use rodwave::modulus::{Elastic, PowerLawPropagation};
+//! use rodwave::transition::TransitionMatrix;
+//!
+//! // Half of the compound cylinder of paper E, struck on its nylon face, at 1 kHz
+//! let nylon = Medium::new(1150.0, PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?)?;
+//! let aluminium = Medium::new(2700.0, Elastic::new(69e9)?)?;
+//! let (omega, area, length) = (2.0 * std::f64::consts::PI * 1e3, 8.04e-4, 0.125);
+//! let p_a = TransitionMatrix::uniform_rod(
+//!     nylon.propagation_coefficient(omega),
+//!     nylon.specific_characteristic_impedance(omega) * area,
+//!     length,
+//! )?;
+//! let p_b = TransitionMatrix::uniform_rod(
+//!     aluminium.propagation_coefficient(omega),
+//!     aluminium.specific_characteristic_impedance(omega) * area,
+//!     length,
+//! )?;
+//! let mobility = (p_b * p_a).mobility_free_end()?;
+//! assert!(mobility.re > 0.0); // a passive body takes energy
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+
+use std::ops::Mul;
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+use crate::error::{check_finite, check_positive};
+
+/// Largest αL of one element: e^{700} is just below the largest number.
+const LARGEST_DAMPING: f64 = 700.0;
+
+/// State of a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Normal force N̂, positive in tension \[N s\].
+    pub normal_force: Complex64,
+    /// Particle velocity v̂, positive along +x \[m\].
+    pub velocity: Complex64,
+}
+
+/// Transition matrix P of an element or a row of elements at one frequency (paper E, eq. A8).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TransitionMatrix {
+    entries: [[Complex64; 2]; 2],
+}
+
+impl TransitionMatrix {
+    /// The matrix of nothing.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self {
+            entries: [
+                [Complex64::ONE, Complex64::ZERO],
+                [Complex64::ZERO, Complex64::ONE],
+            ],
+        }
+    }
+
+    /// A uniform rod of `length` L \[m\], from its `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z
+    /// [kg/s] (paper E, eq. A10).
+    ///
+    /// ```text
+    /// P = [ cosh γL          Z sinh γL ]
+    ///     [ (1/Z) sinh γL    cosh γL   ]
+    /// ```
+    ///
+    /// At ω = 0 a solid gives the identity; the impedance of a fluid is 0 there, and the matrix is refused.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the length is above 0, γ is finite with |α|L <= 700, and Z is finite and not 0.
+    pub fn uniform_rod(
+        propagation_coefficient: Complex64,
+        characteristic_impedance: Complex64,
+        length: f64,
+    ) -> Result<Self, RodwaveError> {
+        let length = check_positive("length [m]", length)?;
+        let gamma_length = propagation_coefficient * length;
+        check_finite("phase over the rod kL [rad]", gamma_length.im)?;
+        if gamma_length.re.is_nan() || gamma_length.re.abs() > LARGEST_DAMPING {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "damping over the rod alpha L",
+                value: gamma_length.re,
+                expected: "at most 700, lest the matrix overflow",
+            });
+        }
+        check_positive(
+            "magnitude of the characteristic impedance [kg/s]",
+            characteristic_impedance.norm(),
+        )?;
+        let (cosh, sinh) = (gamma_length.cosh(), gamma_length.sinh());
+        Ok(Self {
+            entries: [
+                [cosh, characteristic_impedance * sinh],
+                [sinh / characteristic_impedance, cosh],
+            ],
+        })
+    }
+
+    /// A rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the velocity is common, the force jumps by iωmv.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the mass is finite and not negative and the frequency is finite.
+    pub fn lumped_mass(mass: f64, omega: f64) -> Result<Self, RodwaveError> {
+        if !(mass.is_finite() && mass >= 0.0) {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "mass [kg]",
+                value: mass,
+                expected: "a finite value, 0 or above",
+            });
+        }
+        let omega = check_finite("angular frequency [rad/s]", omega)?;
+        let mut matrix = Self::identity();
+        matrix.entries[0][1] = Complex64::new(0.0, omega * mass);
+        Ok(matrix)
+    }
+
+    /// The entries, row by row: N from (N, v), then v from (N, v).
+    #[must_use]
+    pub fn entries(&self) -> [[Complex64; 2]; 2] {
+        self.entries
+    }
+
+    /// Determinant, 1 but for rounding: see the limits of the plain product in the [module](self).
+    #[must_use]
+    pub fn determinant(&self) -> Complex64 {
+        let [[a, b], [c, d]] = self.entries;
+        a * d - b * c
+    }
+
+    /// The matrix from right to left, by the determinant being 1.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let [[a, b], [c, d]] = self.entries;
+        Self {
+            entries: [[d, -b], [-c, a]],
+        }
+    }
+
+    /// State on the right of the elements from the state `left` of them.
+    #[must_use]
+    pub fn transfer(&self, left: State) -> State {
+        let [[a, b], [c, d]] = self.entries;
+        State {
+            normal_force: a * left.normal_force + b * left.velocity,
+            velocity: c * left.normal_force + d * left.velocity,
+        }
+    }
+
+    /// Mobility Ĝ = -v̂/N̂ [s/kg] at the left face when the right end is free (paper E, eq. A11 with q = 0 in A12):
+    /// G = P₁₁/P₁₂.
+    ///
+    /// For a body of mass M, G → 1/(iωM) as ω → 0.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] if P₁₂ is 0, as at ω = 0, where a free body has its pole, or not finite.
+    pub fn mobility_free_end(&self) -> Result<Complex64, RodwaveError> {
+        let [[p11, p12], _] = self.entries;
+        let scale = check_positive("magnitude of the entry P12 [kg/s]", p12.norm())?;
+        // scaled, because the quotient of two numbers above 1e154 would overflow on the way
+        let mobility = (p11 / scale) / (p12 / scale);
+        check_finite("magnitude of the mobility [s/kg]", mobility.norm())?;
+        Ok(mobility)
+    }
+}
+
+/// The row of elements with `right`'s elements struck first: `p_b * p_a` is A followed by B along +x (paper E, eq. A9).
+impl Mul for TransitionMatrix {
+    type Output = Self;
+
+    fn mul(self, right: Self) -> Self {
+        let [[a, b], [c, d]] = self.entries;
+        let [[e, f], [g, h]] = right.entries;
+        Self {
+            entries: [
+                [a * e + b * g, a * f + b * h],
+                [c * e + d * g, c * f + d * h],
+            ],
+        }
+    }
+}

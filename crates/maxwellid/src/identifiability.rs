@@ -1,0 +1,235 @@
+//! What the data can tell: covariance, standard errors, and a verdict for each parameter.
+
+use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
+
+/// Largest standard error, as a ratio or as a difference of an exponent, at which a parameter counts as identified: a
+/// parameter of three standard errors.
+pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
+
+/// The noise against which sensitivities are judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Noise {
+    /// Standard deviation of each sample of the response, as a share of the impact velocity. The errors then are those of data
+    /// with this noise; they are never smaller than the residual of the fit itself implies.
+    Known(f64),
+    /// From the residual of the fit, with the number of independent samples reduced by its autocorrelation.
+    FromResidual,
+}
+
+/// Whether the data determine a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// The standard error is below [`IDENTIFIED_BELOW`].
+    Identified,
+    /// It is not: within the noise, values of another order of magnitude (or exponents of another kind) explain the data as
+    /// well. The value shown is where the iteration stopped, not a property of the material.
+    NotIdentifiable,
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Identified => "identified",
+            Self::NotIdentifiable => "not identifiable from these data",
+        })
+    }
+}
+
+/// A parameter with its error and verdict.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Estimate {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Value, in SI units.
+    pub value: f64,
+    /// Standard error: of ln(value) where `scale` is a ratio, of the value where it is a difference.
+    pub standard_error: f64,
+    /// How the error is measured.
+    pub scale: Scale,
+    /// Coordinate of the identification, or derived from them.
+    pub role: Role,
+    /// Whether the data determine it.
+    pub verdict: Verdict,
+}
+
+/// The information that the data hold about the parameters at the minimum.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Identifiability {
+    /// E first, then the parameters of the law as the literature states them.
+    pub estimates: Vec<Estimate>,
+    /// Singular values of the Jacobian over the noise, descending: by how many standard deviations the response
+    /// changes for a unit change of (ln E, shape, ln rate) along each singular direction.
+    pub signal_to_noise: Vec<f64>,
+    /// Correlation matrix of (ln E, parameters of the law), by rows.
+    pub correlation: Vec<Vec<f64>>,
+    /// Standard deviation of a sample that was used, as a share of V0.
+    pub noise: f64,
+    /// Factor by which the variances were raised for the autocorrelation of the residual; 1 for white residuals.
+    pub correlation_inflation: f64,
+}
+
+pub(crate) fn assess<L: IdentifiableLaw>(
+    law: &L,
+    modulus: f64,
+    linearisation: &Linearisation,
+    lengths: &[usize],
+    noise: Noise,
+) -> Option<Identifiability> {
+    let parameters = 1 + L::PARAMETERS.len();
+    let decomposition = ScaledDecomposition::new(linearisation, &vec![1.0; parameters])?;
+    let degrees = linearisation
+        .residual
+        .len()
+        .saturating_sub(parameters)
+        .max(1);
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    let from_residual = (sum_of_squares(&linearisation.residual) / degrees as f64).sqrt();
+    let (noise, correlation_inflation) = match noise {
+        Noise::Known(known) if known >= from_residual => (known, 1.0),
+        _ => (
+            from_residual,
+            correlation_inflation(&linearisation.residual, lengths),
+        ),
+    };
+    let variance = noise * noise * correlation_inflation;
+    // (JᵀJ)⁻¹ = V S⁻² Vᵀ; a direction without any signal has infinite variance
+    let covariance: Vec<Vec<f64>> = (0..parameters)
+        .map(|i| {
+            (0..parameters)
+                .map(|j| {
+                    decomposition
+                        .right
+                        .iter()
+                        .zip(&decomposition.singular_values)
+                        .map(|(vector, s)| {
+                            let product = vector[i] * vector[j];
+                            if product == 0.0 {
+                                0.0
+                            } else {
+                                product * variance / (s * s)
+                            }
+                        })
+                        .sum()
+                })
+                .collect()
+        })
+        .collect();
+    let correlation = (0..parameters)
+        .map(|i| {
+            (0..parameters)
+                .map(|j| {
+                    let scale = (covariance[i][i] * covariance[j][j]).sqrt();
+                    if i == j {
+                        1.0
+                    } else {
+                        covariance[i][j] / scale
+                    }
+                })
+                .collect()
+        })
+        .collect();
+    let modulus = StatedParameter {
+        name: "Young's modulus",
+        symbol: "E",
+        unit: "Pa",
+        value: modulus,
+        scale: Scale::Ratio,
+        gradient: vec![0.0; parameters - 1],
+        role: Role::Coordinate,
+    };
+    let mut estimates = vec![estimate(&modulus, &covariance, 1.0)];
+    estimates.extend(law.stated().iter().map(|p| estimate(p, &covariance, 0.0)));
+    Some(Identifiability {
+        estimates,
+        signal_to_noise: decomposition
+            .singular_values
+            .iter()
+            .map(|s| s / noise)
+            .collect(),
+        correlation,
+        noise,
+        correlation_inflation,
+    })
+}
+
+fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], by_log_modulus: f64) -> Estimate {
+    let gradient: Vec<f64> = std::iter::once(by_log_modulus)
+        .chain(parameter.gradient.iter().copied())
+        .collect();
+    let variance: f64 = gradient
+        .iter()
+        .zip(covariance)
+        .map(|(g, row)| {
+            let product: f64 = row
+                .iter()
+                .zip(&gradient)
+                .map(|(c, h)| if *h == 0.0 { 0.0 } else { c * h })
+                .sum();
+            if *g == 0.0 { 0.0 } else { g * product }
+        })
+        .sum();
+    let standard_error = variance.max(0.0).sqrt();
+    Estimate {
+        name: parameter.name,
+        symbol: parameter.symbol,
+        unit: parameter.unit,
+        value: parameter.value,
+        standard_error,
+        scale: parameter.scale,
+        role: parameter.role,
+        // a comparison with NaN is false: what cannot be assessed is not identified
+        verdict: if standard_error < IDENTIFIED_BELOW {
+            Verdict::Identified
+        } else {
+            Verdict::NotIdentifiable
+        },
+    }
+}
+
+/// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer, 1992), at least 1.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
+    let variance = sum_of_squares(residual);
+    if variance <= 0.0 {
+        return 1.0;
+    }
+    let longest = lengths.iter().copied().max().unwrap_or(0);
+    let mut inflation = 1.0;
+    for lag in 1..longest / 2 {
+        let mut covariance = 0.0;
+        let mut pairs = 0_usize;
+        let mut rest = residual;
+        for length in lengths {
+            let (of_test, others) = rest.split_at((*length).min(rest.len()));
+            rest = others;
+            covariance += of_test
+                .iter()
+                .zip(of_test.iter().skip(lag))
+                .map(|(a, b)| a * b)
+                .sum::<f64>();
+            pairs += of_test.len().saturating_sub(lag);
+        }
+        let correlation = covariance / pairs.max(1) as f64 / (variance / residual.len() as f64);
+        // white residuals have correlations of order n^(-1/2), of either sign
+        if correlation < 2.0 / (residual.len() as f64).sqrt() {
+            break;
+        }
+        inflation += 2.0 * correlation;
+    }
+    inflation
+}

@@ -1,0 +1,175 @@
+//! What an inelastic law needs beyond its physics to be identified: names, limits, and its printed parameters.
+
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+};
+
+/// A law whose parameters can be identified.
+pub trait IdentifiableLaw: InelasticLaw {
+    /// Name of the model.
+    const NAME: &'static str;
+
+    /// Largest change of each parameter in one iteration: about the range over which the response is near linear in it.
+    const STEP_LIMITS: &'static [f64];
+
+    /// The parameters as the literature states them, at the present values.
+    fn stated(&self) -> Vec<StatedParameter>;
+
+    /// The same form of law with the reference rate `rate` [1/s] and otherwise the present parameters: the starting
+    /// values of a scan over rates. `None` for a law without rate.
+    fn at_rate(&self, rate: f64) -> Option<Self>;
+}
+
+/// A parameter in the form in which the literature states it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedParameter {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Value, in SI units.
+    pub value: f64,
+    /// Whether its error is judged as a ratio or as a difference.
+    pub scale: Scale,
+    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law.
+    pub gradient: Vec<f64>,
+    /// Whether it is one of the well-conditioned coordinates of the identification, or follows from them.
+    pub role: Role,
+}
+
+/// How the error of a parameter is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// By its ratio to the value: moduli, viscosities, rates.
+    Ratio,
+    /// By its difference: exponents.
+    Difference,
+}
+
+/// Whether a parameter is judged or only shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// A coordinate of the identification; it gets a verdict.
+    Coordinate,
+    /// Follows from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of per cent with an error of
+    /// 0.03 in κ, because it extrapolates from 10 MPa to 1 Pa.
+    Derived,
+}
+
+fn rate_at_reference(law: &impl InelasticLaw, gradient: Vec<f64>) -> StatedParameter {
+    StatedParameter {
+        name: "inelastic strain rate at 10 MPa",
+        symbol: "F(10 MPa)",
+        unit: "1/s",
+        value: law.inelastic_strain_rate(law.reference_stress()),
+        scale: Scale::Ratio,
+        gradient,
+        role: Role::Coordinate,
+    }
+}
+
+impl IdentifiableLaw for Elastic {
+    const NAME: &'static str = "elastic";
+    const STEP_LIMITS: &'static [f64] = &[];
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        Vec::new()
+    }
+
+    fn at_rate(&self, _rate: f64) -> Option<Self> {
+        None
+    }
+}
+
+impl IdentifiableLaw for Maxwell {
+    const NAME: &'static str = "Maxwell";
+    const STEP_LIMITS: &'static [f64] = &[2.0];
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![StatedParameter {
+            name: "viscosity",
+            symbol: "eta",
+            unit: "Pa s",
+            value: self.viscosity(),
+            scale: Scale::Ratio,
+            gradient: vec![-1.0],
+            role: Role::Coordinate,
+        }]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(rate, self.reference_stress()).ok()
+    }
+}
+
+impl IdentifiableLaw for MaxwellNorton {
+    const NAME: &'static str = "Maxwell-Norton";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![
+            StatedParameter {
+                name: "exponent",
+                symbol: "kappa",
+                unit: "1",
+                value: self.exponent(),
+                scale: Scale::Difference,
+                gradient: vec![1.0, 0.0],
+                role: Role::Coordinate,
+            },
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "coefficient",
+                symbol: "B",
+                unit: "Pa^kappa s",
+                value: self.coefficient(),
+                scale: Scale::Ratio,
+                // ln B = κ ln σ_ref - ln r
+                gradient: vec![self.reference_stress().ln(), -1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(self.exponent(), rate, self.reference_stress()).ok()
+    }
+}
+
+impl IdentifiableLaw for MaxwellGurevichRabinovich {
+    const NAME: &'static str = "Maxwell-Gurevich-Rabinovich";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        let sharpness = self.parameters()[0];
+        vec![
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "activation stress",
+                symbol: "m",
+                unit: "Pa",
+                value: self.activation_stress(),
+                scale: Scale::Ratio,
+                // ln m = ln σ_ref - ln β
+                gradient: vec![-1.0 / sharpness, 0.0],
+                role: Role::Coordinate,
+            },
+            StatedParameter {
+                name: "viscosity",
+                symbol: "eta",
+                unit: "Pa s",
+                value: self.viscosity(),
+                scale: Scale::Ratio,
+                // ln η = ln σ_ref + β - ln r
+                gradient: vec![1.0, -1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        Self::from_reference_rate(self.parameters()[0], rate, self.reference_stress()).ok()
+    }
+}

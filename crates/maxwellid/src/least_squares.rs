@@ -1,0 +1,329 @@
+//! Damped least squares (Levenberg-Marquardt) for a few parameters and many residuals.
+//!
+//! Each iteration takes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a step for any damping λ is
+//! then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes that each parameter may make in one iteration. In
+//! these units a direction that the data hardly see needs little damping to stay within its limit, so it does not slow the
+//! directions that the data do see, as scaling by column norms would. Termination is a value with a reason, never an error.
+
+use faer::Mat;
+
+use crate::error::MaxwellidError;
+
+/// Residuals and their Jacobian at one point.
+#[derive(Debug, Clone)]
+pub(crate) struct Linearisation {
+    /// r, length n.
+    pub(crate) residual: Vec<f64>,
+    /// ∂r/∂θ, one column of length n for each parameter.
+    pub(crate) jacobian: Vec<Vec<f64>>,
+}
+
+/// A nonlinear least-squares problem; `None` where the model does not exist.
+pub(crate) trait LeastSquares {
+    fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>>;
+    fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation>;
+    /// Largest change of each parameter in one iteration.
+    fn step_limits(&self) -> Vec<f64>;
+}
+
+/// Why the iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Termination {
+    /// A step within the limits promises no further reduction of the sum of squares (less than 1e-10 of it).
+    NoReductionLeft,
+    /// The step is below 1e-9 of its limit in every parameter.
+    StepNegligible,
+    /// The residual is at the level of rounding.
+    ResidualIsRounding,
+    /// No step, however short, reduces the sum of squares.
+    NoDescent,
+    /// The limit of iterations was reached.
+    OutOfIterations,
+}
+
+impl Termination {
+    /// Whether the parameters are a minimum to the stated tolerances.
+    #[must_use]
+    pub fn was_successful(self) -> bool {
+        !matches!(self, Self::OutOfIterations)
+    }
+}
+
+impl std::fmt::Display for Termination {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::NoReductionLeft => "converged: no reduction of the sum of squares left",
+            Self::StepNegligible => "converged: the step is negligible",
+            Self::ResidualIsRounding => "converged: the residual is at the level of rounding",
+            Self::NoDescent => "converged: no shorter step descends",
+            Self::OutOfIterations => "not converged: out of iterations",
+        })
+    }
+}
+
+/// The end of an iteration.
+#[derive(Debug, Clone)]
+pub(crate) struct Minimum {
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) linearisation: Linearisation,
+    pub(crate) iterations: usize,
+    pub(crate) termination: Termination,
+}
+
+pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
+    residual.iter().map(|r| r * r).sum()
+}
+
+/// Singular value decomposition of a Jacobian whose columns are multiplied by `scales`.
+pub(crate) struct ScaledDecomposition {
+    /// Singular values, descending.
+    pub(crate) singular_values: Vec<f64>,
+    /// Right singular vectors: `right[i]` belongs to `singular_values[i]`.
+    pub(crate) right: Vec<Vec<f64>>,
+    /// Uᵀ r.
+    pub(crate) projected: Vec<f64>,
+}
+
+impl ScaledDecomposition {
+    pub(crate) fn new(linearisation: &Linearisation, scales: &[f64]) -> Option<Self> {
+        let rows = linearisation.residual.len();
+        let columns = scales.len();
+        let directions = rows.min(columns);
+        let scaled = Mat::from_fn(rows, columns, |i, j| {
+            linearisation.jacobian[j][i] * scales[j]
+        });
+        let svd = scaled.thin_svd().ok()?;
+        let values = svd.S().column_vector();
+        let (left, right) = (svd.U(), svd.V());
+        Some(Self {
+            singular_values: (0..directions).map(|k| values[k]).collect(),
+            right: (0..directions)
+                .map(|k| (0..columns).map(|j| right[(j, k)]).collect())
+                .collect(),
+            projected: (0..directions)
+                .map(|k| {
+                    linearisation
+                        .residual
+                        .iter()
+                        .enumerate()
+                        .map(|(i, r)| left[(i, k)] * r)
+                        .sum()
+                })
+                .collect(),
+        })
+    }
+}
+
+const ITERATIONS: usize = 200;
+const REDUCTION: f64 = 1e-10;
+const STEP: f64 = 1e-9;
+const SMALLEST_DAMPING: f64 = 1e-12;
+
+/// Minimises from `start`. `rounding` is the sum of squares that rounding alone leaves.
+pub(crate) fn minimise(
+    problem: &dyn LeastSquares,
+    start: &[f64],
+    rounding: f64,
+) -> Result<Option<Minimum>, MaxwellidError> {
+    let Some(mut here) = problem.linearisation(start) else {
+        return Ok(None);
+    };
+    let limits = problem.step_limits();
+    let mut parameters = start.to_vec();
+    let mut damping = 0.0_f64;
+    let mut value = sum_of_squares(&here.residual);
+    let mut termination = Termination::OutOfIterations;
+    let mut iterations = 0;
+    'outer: while iterations < ITERATIONS {
+        iterations += 1;
+        if value <= rounding {
+            termination = Termination::ResidualIsRounding;
+            break;
+        }
+        let Some(svd) = ScaledDecomposition::new(&here, &limits) else {
+            return Err(MaxwellidError::Decomposition {
+                iteration: iterations,
+            });
+        };
+        // the smallest damping that means anything against the best-determined direction
+        let largest = svd.singular_values.first().copied().unwrap_or(0.0);
+        let smallest_damping = SMALLEST_DAMPING * largest * largest;
+        if largest <= 0.0 {
+            termination = Termination::NoReductionLeft;
+            break;
+        }
+        damping = damping.max(smallest_damping);
+        let mut rejected = false;
+        loop {
+            let step = damped_step(&svd, &limits, damping);
+            let within_limits = step.iter().zip(&limits).all(|(p, limit)| p.abs() <= *limit);
+            if !within_limits {
+                damping *= 4.0;
+                continue;
+            }
+            let predicted = svd.predicted_reduction(damping);
+            if !rejected && predicted < REDUCTION * value {
+                termination = Termination::NoReductionLeft;
+                break 'outer;
+            }
+            if step
+                .iter()
+                .zip(&limits)
+                .all(|(p, limit)| p.abs() < STEP * limit)
+            {
+                termination = if rejected {
+                    Termination::NoDescent
+                } else {
+                    Termination::StepNegligible
+                };
+                break 'outer;
+            }
+            let trial: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
+            let reached = problem.residual(&trial).map(|r| sum_of_squares(&r));
+            let accepted = reached.filter(|reached| *reached < value);
+            let next = accepted.and_then(|_| problem.linearisation(&trial));
+            let (Some(reached), Some(next)) = (accepted, next) else {
+                rejected = true;
+                damping *= 8.0;
+                continue;
+            };
+            let gain = (value - reached) / predicted;
+            if gain > 0.75 {
+                damping /= 10.0;
+            } else if gain < 0.25 {
+                damping *= 3.0;
+            }
+            parameters = trial;
+            value = sum_of_squares(&next.residual);
+            here = next;
+            break;
+        }
+    }
+    Ok(Some(Minimum {
+        parameters,
+        linearisation: here,
+        iterations,
+        termination,
+    }))
+}
+
+impl ScaledDecomposition {
+    /// Reduction of |r|² that the linear model promises for the step with damping λ.
+    fn predicted_reduction(&self, damping: f64) -> f64 {
+        self.singular_values
+            .iter()
+            .zip(&self.projected)
+            .map(|(s, u)| {
+                let kept = damping / (s * s + damping);
+                u * u * (1.0 - kept * kept)
+            })
+            .sum()
+    }
+}
+
+fn damped_step(svd: &ScaledDecomposition, scales: &[f64], damping: f64) -> Vec<f64> {
+    let weights: Vec<f64> = svd
+        .singular_values
+        .iter()
+        .zip(&svd.projected)
+        .map(|(s, u)| -s / (s * s + damping) * u)
+        .collect();
+    scales
+        .iter()
+        .enumerate()
+        .map(|(j, scale)| {
+            svd.right
+                .iter()
+                .zip(&weights)
+                .map(|(vector, weight)| vector[j] * weight)
+                .sum::<f64>()
+                * scale
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter that nothing depends on.
+    struct Valley;
+
+    impl LeastSquares for Valley {
+        fn residual(&self, t: &[f64]) -> Option<Vec<f64>> {
+            (t[0].abs() < 50.0).then(|| vec![10.0 * (t[1] - t[0] * t[0]), 1.0 - t[0]])
+        }
+
+        fn linearisation(&self, t: &[f64]) -> Option<Linearisation> {
+            Some(Linearisation {
+                residual: self.residual(t)?,
+                jacobian: vec![vec![-20.0 * t[0], -1.0], vec![10.0, 0.0], vec![0.0, 0.0]],
+            })
+        }
+
+        fn step_limits(&self) -> Vec<f64> {
+            vec![1.0, 1.0, 1.0]
+        }
+    }
+
+    #[test]
+    fn finds_the_bottom_of_the_valley_and_leaves_a_dead_parameter_alone() {
+        let minimum = minimise(&Valley, &[-1.2, 1.0, 7.0], 1e-28)
+            .unwrap()
+            .unwrap();
+        assert!(
+            minimum.termination.was_successful(),
+            "{:?}",
+            minimum.termination
+        );
+        // a zero-residual problem ends at rounding: (1e-14)² in the sum of squares
+        assert!((minimum.parameters[0] - 1.0).abs() < 1e-12);
+        assert!((minimum.parameters[1] - 1.0).abs() < 1e-12);
+        assert!((minimum.parameters[2] - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_start_outside_the_model_is_no_minimum() {
+        assert!(minimise(&Valley, &[60.0, 0.0, 0.0], 0.0).unwrap().is_none());
+    }
+
+    /// A line through noisy data: the minimum is that of the normal equations.
+    struct Line;
+
+    impl LeastSquares for Line {
+        fn residual(&self, t: &[f64]) -> Option<Vec<f64>> {
+            let data = [0.1, 0.9, 2.2, 2.8];
+            Some(
+                data.iter()
+                    .zip([0.0, 1.0, 2.0, 3.0])
+                    .map(|(y, x)| y - t[0] - t[1] * x)
+                    .collect(),
+            )
+        }
+
+        fn linearisation(&self, t: &[f64]) -> Option<Linearisation> {
+            Some(Linearisation {
+                residual: self.residual(t)?,
+                jacobian: vec![vec![-1.0; 4], vec![0.0, -1.0, -2.0, -3.0]],
+            })
+        }
+
+        fn step_limits(&self) -> Vec<f64> {
+            vec![100.0, 100.0]
+        }
+    }
+
+    #[test]
+    fn a_linear_problem_is_solved_as_by_the_normal_equations() {
+        let minimum = minimise(&Line, &[50.0, -3.0], 0.0).unwrap().unwrap();
+        // slope Σ(x - 1.5)(y - 1.5)/Σ(x - 1.5)² = 4.7/5, intercept 1.5 - 1.5 slope
+        assert!(
+            (minimum.parameters[1] - 0.94).abs() < 1e-9,
+            "{:?}",
+            minimum.parameters
+        );
+        assert!((minimum.parameters[0] - 0.09).abs() < 1e-9);
+        assert_eq!(minimum.termination, Termination::NoReductionLeft);
+    }
+}

@@ -1,0 +1,71 @@
+//! An identification in words.
+
+use std::fmt;
+
+use crate::fit::Identification;
+use crate::identifiability::{Estimate, Identifiability, Noise, Verdict};
+use crate::law::{IdentifiableLaw, Role, Scale};
+
+/// Displays an identification: law, termination, residual, and each parameter with error and verdict.
+#[derive(Debug, Clone)]
+pub struct Report {
+    law: &'static str,
+    iterations: usize,
+    termination: String,
+    relative_error: f64,
+    identifiability: Option<Identifiability>,
+}
+
+impl<L: IdentifiableLaw> Identification<L> {
+    /// A report for people, with errors against `noise`.
+    #[must_use]
+    pub fn report(&self, noise: Noise) -> Report {
+        Report {
+            law: L::NAME,
+            iterations: self.iterations(),
+            termination: self.termination().to_string(),
+            relative_error: self.relative_error(),
+            identifiability: self.identifiability(noise),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} law, {} after {} iterations; residual {:.3} % of V0",
+            self.law,
+            self.termination,
+            self.iterations,
+            100.0 * self.relative_error
+        )?;
+        let Some(identifiability) = &self.identifiability else {
+            return writeln!(
+                f,
+                "  the Jacobian could not be decomposed: no errors, no verdicts"
+            );
+        };
+        for estimate in &identifiability.estimates {
+            writeln!(f, "  {estimate}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {:.4e} {}", self.symbol, self.value, self.unit)?;
+        match self.scale {
+            _ if !self.standard_error.is_finite() => write!(f, ", error unbounded")?,
+            Scale::Ratio => write!(f, " ± {:.2} %", 100.0 * self.standard_error)?,
+            Scale::Difference => write!(f, " ± {:.3}", self.standard_error)?,
+        }
+        match (self.role, self.verdict) {
+            (Role::Derived, _) => write!(f, " (derived)"),
+            (Role::Coordinate, verdict @ (Verdict::Identified | Verdict::NotIdentifiable)) => {
+                write!(f, " ({verdict})")
+            }
+        }
+    }
+}

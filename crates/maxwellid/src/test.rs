@@ -1,0 +1,239 @@
+//! One rod test: two velocity histories of a struck rod.
+
+use rodwave::RodwaveError;
+use rodwave::band_limited::SampledHistory;
+
+use crate::error::MaxwellidError;
+
+/// Where a record comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Provenance {
+    /// Measured on a rod.
+    Measured,
+    /// Computed; `generator` names the solver, as [`rodwave::lumped::GENERATOR`] does.
+    Virtual {
+        /// Name of the solver.
+        generator: String,
+    },
+}
+
+/// The quantities of a test, as they are handed to [`RodTest::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct RodTestData {
+    /// Name, for messages and reports.
+    pub name: String,
+    /// Distance L from the section of excitation to the free end \[m\].
+    pub length: f64,
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Characteristic velocity V0 [m/s], the impact velocity, to which errors are referred.
+    pub impact_velocity: f64,
+    /// Sampling rate of both histories \[Hz\].
+    pub sampling_rate_hz: f64,
+    /// Velocity v_e at the section of excitation [m/s].
+    pub excitation: Vec<f64>,
+    /// Velocity v_r of the free end [m/s].
+    pub response: Vec<f64>,
+    /// Where the record comes from.
+    pub provenance: Provenance,
+}
+
+/// A validated test, ready for identification.
+///
+/// The comparison of simulated and measured response uses all samples up to the end of the window, which is by default
+/// [`SampledHistory::HALF_WIDTH`] samples before the end of the record: nearer to it the excitation between the samples is
+/// not known to the stated accuracy.
+#[derive(Debug, Clone)]
+pub struct RodTest {
+    pub(crate) name: String,
+    pub(crate) length: f64,
+    pub(crate) density: f64,
+    pub(crate) impact_velocity: f64,
+    pub(crate) sampling_rate_hz: f64,
+    pub(crate) excitation: SampledHistory,
+    pub(crate) excitation_samples: Vec<f64>,
+    pub(crate) response: Vec<f64>,
+    pub(crate) provenance: Provenance,
+    pub(crate) window: usize,
+}
+
+/// Share of V0 that the first sample may have: noise, not motion.
+const REST: f64 = 0.15;
+
+impl RodTest {
+    /// Validates a test.
+    ///
+    /// # Errors
+    /// [`MaxwellidError`] naming the test, the quantity and the value: non-physical geometry, samples that are not finite, unequal
+    /// lengths, fewer than 32 samples, or a record that begins after the wave has arrived.
+    pub fn new(data: RodTestData) -> Result<Self, MaxwellidError> {
+        let RodTestData {
+            name,
+            length,
+            density,
+            impact_velocity,
+            sampling_rate_hz,
+            excitation: excitation_samples,
+            response,
+            provenance,
+        } = data;
+        let in_test = |source| MaxwellidError::InTest {
+            test: name.clone(),
+            source,
+        };
+        for (quantity, value) in [
+            ("length [m]", length),
+            ("density [kg/m^3]", density),
+            ("impact velocity [m/s]", impact_velocity),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(in_test(RodwaveError::NonPhysical {
+                    quantity,
+                    value,
+                    expected: "a finite value above 0",
+                }));
+            }
+        }
+        let excitation =
+            SampledHistory::new(&excitation_samples, sampling_rate_hz).map_err(in_test)?;
+        if let Some((index, &value)) = response.iter().enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(in_test(RodwaveError::NonFiniteSample {
+                history: "response",
+                index,
+                value,
+            }));
+        }
+        if response.len() != excitation_samples.len() {
+            return Err(MaxwellidError::UnequalLengths {
+                test: name,
+                response: response.len(),
+                excitation: excitation_samples.len(),
+            });
+        }
+        let window = response.len().saturating_sub(SampledHistory::HALF_WIDTH);
+        if window < SampledHistory::HALF_WIDTH {
+            return Err(in_test(RodwaveError::TooFewSamples {
+                history: "response",
+                found: response.len(),
+                expected: 2 * SampledHistory::HALF_WIDTH,
+            }));
+        }
+        let allowed = REST * impact_velocity;
+        for (history, samples) in [("excitation", &excitation_samples), ("response", &response)] {
+            match samples.first() {
+                Some(&value) if value.abs() > allowed => {
+                    return Err(MaxwellidError::NotAtRest {
+                        test: name,
+                        history,
+                        value,
+                        allowed,
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(Self {
+            name,
+            length,
+            density,
+            impact_velocity,
+            sampling_rate_hz,
+            excitation,
+            excitation_samples,
+            response,
+            provenance,
+            window,
+        })
+    }
+
+    /// Ends the comparison at `end` \[s\] from the first sample.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::ExcitationTooShort`] if the excitation is not known so far.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "the end is checked against the record before the cast"
+    )]
+    pub fn with_window(mut self, end: f64) -> Result<Self, MaxwellidError> {
+        let known =
+            (self.response.len() - 1 - SampledHistory::HALF_WIDTH) as f64 / self.sampling_rate_hz;
+        if !(end > 0.0 && end <= known * (1.0 + 1e-12)) {
+            return Err(MaxwellidError::ExcitationTooShort {
+                test: self.name,
+                needed: end,
+                found: known,
+            });
+        }
+        self.window = (end * self.sampling_rate_hz).round() as usize + 1;
+        Ok(self)
+    }
+
+    /// Name of the test.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The samples of the response within the window [m/s].
+    #[must_use]
+    pub fn response(&self) -> &[f64] {
+        &self.response[..self.window]
+    }
+
+    /// Times of the samples within the window \[s\], from the first sample of the record.
+    #[must_use]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    pub fn times(&self) -> Vec<f64> {
+        (0..self.window)
+            .map(|k| k as f64 / self.sampling_rate_hz)
+            .collect()
+    }
+
+    /// Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
+    ///
+    /// Good to some per cent, the error being the sharpness of the rise against the time of transit.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the excitation.
+    pub fn modulus_from_time_of_flight(&self) -> Result<f64, MaxwellidError> {
+        let missing = |history| MaxwellidError::NoArrival {
+            test: self.name.clone(),
+            history,
+        };
+        let sent = half_rise(&self.excitation_samples).ok_or_else(|| missing("excitation"))?;
+        let received = half_rise(&self.response).ok_or_else(|| missing("response"))?;
+        let time = (received - sent) / self.sampling_rate_hz;
+        if time <= 0.0 {
+            return Err(missing("response"));
+        }
+        Ok(self.density * (self.length / time).powi(2))
+    }
+}
+
+/// Fractional index at which a history first reaches half of its largest magnitude.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn half_rise(samples: &[f64]) -> Option<f64> {
+    let half = 0.5
+        * samples
+            .iter()
+            .fold(0.0_f64, |largest, v| largest.max(v.abs()));
+    if half <= 0.0 {
+        return None;
+    }
+    samples
+        .windows(2)
+        .position(|pair| pair[0].abs() < half && pair[1].abs() >= half)
+        .map(|index| {
+            let (below, above) = (samples[index].abs(), samples[index + 1].abs());
+            index as f64 + (half - below) / (above - below)
+        })
+}

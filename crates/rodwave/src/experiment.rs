@@ -1,0 +1,122 @@
+//! Virtual experiments: what the instruments of a test would have recorded.
+
+use crate::band_limited::{Recorder, SampledHistory};
+use crate::error::RodwaveError;
+use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
+use crate::inelastic::InelasticLaw;
+
+/// How a test of paper D is recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Acquisition {
+    /// Low-pass filter and sampler of both channels.
+    pub recorder: Recorder,
+    /// Samples before the impact; the filter reaches [`Recorder::reach`] ahead of it.
+    pub samples_before: usize,
+    /// Samples from the impact on.
+    pub samples_after: usize,
+    /// Range of the displacement transducers \[m\]; a section that has moved further is out of sight.
+    pub transducer_range: f64,
+}
+
+/// Two velocity histories of a struck rod, as sampled.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct VelocityRecord {
+    /// Sampling rate \[Hz\].
+    pub sampling_rate_hz: f64,
+    /// Velocity v_e of the section near the struck end [m/s].
+    pub excitation: Vec<f64>,
+    /// Velocity v_r of the free end [m/s].
+    pub response: Vec<f64>,
+    /// The excitation before sampling: band-limited, on a grid eight times finer. A second solver may be driven by it
+    /// without sharing the interpolation between the samples.
+    pub excitation_before_sampling: SampledHistory,
+    /// Time \[s\], from the first sample, until which both displacements are within the range of the transducers.
+    pub in_range_until: f64,
+    /// Balances of momentum and energy of the impact.
+    pub balance: ImpactBalance,
+}
+
+/// Points of the unsampled excitation per sample.
+const FINER: usize = 8;
+
+impl<L: InelasticLaw> ImpactTest<L> {
+    /// Runs the test with cells of the rod no longer than `cell` \[m\] and records it.
+    ///
+    /// The velocities are recorded directly. Time 0 of the record is its first sample, `samples_before` before the impact.
+    ///
+    /// # Errors
+    /// As [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range that is not positive.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    pub fn record(
+        &self,
+        acquisition: &Acquisition,
+        cell: f64,
+    ) -> Result<VelocityRecord, RodwaveError> {
+        let Acquisition {
+            recorder,
+            samples_before,
+            samples_after,
+            transducer_range,
+        } = *acquisition;
+        for (quantity, value) in [
+            ("sampling rate [Hz]", recorder.rate_hz),
+            ("cut-off frequency [Hz]", recorder.cutoff_hz),
+            ("transducer range [m]", transducer_range),
+        ] {
+            crate::error::check_positive(quantity, value)?;
+        }
+        let interval = 1.0 / recorder.rate_hz;
+        let duration = samples_after as f64 * interval + recorder.reach();
+        let history = self.run(cell, duration)?;
+        // velocities of the chain are half a step late
+        let filtered = |velocity: &[f64], time: f64| {
+            recorder.filtered(velocity, history.step, time - 0.5 * history.step)
+        };
+        let count = samples_before + samples_after;
+        let time_of = |k: usize| k as f64 * interval - samples_before as f64 * interval;
+        let sampled = |velocity: &[f64]| -> Vec<f64> {
+            (0..count).map(|k| filtered(velocity, time_of(k))).collect()
+        };
+        let fine: Vec<f64> = (0..=(count - 1) * FINER)
+            .map(|k| {
+                let time = k as f64 * interval / FINER as f64 - samples_before as f64 * interval;
+                filtered(&history.section_velocity, time)
+            })
+            .collect();
+        Ok(VelocityRecord {
+            sampling_rate_hz: recorder.rate_hz,
+            excitation: sampled(&history.section_velocity),
+            response: sampled(&history.free_end_velocity),
+            excitation_before_sampling: SampledHistory::new(
+                &fine,
+                recorder.rate_hz * FINER as f64,
+            )?,
+            in_range_until: samples_before as f64 * interval + in_range(&history, transducer_range),
+            balance: history.balance,
+        })
+    }
+}
+
+/// Time after the impact at which a displacement first exceeds `range`, or the end of the history.
+#[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
+fn in_range(history: &ImpactHistory, range: f64) -> f64 {
+    let (mut section, mut free_end) = (0.0_f64, 0.0_f64);
+    let velocities = history
+        .section_velocity
+        .iter()
+        .zip(&history.free_end_velocity);
+    let mut steps = 0_usize;
+    for (at_section, at_end) in velocities {
+        section += at_section * history.step;
+        free_end += at_end * history.step;
+        if section.abs() > range || free_end.abs() > range {
+            break;
+        }
+        steps += 1;
+    }
+    steps as f64 * history.step
+}

@@ -1,0 +1,47 @@
+//! The modulus of a Hookean material.
+
+use num_complex::Complex64;
+
+use super::{ComplexModulus, LaplaceModulus};
+use crate::RodwaveError;
+use crate::error::check_positive;
+
+/// A Hookean material: E is real and the same at every frequency.
+///
+/// The limit of no losses. γ is then imaginary, α = 0, and a wave never decays: a *finite free* body of such material
+/// has undamped resonances, and its response has no Fourier transform.
+///
+/// ```
+/// use rodwave::modulus::{ComplexModulus, Elastic};
+///
+/// assert_eq!(Elastic::new(69e9)?.at(1e4).re, 69e9);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic {
+    modulus: f64,
+}
+
+impl Elastic {
+    /// A material of Young's modulus `modulus` \[Pa\].
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless it is finite and above 0.
+    pub fn new(modulus: f64) -> Result<Self, RodwaveError> {
+        Ok(Self {
+            modulus: check_positive("Young's modulus [Pa]", modulus)?,
+        })
+    }
+}
+
+impl ComplexModulus for Elastic {
+    fn at(&self, _omega: f64) -> Complex64 {
+        Complex64::new(self.modulus, 0.0)
+    }
+}
+
+impl LaplaceModulus for Elastic {
+    fn at_s(&self, _s: Complex64) -> Complex64 {
+        Complex64::new(self.modulus, 0.0)
+    }
+}

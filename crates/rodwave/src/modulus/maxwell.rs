@@ -1,0 +1,62 @@
+//! The modulus of the Maxwell model.
+
+use num_complex::Complex64;
+
+use super::{ComplexModulus, LaplaceModulus};
+use crate::RodwaveError;
+use crate::error::check_positive;
+
+/// A spring E in series with a dashpot η (Ödeen 1993, survey, eq. 2.5 with F = σ/η).
+///
+/// ```text
+/// E(s) = E sτ/(1 + sτ) ,    τ = η/E ,    E''/E' = 1/(ωτ)
+/// ```
+///
+/// A fluid: E(0) = 0. The loss factor falls as 1/ω, which no solid polymer does over more than a part of a decade.
+///
+/// ```
+/// use rodwave::modulus::{ComplexModulus, Maxwell};
+///
+/// let modulus = Maxwell::new(2.5e9, 2.5e6)?.at(1e4); // τ = 1 ms
+/// assert!((modulus.im / modulus.re - 0.1).abs() < 1e-12);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Maxwell {
+    modulus: f64,
+    relaxation_time: f64,
+}
+
+impl Maxwell {
+    /// A spring of `modulus` E \[Pa\] in series with a dashpot of `viscosity` η [Pa s].
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.
+    pub fn new(modulus: f64, viscosity: f64) -> Result<Self, RodwaveError> {
+        let modulus = check_positive("Young's modulus [Pa]", modulus)?;
+        let viscosity = check_positive("viscosity [Pa s]", viscosity)?;
+        Ok(Self {
+            modulus,
+            relaxation_time: check_positive("relaxation time [s]", viscosity / modulus)?,
+        })
+    }
+
+    /// Relaxation time τ = η/E \[s\].
+    #[must_use]
+    pub fn relaxation_time(&self) -> f64 {
+        self.relaxation_time
+    }
+}
+
+impl ComplexModulus for Maxwell {
+    fn at(&self, omega: f64) -> Complex64 {
+        self.at_s(Complex64::new(0.0, omega))
+    }
+}
+
+impl LaplaceModulus for Maxwell {
+    fn at_s(&self, s: Complex64) -> Complex64 {
+        let s_tau = s * self.relaxation_time;
+        self.modulus * s_tau / (1.0 + s_tau)
+    }
+}

@@ -1,0 +1,260 @@
+//! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium makes of it.
+
+use num_complex::Complex64;
+use rodwave::RodwaveError;
+use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
+use rodwave::modulus::{
+    Elastic, KelvinVoigt, LaplaceModulus, Maxwell, PowerLawPropagation, Zener,
+};
+
+const DENSITY: f64 = 1150.0;
+
+/// From far below to far above every characteristic frequency of the laws below.
+fn frequencies() -> impl Iterator<Item = f64> {
+    (0..=60).map(|j| 10f64.powf(-1.0 + 0.15 * f64::from(j)))
+}
+
+fn laplace_laws() -> [(&'static str, Box<dyn LaplaceModulus>, f64); 4] {
+    [
+        ("elastic", Box::new(Elastic::new(2.7e9).unwrap()), 2.7e9),
+        (
+            "Maxwell",
+            Box::new(Maxwell::new(2.7e9, 2.7e5).unwrap()),
+            0.0,
+        ),
+        (
+            "Kelvin-Voigt",
+            Box::new(KelvinVoigt::new(2.7e9, 2.7e4).unwrap()),
+            2.7e9,
+        ),
+        (
+            "Zener",
+            Box::new(Zener::new(2.5e9, 2.9e9, 1e-4).unwrap()),
+            2.5e9,
+        ),
+    ]
+}
+
+fn nylon() -> PowerLawPropagation {
+    PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap()
+}
+
+fn close(a: Complex64, b: Complex64, relative: f64) -> bool {
+    (a - b).norm() <= relative * b.norm()
+}
+
+#[test]
+fn moduli_are_conjugate_symmetric_passive_and_reach_their_static_limit() {
+    for (name, law, static_modulus) in laplace_laws() {
+        for omega in frequencies() {
+            let modulus = law.at(omega);
+            assert_eq!(law.at(-omega), modulus.conj(), "{name} at {omega}");
+            assert!(modulus.im >= 0.0 && modulus.re > 0.0, "{name} at {omega}");
+        }
+        assert_eq!(law.at(0.0), Complex64::new(static_modulus, 0.0), "{name}");
+        // The slowest of the laws relaxes with τ = 0.1 ms: at 1e-6 rad/s the rest is 1e-10 of 2.7 GPa.
+        assert!(
+            (law.at(1e-6) - static_modulus).norm() < 1e-9 * 2.7e9,
+            "{name}"
+        );
+    }
+}
+
+/// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann equations.
+#[test]
+fn laplace_laws_are_analytic_in_the_right_half_plane() {
+    for (name, law, _) in laplace_laws() {
+        for omega in frequencies() {
+            assert_eq!(
+                law.at_s(Complex64::new(0.0, omega)),
+                law.at(omega),
+                "{name}"
+            );
+            assert_eq!(law.at_s(Complex64::new(omega, 0.0)).im, 0.0, "{name}");
+            let s = Complex64::new(0.6 * omega, 0.8 * omega);
+            assert_eq!(law.at_s(s.conj()), law.at_s(s).conj(), "{name}");
+            let h = 1e-4 * omega;
+            let along = (law.at_s(s + h) - law.at_s(s - h)) / (2.0 * h);
+            let ih = Complex64::new(0.0, h);
+            let across = (law.at_s(s + ih) - law.at_s(s - ih)) / (2.0 * ih);
+            // Central differences at h = 1e-4 |s|: truncation 1e-8 of E/|s|, rounding 1e-12 of it.
+            assert!(
+                (along - across).norm() < 1e-7 * law.at_s(s).norm() / omega,
+                "{name} at {s}"
+            );
+        }
+    }
+}
+
+/// A wave in a passive medium decays, and the damped transform of a decaying wave decays faster.
+#[test]
+fn waves_decay_along_x_in_the_right_half_plane() {
+    fn check<M: LaplaceModulus>(name: &str, law: M) {
+        let medium = Medium::new(DENSITY, law).unwrap();
+        for omega in frequencies() {
+            let axis = medium.propagation_coefficient(omega);
+            let inside = medium.propagation_coefficient_at_s(Complex64::new(0.1 * omega, omega));
+            assert!(inside.re > axis.re && inside.im > 0.0, "{name} at {omega}");
+            let impedance =
+                medium.specific_characteristic_impedance_at_s(Complex64::new(0.0, omega));
+            assert_eq!(
+                impedance,
+                medium.specific_characteristic_impedance(omega),
+                "{name}"
+            );
+        }
+    }
+    check("elastic", Elastic::new(2.7e9).unwrap());
+    check("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
+    check("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
+    check("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
+}
+
+/// Paper E, eqs. 4-6 and what is said below them, for every law a medium can have.
+fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
+    let medium = Medium::new(DENSITY, law).unwrap();
+    assert_eq!(
+        medium.propagation_coefficient(0.0),
+        Complex64::ZERO,
+        "{name}"
+    );
+    for omega in frequencies() {
+        let gamma = medium.propagation_coefficient(omega);
+        let modulus = medium.modulus(omega);
+        assert!(
+            gamma.re >= 0.0 && gamma.im > 0.0,
+            "{name} at {omega}: {gamma}"
+        );
+        assert!(modulus.im >= 0.0, "{name} at {omega}: {modulus}");
+        // Half a dozen roundings each; 1e-14 is 45 units in the last place.
+        let balance = gamma * gamma * modulus;
+        assert!(
+            close(balance, Complex64::from(-DENSITY * omega * omega), 1e-14),
+            "{name}"
+        );
+        let impedance = medium.specific_characteristic_impedance(omega);
+        assert!(
+            close(
+                impedance * gamma,
+                Complex64::new(0.0, omega * DENSITY),
+                1e-14
+            ),
+            "{name}"
+        );
+        // eq. 6 in its printed form
+        let per_area = DENSITY * omega / gamma.norm_sqr();
+        let printed = Complex64::new(per_area * gamma.im, per_area * gamma.re);
+        assert!(close(impedance, printed, 1e-14), "{name} at {omega}");
+
+        assert_eq!(
+            medium.propagation_coefficient(-omega),
+            gamma.conj(),
+            "{name}"
+        );
+        assert_eq!(medium.modulus(-omega), modulus.conj(), "{name}");
+        assert_eq!(medium.damping_coefficient(-omega), gamma.re, "{name}");
+        assert_eq!(medium.wave_number(-omega), -gamma.im, "{name}");
+        assert_eq!(medium.phase_velocity(-omega), omega / gamma.im, "{name}");
+
+        let back = modulus_from_propagation(gamma, omega, DENSITY).unwrap();
+        assert!(close(back, modulus, 1e-14), "{name} at {omega}");
+        let again = propagation_from_modulus(back, omega, DENSITY).unwrap();
+        assert!(close(again, gamma, 1e-14), "{name} at {omega}");
+    }
+}
+
+#[test]
+fn every_medium_obeys_the_relations_of_paper_e() {
+    medium_battery("elastic", Elastic::new(2.7e9).unwrap());
+    medium_battery("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
+    medium_battery("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
+    medium_battery("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
+    medium_battery("power laws of Nylon-6", nylon());
+    medium_battery(
+        "power laws without losses",
+        PowerLawPropagation::new(0.0, 1.0, 6e-4, 1.0).unwrap(),
+    );
+}
+
+/// (A 2), (B 3) in the printed, real form.
+#[test]
+fn the_modulus_has_the_printed_real_and_imaginary_parts() {
+    let (alpha, k, omega) = (0.21_f64, 4.1_f64, 6e3_f64);
+    let modulus = modulus_from_propagation(Complex64::new(alpha, k), omega, DENSITY).unwrap();
+    let common = DENSITY * omega * omega / (k * k + alpha * alpha).powi(2);
+    assert!((modulus.re / (common * (k * k - alpha * alpha)) - 1.0).abs() < 1e-14);
+    assert!((modulus.im / (common * 2.0 * k * alpha) - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn at_zero_frequency_every_quantity_is_its_limit() {
+    let maxwell = Medium::new(DENSITY, Maxwell::new(2.7e9, 2.7e5).unwrap()).unwrap();
+    assert_eq!(maxwell.phase_velocity(0.0), 0.0);
+    assert_eq!(
+        maxwell.specific_characteristic_impedance(0.0),
+        Complex64::ZERO
+    );
+    let zener = Medium::new(DENSITY, Zener::new(2.5e9, 2.9e9, 1e-4).unwrap()).unwrap();
+    // The dispersion at ωτ = 1e-7 is of order (ωτ)² = 1e-14.
+    assert!((zener.phase_velocity(0.0) / zener.phase_velocity(1e-3) - 1.0).abs() < 1e-13);
+    let nylon = Medium::new(DENSITY, nylon()).unwrap();
+    assert_eq!(nylon.modulus(0.0), Complex64::ZERO);
+    let straight = PowerLawPropagation::new(1e-9, 2.0, 6e-4, 1.0).unwrap();
+    let limit = Medium::new(DENSITY, straight).unwrap().modulus(0.0);
+    assert!(close(
+        limit,
+        Complex64::from(DENSITY / 6e-4f64.powi(2)),
+        1e-14
+    ));
+}
+
+/// The constants of the fit as printed, at 1 kHz: α = a ω^p by logarithms.
+#[test]
+fn power_laws_are_those_of_paper_e_equation_7() {
+    let omega = 2000.0 * std::f64::consts::PI;
+    let gamma = nylon().propagation_coefficient(omega, DENSITY);
+    // ln and exp are exact to 1 ulp of arguments below 10: 1e-14.
+    assert!((gamma.re / (8.818e-5_f64.ln() + 0.894 * omega.ln()).exp() - 1.0).abs() < 1e-14);
+    assert!((gamma.im / (8.937e-4_f64.ln() + 0.970 * omega.ln()).exp() - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn impossible_materials_are_refused() {
+    let quantity = |error: RodwaveError| match error {
+        RodwaveError::NonPhysical { quantity, .. } => quantity,
+        other => panic!("unexpected {other}"),
+    };
+    let cases = [
+        (Elastic::new(0.0).unwrap_err(), "Young's modulus [Pa]"),
+        (Elastic::new(f64::NAN).unwrap_err(), "Young's modulus [Pa]"),
+        (Maxwell::new(1e9, -1.0).unwrap_err(), "viscosity [Pa s]"),
+        (
+            KelvinVoigt::new(1e9, f64::INFINITY).unwrap_err(),
+            "viscosity [Pa s]",
+        ),
+        (
+            Zener::new(2e9, 2e9, 1e-3).unwrap_err(),
+            "unrelaxed modulus [Pa]",
+        ),
+        (
+            PowerLawPropagation::new(-1e-5, 0.9, 9e-4, 0.97).unwrap_err(),
+            "factor of the damping coefficient [s^p/m]",
+        ),
+        (
+            PowerLawPropagation::new(1e-5, 0.9, 9e-4, 1.01).unwrap_err(),
+            "exponent of the wave number",
+        ),
+        (Medium::new(-1.0, nylon()).unwrap_err(), "density [kg/m^3]"),
+        (
+            modulus_from_propagation(Complex64::ZERO, 1.0, 1.0).unwrap_err(),
+            "magnitude of the propagation coefficient [1/m]",
+        ),
+        (
+            propagation_from_modulus(Complex64::new(1e9, 0.0), f64::NAN, 1.0).unwrap_err(),
+            "angular frequency [rad/s]",
+        ),
+    ];
+    for (error, expected) in cases {
+        assert_eq!(quantity(error), expected);
+    }
+}
