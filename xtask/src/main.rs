@@ -11,6 +11,7 @@
 mod fixtures;
 mod generated;
 mod reproduce_paper_d;
+mod snapshot;
 mod validate;
 
 use std::path::PathBuf;

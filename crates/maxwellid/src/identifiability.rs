@@ -151,6 +151,14 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     };
     let mut estimates = vec![estimate(&modulus, &covariance, 1.0)];
     estimates.extend(law.stated().iter().map(|p| estimate(p, &covariance, 0.0)));
+    // the last parameter of a law is its rate: where the rate is not seen, neither is the shape of what is not seen,
+    // whatever its linearised error at the point where the iteration stopped
+    let rate_error = covariance[parameters - 1][parameters - 1].sqrt();
+    if parameters > 1 && !(rate_error < IDENTIFIED_BELOW) {
+        for estimate in &mut estimates[1..] {
+            estimate.verdict = Verdict::NotIdentifiable;
+        }
+    }
     Some(Identifiability {
         estimates,
         signal_to_noise: decomposition

@@ -216,24 +216,32 @@ impl RodTest {
     }
 }
 
-/// Fractional index at which a history first reaches half of its largest magnitude.
+/// Fractional index at which a history first reaches half the height of its first peak.
+///
+/// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a quarter of the overall
+/// largest: later reflections, which a free end doubles, may be higher.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
 fn half_rise(samples: &[f64]) -> Option<f64> {
-    let half = 0.5
-        * samples
-            .iter()
-            .fold(0.0_f64, |largest, v| largest.max(v.abs()));
-    if half <= 0.0 {
+    let largest = |samples: &[f64]| samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
+    let quarter = 0.25 * largest(samples);
+    if quarter <= 0.0 {
         return None;
     }
-    samples
+    let start = samples.iter().position(|v| v.abs() >= quarter)?;
+    let half = 0.5 * largest(&samples[start..samples.len().min(start + RISE)]);
+    let from = start.saturating_sub(RISE);
+    samples[from..]
         .windows(2)
         .position(|pair| pair[0].abs() < half && pair[1].abs() >= half)
-        .map(|index| {
+        .map(|k| {
+            let index = from + k;
             let (below, above) = (samples[index].abs(), samples[index + 1].abs());
             index as f64 + (half - below) / (above - below)
         })
 }
+
+/// Samples within which a front has risen: at 51.2 kHz and 16 kHz bandwidth the rise takes two.
+const RISE: usize = 5;

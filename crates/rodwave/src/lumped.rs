@@ -3,7 +3,7 @@
 //! Velocities live on nodes at half time steps, stresses in the cells between them at whole steps (leapfrog). The
 //! source enters as the rate F(σ) itself, evaluated at mid-step, so nothing of [`crate::characteristics`] is shared:
 //! neither the travelling waves nor the exact flows of the laws. At Courant number 1 and F = 0 the two schemes would be
-//! the same recursion in disguise; the chain therefore runs at one half unless told otherwise. It is second order,
+//! the same recursion in disguise; the chain therefore runs well below it. It is second order,
 //! slightly dispersive, and rings at the grid scale behind a jump.
 
 use crate::band_limited::VelocityHistory;
@@ -15,7 +15,7 @@ use crate::rod::InelasticRod;
 pub const GENERATOR: &str = "rodwave::lumped";
 
 /// Courant number c dt/dx of the chain unless another is chosen.
-pub const DEFAULT_COURANT_NUMBER: f64 = 0.5;
+pub const DEFAULT_COURANT_NUMBER: f64 = 0.8;
 
 /// A rod as a chain; node 0 is the loaded face, the last node is free.
 ///

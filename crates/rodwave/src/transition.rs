@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and a uniform part, or a mass between two faces, is a matrix P with (N, v) on its right from (N, v) on its left. Of a
-//! row of elements it is the product, the last element first: P = P_B P_A (paper E, eq. A9). Every P has determinant 1,
+//! row of elements it is the product, the last element first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1,
 //! which is reciprocity.
 //!
 //! # Limits of the plain product

@@ -1,11 +1,17 @@
 //! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium makes of it.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+#![allow(
+    clippy::float_cmp,
+    reason = "symmetries and limits hold to the last bit"
+)]
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
-use rodwave::modulus::{
-    Elastic, KelvinVoigt, LaplaceModulus, Maxwell, PowerLawPropagation, Zener,
-};
+use rodwave::modulus::{Elastic, KelvinVoigt, LaplaceModulus, Maxwell, PowerLawPropagation, Zener};
 
 const DENSITY: f64 = 1150.0;
 

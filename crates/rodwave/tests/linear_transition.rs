@@ -1,5 +1,9 @@
 //! Transition matrices against integration of the equations of motion, the compound cylinder of paper E, and the
 //! limits of the plain product.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
 
 use std::f64::consts::PI;
 

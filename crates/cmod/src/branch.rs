@@ -1,0 +1,222 @@
+//! The one of infinitely many roots of cosh(γL) = Ψ that a travelling wave has.
+//!
+//! For a specimen with a free end the equation is solved in closed form (Ödeen 1993, paper A, eqs. 3-4, after Lundberg
+//! and Blanc), up to two integers s and n:
+//!
+//! ```text
+//! αL = arsinh (C - A)^½ ,    kL = s β + nπ ,    β = arcsin (C + A)^½ ,
+//! A = (1 - r²)/2 ,    B = r sin φ ,    C = (A² + B²)^½ ,    Ψ = r e^{iφ}
+//! ```
+//!
+//! They are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant of kL is that of φ,
+//!
+//! | kL | 0 ... π/2 | π/2 ... π | π ... 3π/2 | 3π/2 ... 2π | and so on |
+//! |---|---|---|---|---|---|
+//! | cos φ, sin φ | + + | - + | - - | + - | |
+//! | s | +1 | -1 | +1 | -1 | |
+//! | n | 0 | 1 | 1 | 2 | |
+//!
+//! which is Table 1 of paper A, whose layout is lost in print, derived anew.
+//!
+//! The quadrant fixes kL up to multiples of 2π; these are counted along the sequence of lines by [`resolve`].
+
+mod sequence;
+
+pub use sequence::{BranchDoubt, ResolvedRoot, resolve};
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use num_complex::Complex64;
+
+/// Closed-form solution of cosh(γL) = Ψ, but for the integers s and n (paper A, eqs. 3-4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeEndRoot {
+    damping_length: f64,
+    angle: f64,
+    principal_phase: f64,
+}
+
+impl FreeEndRoot {
+    /// Solves for the acceleration ratio Ψ = â₁/â₂.
+    ///
+    /// C - A and C + A are sinh² αL and sin² kL. The smaller is taken from their product B², so that neither loses
+    /// digits, and β from sine and cosine, so that it keeps its digits near π/2.
+    #[must_use]
+    pub fn of(acceleration_ratio: Complex64) -> Self {
+        let Complex64 { re, im } = acceleration_ratio;
+        let a = 0.5 * ((1.0 - re) * (1.0 + re) - im * im);
+        let c = a.hypot(im);
+        let larger = c + a.abs();
+        let smaller = if larger > 0.0 { im * im / larger } else { 0.0 };
+        let (sinh_squared, sine_squared) = if a >= 0.0 {
+            (smaller, larger)
+        } else {
+            (larger, smaller)
+        };
+        let sine = sine_squared.sqrt();
+        let cosine = re / (1.0 + sinh_squared).sqrt();
+        Self {
+            damping_length: sinh_squared.sqrt().asinh(),
+            angle: sine.atan2(cosine.abs()),
+            principal_phase: sine.copysign(im).atan2(cosine),
+        }
+    }
+
+    /// αL, 0 or above.
+    #[must_use]
+    pub fn damping_length(&self) -> f64 {
+        self.damping_length
+    }
+
+    /// β, from 0 to π/2.
+    #[must_use]
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// γL on a `branch`.
+    #[must_use]
+    pub fn on(&self, branch: Branch) -> Complex64 {
+        let phase = f64::from(branch.sign) * self.angle + f64::from(branch.half_waves) * PI;
+        Complex64::new(self.damping_length, phase)
+    }
+
+    /// How well Ψ determines γL, from 0 at kL = nπ without losses to about 1: |dΨ/d(γL)|²/(1 + |Ψ|²).
+    fn information(&self) -> f64 {
+        let root = Complex64::new(self.damping_length, self.principal_phase);
+        root.sinh().norm_sqr() / (1.0 + root.cosh().norm_sqr())
+    }
+
+    /// Of all roots ±γL + 2πi m, the one nearest to `prediction`.
+    fn nearest_to(&self, prediction: Complex64) -> Complex64 {
+        let candidate = |sign: f64| {
+            let phase = sign * self.principal_phase;
+            let turns = ((prediction.im - phase) / TAU).round();
+            Complex64::new(sign * self.damping_length, phase + turns * TAU)
+        };
+        let (decaying, growing) = (candidate(1.0), candidate(-1.0));
+        if (decaying - prediction).norm() <= (growing - prediction).norm() {
+            decaying
+        } else {
+            growing
+        }
+    }
+}
+
+/// The integers s and n of kL = sβ + nπ (paper A, eq. 3 and Table 1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Branch {
+    sign: i8,
+    half_waves: u32,
+}
+
+impl Branch {
+    /// The branch of quadrant `quadrant` = 0, 1, 2, ... of kL, each π/2 wide (paper A, Table 1).
+    ///
+    /// ```
+    /// use cmod::branch::Branch;
+    ///
+    /// let branches: Vec<_> = (0..4).map(Branch::in_quadrant).map(|b| (b.sign(), b.half_waves())).collect();
+    /// assert_eq!(branches, [(1, 0), (-1, 1), (1, 1), (-1, 2)]);
+    /// ```
+    #[must_use]
+    pub fn in_quadrant(quadrant: u32) -> Self {
+        Self {
+            sign: if quadrant.is_multiple_of(2) { 1 } else { -1 },
+            half_waves: quadrant / 2 + quadrant % 2,
+        }
+    }
+
+    /// The branch on which `phase` kL >= 0 lies.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the cast saturates, and no specimen is 2^32 quarter waves long"
+    )]
+    fn at(phase: f64) -> Self {
+        Self::in_quadrant((phase / FRAC_PI_2) as u32)
+    }
+
+    /// s, +1 or -1.
+    #[must_use]
+    pub fn sign(&self) -> i8 {
+        self.sign
+    }
+
+    /// n, the number of half waves in the specimen, rounded to the nearest.
+    #[must_use]
+    pub fn half_waves(&self) -> u32 {
+        self.half_waves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every root, whatever its quadrant, against the logarithmic formula of the inverse hyperbolic cosine.
+    #[test]
+    fn closed_form_is_the_inverse_hyperbolic_cosine() {
+        for i in 0..40 {
+            for j in 0..40 {
+                let gamma_length =
+                    Complex64::new(0.05 + 0.1 * f64::from(i), -3.1 + 0.157 * f64::from(j));
+                let ratio = gamma_length.cosh();
+                let root = FreeEndRoot::of(ratio);
+                let other = ratio.acosh();
+                // 1e-12: acosh forms differences of order 1 near Ψ = ±1, where |sinh γL| >= 0.05.
+                assert!((root.damping_length - other.re.abs()).abs() < 1e-12);
+                assert!((root.principal_phase - gamma_length.im).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// Equations 3 and 4 as printed.
+    #[test]
+    fn closed_form_is_that_of_paper_a() {
+        for (r, phi) in [
+            (0.3_f64, 0.4_f64),
+            (1.7, 2.0),
+            (0.9, 4.0),
+            (2.5, 6.0),
+            (1.0, 1.0),
+        ] {
+            let a = 0.5 * (1.0 - r * r);
+            let b = r * phi.sin();
+            let c = a.hypot(b);
+            let root = FreeEndRoot::of(Complex64::from_polar(r, phi));
+            // The printed differences lose two digits here.
+            assert!((root.damping_length - (c - a).sqrt().asinh()).abs() < 1e-13);
+            assert!((root.angle - (c + a).sqrt().asin()).abs() < 1e-13);
+        }
+    }
+
+    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; ours has all.
+    #[test]
+    fn closed_form_keeps_its_digits_at_the_quadrant_borders() {
+        for phase in [1e-9, FRAC_PI_2 - 1e-9, FRAC_PI_2 + 1e-9] {
+            let gamma_length = Complex64::new(1e-9, phase);
+            let root = FreeEndRoot::of(gamma_length.cosh());
+            if phase < 1.0 {
+                // cosh rounds 1 + 1e-18 to 1: nothing can be told but that γL is small
+                assert!(root.angle < 2e-8 && root.damping_length < 2e-8);
+            } else {
+                assert!((root.principal_phase - phase).abs() < 1e-15);
+                assert!((root.damping_length - 1e-9).abs() < 1e-15);
+            }
+        }
+        assert!(FreeEndRoot::of(Complex64::ONE).angle < f64::MIN_POSITIVE);
+        assert!((FreeEndRoot::of(Complex64::ZERO).angle - FRAC_PI_2).abs() < 1e-16);
+    }
+
+    #[test]
+    fn table_1_gives_back_the_phase_in_every_quadrant() {
+        for j in 0..200 {
+            let gamma_length = Complex64::new(0.2, 0.05 + 0.1 * f64::from(j));
+            let root = FreeEndRoot::of(gamma_length.cosh());
+            let branch = Branch::at(gamma_length.im);
+            // A few roundings of kL <= 20.
+            assert!((root.on(branch) - gamma_length).norm() < 1e-14 * (1.0 + gamma_length.norm()));
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! What can be wrong with a request to this crate.
+
+use thiserror::Error;
+
+/// Why a specimen or a set of measured lines was refused as a whole.
+///
+/// A single bad line is not an error: it is listed in [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or
+/// carries its violations in [`ModulusLine::validity`](crate::ModulusLine).
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CmodError {
+    /// A physical quantity has a value that nature does not allow, or is not a number.
+    #[error("{quantity} is {value}, expected {expected}")]
+    NonPhysical {
+        /// Name and unit of the quantity, as `length [m]`.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates, as `a finite value above 0`.
+        expected: &'static str,
+    },
+    /// Arrays that belong together differ in length.
+    #[error("{array} has {found} lines, expected {expected} as the frequencies have")]
+    LengthMismatch {
+        /// Which array is wrong.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// The number of frequencies.
+        expected: usize,
+    },
+    /// There is nothing to evaluate.
+    #[error("no line to evaluate")]
+    NoLines,
+    /// A frequency is NaN, infinite or negative.
+    #[error("frequency of line {index} is {frequency_hz} Hz, expected a finite value, 0 or above")]
+    Frequency {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found \[Hz\].
+        frequency_hz: f64,
+    },
+    /// The frequencies do not increase; the branch of the wave number is followed from line to line.
+    #[error(
+        "frequency of line {index} is {frequency_hz} Hz, expected more than {previous_hz} Hz of the line before"
+    )]
+    FrequencyOrder {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found \[Hz\].
+        frequency_hz: f64,
+        /// The value of the line before \[Hz\].
+        previous_hz: f64,
+    },
+    /// A ratio is NaN or infinite, where a sequence of lines without gaps is needed.
+    #[error("acceleration ratio of line {index} is {ratio}, expected a finite value")]
+    NonFiniteRatio {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found.
+        ratio: num_complex::Complex64,
+    },
+    /// A variance is negative.
+    #[error("variance of line {index} is {variance}, expected 0 or above")]
+    NegativeVariance {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found.
+        variance: f64,
+    },
+}
+
+/// Accepts a finite value above zero.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(CmodError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts a finite value of zero or above.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(CmodError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value, 0 or above",
+        })
+    }
+}
+
+/// Accepts at least one line, and frequencies that are finite, not negative and increasing.
+pub(crate) fn check_frequencies(frequency_hz: &[f64]) -> Result<(), CmodError> {
+    if frequency_hz.is_empty() {
+        return Err(CmodError::NoLines);
+    }
+    let mut previous = None;
+    for (index, &frequency_hz) in frequency_hz.iter().enumerate() {
+        if !(frequency_hz.is_finite() && frequency_hz >= 0.0) {
+            return Err(CmodError::Frequency {
+                index,
+                frequency_hz,
+            });
+        }
+        if let Some(previous_hz) = previous
+            && frequency_hz <= previous_hz
+        {
+            return Err(CmodError::FrequencyOrder {
+                index,
+                frequency_hz,
+                previous_hz,
+            });
+        }
+        previous = Some(frequency_hz);
+    }
+    Ok(())
+}
+
+/// Accepts an array of one value a line.
+pub(crate) fn check_length(
+    array: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), CmodError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(CmodError::LengthMismatch {
+            array,
+            found,
+            expected,
+        })
+    }
+}

@@ -1,0 +1,440 @@
+//! The two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
+//!
+//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each (Ödeen 1993, paper
+//! A). Beyond the accelerometer of the end that is not struck there is no force, hence (eq. 1)
+//!
+//! ```text
+//! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
+//! ```
+//!
+//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end of which the boundary condition is known
+//! is in the denominator. A heavy accelerometer at the impacted end changes the impact, not the ratio.
+
+mod end_mass;
+
+pub use end_mass::{
+    CONTINUATION_STEPS, EndMassEquation, EndMassRoot, MOST_NEWTON_STEPS, MassSeries,
+    NEWTON_STEPS_EACH,
+};
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+use rodwave::medium::modulus_from_propagation;
+
+use crate::branch::{ResolvedRoot, resolve};
+use crate::error::{
+    CmodError, check_frequencies, check_length, check_not_negative, check_positive,
+};
+use crate::estimate::{
+    ModulusEstimate, ModulusLine, Refusal, RefusedLine, StandardError, Termination,
+};
+use crate::validity::{Validity, Violation, conditions};
+
+/// A straight cylindrical rod with an accelerometer at each end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Specimen {
+    /// Length L \[m\].
+    pub length: f64,
+    /// Diameter D \[m\].
+    pub diameter: f64,
+    /// Density ρ [kg/m³].
+    pub density: f64,
+    /// Mass m of the accelerometer at the free end, with its connector \[kg\]; 0 for a contactless transducer.
+    pub accelerometer_mass: f64,
+}
+
+impl Specimen {
+    /// Cross-sectional area A = πD²/4 \[m²\].
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        0.25 * PI * self.diameter * self.diameter
+    }
+
+    /// Mass ratio μ = m/(ρAL).
+    #[must_use]
+    pub fn mass_ratio(&self) -> f64 {
+        self.accelerometer_mass / (self.density * self.area() * self.length)
+    }
+}
+
+/// How equation 1 is solved on a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Solver {
+    /// Continuation in the mass ratio. Follows the branch at low losses, too.
+    #[default]
+    Continuation,
+    /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). Kept for comparison: at low
+    /// losses it converges on some lines to a wrong root, which conditions (i)-(iii) do not always reveal.
+    Newton,
+    /// The series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one third.
+    Series,
+}
+
+/// The two-point method for one specimen (paper A).
+///
+/// ```
+/// use cmod::{Specimen, TwoPoint};
+/// use num_complex::Complex64;
+///
+/// // Test 6 of paper A: polypropylene, 16 mm by 800 mm
+/// let specimen = Specimen { length: 0.799, diameter: 0.0158, density: 912.0, accelerometer_mass: 2.9e-3 };
+/// let frequency_hz = [500.0, 510.0, 520.0];
+/// let acceleration_ratio = [
+///     Complex64::new(0.0116, 0.1001),
+///     Complex64::new(-0.0202, 0.1019),
+///     Complex64::new(-0.0519, 0.1035),
+/// ];
+/// let estimate = TwoPoint::new(specimen)?.estimate(&frequency_hz, &acceleration_ratio, &[1e-6; 3])?;
+/// for line in estimate.valid() {
+///     println!("{} Hz: {:.3e} ± {:.0e} Pa", line.frequency_hz, line.modulus, line.standard_error);
+/// }
+/// assert_eq!(estimate.valid().count(), 3);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoPoint {
+    specimen: Specimen,
+    solver: Solver,
+}
+
+impl TwoPoint {
+    /// The method for `specimen`, with [`Solver::Continuation`].
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless length, diameter and density are finite and above 0, and the mass of the
+    /// accelerometer is finite and not negative.
+    pub fn new(specimen: Specimen) -> Result<Self, CmodError> {
+        check_positive("length [m]", specimen.length)?;
+        check_positive("diameter [m]", specimen.diameter)?;
+        check_positive("density [kg/m^3]", specimen.density)?;
+        check_not_negative("accelerometer mass [kg]", specimen.accelerometer_mass)?;
+        check_not_negative("mass ratio", specimen.mass_ratio())?;
+        Ok(Self {
+            specimen,
+            solver: Solver::default(),
+        })
+    }
+
+    /// The same with another solver.
+    #[must_use]
+    pub fn with_solver(mut self, solver: Solver) -> Self {
+        self.solver = solver;
+        self
+    }
+
+    /// The complex modulus from `acceleration_ratio` Ψ = â₁/â₂, impacted end over free end, at the increasing
+    /// frequencies `frequency_hz` \[Hz\].
+    ///
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase. From n averages
+    /// with the ordinary coherence γ² it is |Ψ|² (1 - γ²)/(n γ²); 0 stands for data without noise. The errors of the
+    /// result follow to first order, dE/E = -2 dΨ/(γL f'(γL)). They are large near kL = nπ, where f' is small, and for
+    /// kL → 0.
+    ///
+    /// All three arrays have one entry a line. The lines must start below the first half wavelength of the specimen and be
+    /// dense enough to count the next ones, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
+    /// [refused](ModulusEstimate::refused) one by one.
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
+    /// [`CmodError::NegativeVariance`].
+    pub fn estimate(
+        &self,
+        frequency_hz: &[f64],
+        acceleration_ratio: &[Complex64],
+        variance: &[f64],
+    ) -> Result<ModulusEstimate, CmodError> {
+        check_frequencies(frequency_hz)?;
+        let count = frequency_hz.len();
+        check_length("acceleration ratio", acceleration_ratio.len(), count)?;
+        check_length("variance", variance.len(), count)?;
+        if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
+            return Err(CmodError::NegativeVariance { index, variance });
+        }
+
+        let mut refused = Vec::new();
+        let mut measured = Vec::with_capacity(count);
+        for (index, ((&frequency_hz, &ratio), &variance)) in frequency_hz
+            .iter()
+            .zip(acceleration_ratio)
+            .zip(variance)
+            .enumerate()
+        {
+            let reason = if frequency_hz == 0.0 {
+                Refusal::ZeroFrequency
+            } else if !(ratio.is_finite() && variance.is_finite()) {
+                Refusal::NotFinite
+            } else {
+                measured.push(MeasuredLine {
+                    index,
+                    frequency_hz,
+                    ratio,
+                    variance,
+                });
+                continue;
+            };
+            refused.push(RefusedLine {
+                index,
+                frequency_hz,
+                reason,
+            });
+        }
+
+        let mut lines = Vec::with_capacity(measured.len());
+        for (line, free_end) in measured.iter().zip(resolve_branches(&measured)?) {
+            match self.line(line, free_end) {
+                Some(line) => lines.push(line),
+                None => refused.push(RefusedLine {
+                    index: line.index,
+                    frequency_hz: line.frequency_hz,
+                    reason: Refusal::NoRoot,
+                }),
+            }
+        }
+        refused.sort_by_key(|line| line.index);
+        Ok(ModulusEstimate::new(lines, refused))
+    }
+
+    /// Solves one line; `None` if nothing finite comes of it.
+    fn line(&self, measured: &MeasuredLine, free_end: ResolvedRoot) -> Option<ModulusLine> {
+        let Specimen {
+            length,
+            diameter,
+            density,
+            ..
+        } = self.specimen;
+        let equation = EndMassEquation {
+            mass_ratio: self.specimen.mass_ratio(),
+            acceleration_ratio: measured.ratio,
+        };
+        let omega = TAU * measured.frequency_hz;
+        let modulus_of = |gamma_length: Complex64| {
+            modulus_from_propagation(gamma_length / length, omega, density).ok()
+        };
+
+        let mut violations = Vec::new();
+        let root = match self.solver {
+            Solver::Continuation => equation.continuation(free_end.gamma_length),
+            Solver::Newton => equation.newton(free_end.gamma_length),
+            Solver::Series => {
+                let series = MassSeries::about(free_end.gamma_length);
+                let gamma_length = series.four_terms(equation.mass_ratio);
+                let four = modulus_of(gamma_length)?;
+                let two = modulus_of(series.two_terms(equation.mass_ratio))?;
+                violations.extend(series_truncated(two, four));
+                EndMassRoot {
+                    gamma_length,
+                    termination: Termination::ClosedForm,
+                }
+            }
+        };
+        let gamma_length = root.gamma_length;
+        let modulus = modulus_of(gamma_length)?;
+        let propagation_coefficient = gamma_length / length;
+
+        violations.extend(conditions(propagation_coefficient, diameter, length));
+        violations.extend(
+            free_end
+                .doubt
+                .filter(|doubt| doubt.is_ambiguous())
+                .map(Violation::BranchAmbiguous),
+        );
+        if let Termination::LostPatience {
+            iterations,
+            residual,
+        } = root.termination
+        {
+            violations.push(Violation::NotConverged {
+                iterations,
+                residual,
+            });
+        }
+
+        // dE/E = -2 d(γL)/(γL), d(γL) = dΨ/f'
+        let relative_sensitivity = -2.0 / (gamma_length * equation.derivative(gamma_length));
+        let line = ModulusLine {
+            index: measured.index,
+            frequency_hz: measured.frequency_hz,
+            propagation_coefficient,
+            modulus,
+            loss_factor: modulus.im / modulus.re,
+            phase_velocity: omega / propagation_coefficient.im,
+            standard_error: StandardError::propagated(
+                modulus,
+                modulus * relative_sensitivity,
+                measured.variance,
+            ),
+            error_amplification: measured.ratio.norm() * relative_sensitivity.norm(),
+            free_end,
+            termination: root.termination,
+            validity: Validity::from_violations(violations),
+        };
+        let numbers = [
+            modulus.norm(),
+            line.loss_factor,
+            line.phase_velocity,
+            line.standard_error.storage_modulus,
+            line.standard_error.loss_factor,
+            line.error_amplification,
+        ];
+        numbers
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(line)
+    }
+}
+
+/// What was measured on a line that can be evaluated.
+struct MeasuredLine {
+    index: usize,
+    frequency_hz: f64,
+    ratio: Complex64,
+    variance: f64,
+}
+
+/// The roots without end mass of all lines that can be evaluated, of which there may be none.
+fn resolve_branches(measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
+    if measured.is_empty() {
+        return Ok(Vec::new());
+    }
+    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+    resolve(&frequency_hz, &ratio)
+}
+
+/// The criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.
+fn series_truncated(two: Complex64, four: Complex64) -> Option<Violation> {
+    let storage_change = (two.re - four.re).abs() / four.re.abs();
+    let loss_change = (two.im - four.im).abs() / four.im.abs();
+    let accepted = storage_change <= 1.0 / 3.0 && loss_change <= 1.0 / 3.0;
+    (!accepted).then_some(Violation::SeriesTruncated {
+        storage_change,
+        loss_change,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPECIMEN: Specimen = Specimen {
+        length: 0.8,
+        diameter: 0.0107,
+        density: 1118.0,
+        accelerometer_mass: 2.9e-3,
+    };
+
+    #[test]
+    fn mass_ratio_is_that_of_paper_a() {
+        // Test 10: 2.9 g on 0.25π (10.7 mm)² 800 mm 1118 kg/m³ = 80.42 g
+        assert!((SPECIMEN.mass_ratio() - 2.9 / 80.42).abs() < 1e-5);
+    }
+
+    #[test]
+    fn impossible_specimens_are_refused() {
+        let cases = [
+            (
+                Specimen {
+                    length: 0.0,
+                    ..SPECIMEN
+                },
+                "length [m] is 0, expected a finite value above 0",
+            ),
+            (
+                Specimen {
+                    diameter: f64::NAN,
+                    ..SPECIMEN
+                },
+                "diameter [m] is NaN, expected a finite value above 0",
+            ),
+            (
+                Specimen {
+                    density: -1.0,
+                    ..SPECIMEN
+                },
+                "density [kg/m^3] is -1, expected a finite value above 0",
+            ),
+            (
+                Specimen {
+                    accelerometer_mass: -2.9e-3,
+                    ..SPECIMEN
+                },
+                "accelerometer mass [kg] is -0.0029, expected a finite value, 0 or above",
+            ),
+        ];
+        for (specimen, text) in cases {
+            assert_eq!(TwoPoint::new(specimen).unwrap_err().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn arrays_that_do_not_fit_are_refused() {
+        let method = TwoPoint::new(SPECIMEN).unwrap();
+        let ratio = [Complex64::new(0.9, 0.01); 2];
+        let text = |f: &[f64], r: &[Complex64], v: &[f64]| {
+            method.estimate(f, r, v).unwrap_err().to_string()
+        };
+        assert_eq!(text(&[], &[], &[]), "no line to evaluate");
+        assert_eq!(
+            text(&[1.0, 2.0, 3.0], &ratio, &[0.0; 3]),
+            "acceleration ratio has 2 lines, expected 3 as the frequencies have"
+        );
+        assert_eq!(
+            text(&[1.0, 2.0], &ratio, &[0.0]),
+            "variance has 1 lines, expected 2 as the frequencies have"
+        );
+        assert_eq!(
+            text(&[1.0, 1.0], &ratio, &[0.0; 2]),
+            "frequency of line 1 is 1 Hz, expected more than 1 Hz of the line before"
+        );
+        assert_eq!(
+            text(&[-1.0, 1.0], &ratio, &[0.0; 2]),
+            "frequency of line 0 is -1 Hz, expected a finite value, 0 or above"
+        );
+        assert_eq!(
+            text(&[1.0, 2.0], &ratio, &[0.0, -1e-3]),
+            "variance of line 1 is -0.001, expected 0 or above"
+        );
+    }
+
+    #[test]
+    fn a_line_without_information_is_refused_alone() {
+        let method = TwoPoint::new(SPECIMEN).unwrap();
+        let gamma_length = |f: f64| Complex64::new(0.02, 1.0) * (f / 400.0);
+        let frequency_hz = [0.0, 300.0, 400.0, 500.0, 600.0];
+        let mut ratio = frequency_hz.map(|f| {
+            EndMassEquation {
+                mass_ratio: SPECIMEN.mass_ratio(),
+                acceleration_ratio: Complex64::ZERO,
+            }
+            .value(gamma_length(f))
+        });
+        ratio[2] = Complex64::new(f64::NAN, 0.0);
+        let variance = [0.0, 0.0, 0.0, f64::INFINITY, 0.0];
+        let estimate = method.estimate(&frequency_hz, &ratio, &variance).unwrap();
+        let refused: Vec<_> = estimate
+            .refused()
+            .iter()
+            .map(|l| (l.index, l.reason))
+            .collect();
+        assert_eq!(
+            refused,
+            [
+                (0, Refusal::ZeroFrequency),
+                (2, Refusal::NotFinite),
+                (3, Refusal::NotFinite)
+            ]
+        );
+        let kept: Vec<_> = estimate.lines().iter().map(|line| line.index).collect();
+        assert_eq!(kept, [1, 4]);
+        // no line at all is a result, too
+        let nothing = method.estimate(&[0.0], &[Complex64::ONE], &[0.0]).unwrap();
+        assert!(nothing.lines().is_empty() && nothing.refused().len() == 1);
+        // rigid: Ψ = 1 at a frequency above 0 leaves γ = 0
+        let rigid = method
+            .estimate(&[100.0], &[Complex64::ONE], &[0.0])
+            .unwrap();
+        assert_eq!(rigid.refused()[0].reason, Refusal::NoRoot);
+    }
+}

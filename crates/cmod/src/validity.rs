@@ -1,0 +1,210 @@
+//! When a line may be believed: the conditions (i)-(iii) of paper A, section 4, and what the solution itself reports.
+
+use std::fmt;
+
+use num_complex::Complex64;
+
+use crate::branch::BranchDoubt;
+
+/// Condition (i): the wavelength exceeds this many diameters. One-dimensional theory then errs by less than 5 per cent
+/// in the storage modulus and in the loss factor, through lateral inertia (paper A, after Pritz).
+pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
+
+/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move both ends almost
+/// alike, and the small difference carries all the information (paper A, section 4).
+pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
+
+/// Whether a line fulfils all conditions, and if not, which it violates.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Validity {
+    /// All conditions hold.
+    Valid,
+    /// At least one condition is violated; the numbers of the line stand, but they mean little.
+    Invalid(Vec<Violation>),
+}
+
+impl Validity {
+    /// The verdict from a list of violations.
+    #[must_use]
+    pub fn from_violations(violations: Vec<Violation>) -> Self {
+        if violations.is_empty() {
+            Self::Valid
+        } else {
+            Self::Invalid(violations)
+        }
+    }
+
+    /// Whether all conditions hold.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        matches!(self, Self::Valid)
+    }
+
+    /// The violations, none if valid.
+    #[must_use]
+    pub fn violations(&self) -> &[Violation] {
+        match self {
+            Self::Valid => &[],
+            Self::Invalid(violations) => violations,
+        }
+    }
+}
+
+impl fmt::Display for Validity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::Invalid(violations) = self else {
+            return formatter.write_str("valid");
+        };
+        for (index, violation) in violations.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "; " };
+            write!(formatter, "{separator}{violation}")?;
+        }
+        Ok(())
+    }
+}
+
+/// A condition that a line violates. As an error text it is the reason for which the line is not used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Violation {
+    /// Condition (i), λ > 5D: the rod is not slender to this wave.
+    #[error("wavelength {wavelength:.3e} m, expected more than 5 diameters, {limit:.3e} m")]
+    WavelengthTooShort {
+        /// λ = 2π/k \[m\].
+        wavelength: f64,
+        /// 5D \[m\].
+        limit: f64,
+    },
+    /// Condition (ii), λ < 5L: the specimen is too short for this wave.
+    #[error("wavelength {wavelength:.3e} m, expected less than 5 specimen lengths, {limit:.3e} m")]
+    WavelengthTooLong {
+        /// λ = 2π/k \[m\].
+        wavelength: f64,
+        /// 5L \[m\].
+        limit: f64,
+    },
+    /// Condition (iii), α > 0: a wave that grows is no wave in a passive material.
+    #[error("damping coefficient {damping_coefficient:.3e} 1/m, expected more than 0")]
+    DampingNotPositive {
+        /// α [1/m].
+        damping_coefficient: f64,
+    },
+    /// Condition (iii), k > 0.
+    #[error("wave number {wave_number:.3e} rad/m, expected more than 0")]
+    WaveNumberNotPositive {
+        /// k [rad/m].
+        wave_number: f64,
+    },
+    /// The number of half waves in the specimen is doubtful.
+    #[error("branch: {0}")]
+    BranchAmbiguous(BranchDoubt),
+    /// The iteration did not settle.
+    #[error("no convergence in {iterations} iterations, residual {residual:.1e}")]
+    NotConverged {
+        /// Newton steps taken.
+        iterations: u32,
+        /// |f(γL)| where it stopped.
+        residual: f64,
+    },
+    /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four differ by more than one
+    /// third (paper A, section 5).
+    #[error(
+        "series: E' changes by {storage_change:.2} and E'' by {loss_change:.2} from two terms to four, expected at most 1/3"
+    )]
+    SeriesTruncated {
+        /// |E'₂ - E'₄|/|E'₄|.
+        storage_change: f64,
+        /// |E''₂ - E''₄|/|E''₄|.
+        loss_change: f64,
+    },
+}
+
+/// The conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a specimen of `diameter` and
+/// `length` \[m\].
+///
+/// Without a positive wave number there is no wavelength, and (i) and (ii) are not asked.
+#[must_use]
+pub fn conditions(
+    propagation_coefficient: Complex64,
+    diameter: f64,
+    length: f64,
+) -> Vec<Violation> {
+    let Complex64 {
+        re: damping_coefficient,
+        im: wave_number,
+    } = propagation_coefficient;
+    let mut violations = Vec::new();
+    if wave_number > 0.0 {
+        let wavelength = std::f64::consts::TAU / wave_number;
+        let shortest = LEAST_WAVELENGTH_IN_DIAMETERS * diameter;
+        if wavelength <= shortest {
+            violations.push(Violation::WavelengthTooShort {
+                wavelength,
+                limit: shortest,
+            });
+        }
+        let longest = GREATEST_WAVELENGTH_IN_LENGTHS * length;
+        if wavelength >= longest {
+            violations.push(Violation::WavelengthTooLong {
+                wavelength,
+                limit: longest,
+            });
+        }
+    } else {
+        violations.push(Violation::WaveNumberNotPositive { wave_number });
+    }
+    if damping_coefficient.is_nan() || damping_coefficient <= 0.0 {
+        violations.push(Violation::DampingNotPositive {
+            damping_coefficient,
+        });
+    }
+    violations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(alpha: f64, wavelength: f64) -> Vec<Violation> {
+        let k = std::f64::consts::TAU / wavelength;
+        conditions(Complex64::new(alpha, k), 0.01, 0.8)
+    }
+
+    #[test]
+    fn each_condition_is_asked_at_its_limit() {
+        assert!(with(0.1, 0.0501).is_empty());
+        assert!(matches!(
+            with(0.1, 0.0499)[..],
+            [Violation::WavelengthTooShort { .. }]
+        ));
+        assert!(with(0.1, 3.99).is_empty());
+        assert!(matches!(
+            with(0.1, 4.01)[..],
+            [Violation::WavelengthTooLong { .. }]
+        ));
+        assert!(matches!(
+            with(0.0, 1.0)[..],
+            [Violation::DampingNotPositive { .. }]
+        ));
+        assert!(matches!(
+            with(f64::NAN, 1.0)[..],
+            [Violation::DampingNotPositive { .. }]
+        ));
+        assert!(matches!(
+            conditions(Complex64::new(0.1, -1.0), 0.01, 0.8)[..],
+            [Violation::WaveNumberNotPositive { .. }]
+        ));
+    }
+
+    #[test]
+    fn the_verdict_names_the_numbers() {
+        let verdict = Validity::from_violations(with(-0.25, 4.5));
+        assert_eq!(
+            verdict.to_string(),
+            "wavelength 4.500e0 m, expected less than 5 specimen lengths, 4.000e0 m; \
+             damping coefficient -2.500e-1 1/m, expected more than 0"
+        );
+        assert!(!verdict.is_valid() && verdict.violations().len() == 2);
+        assert_eq!(Validity::from_violations(Vec::new()).to_string(), "valid");
+    }
+}

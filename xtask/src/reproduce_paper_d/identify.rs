@@ -1,0 +1,175 @@
+//! One identification, with the type of the law put aside once it is done.
+
+use maxwellid::{Fit, IdentifiableLaw, MaxwellidError, Noise, RodTest, Role, Scale, Verdict};
+use rodwave::RodwaveError;
+use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use serde::Serialize;
+
+use crate::fixtures::paper_d::{LawParameters, ModelKind};
+
+/// Runs `$body` with `$law` bound to the law of `$parameters`, whichever its type.
+macro_rules! with_law {
+    ($parameters:expr, |$law:ident| $body:expr) => {
+        match $parameters {
+            LawParameters::Maxwell { viscosity, .. } => {
+                let $law = rodwave::inelastic::Maxwell::new(viscosity)?;
+                $body
+            }
+            LawParameters::MaxwellNorton {
+                exponent,
+                coefficient,
+                ..
+            } => {
+                let $law = rodwave::inelastic::MaxwellNorton::new(exponent, coefficient)?;
+                $body
+            }
+            LawParameters::MaxwellGurevichRabinovich {
+                viscosity,
+                activation_stress,
+                ..
+            } => {
+                let $law = rodwave::inelastic::MaxwellGurevichRabinovich::new(
+                    viscosity,
+                    activation_stress,
+                )?;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_law;
+
+/// Young's modulus of a set of parameters [Pa].
+pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
+    match parameters {
+        LawParameters::Maxwell { modulus, .. }
+        | LawParameters::MaxwellNorton { modulus, .. }
+        | LawParameters::MaxwellGurevichRabinovich { modulus, .. } => modulus,
+    }
+}
+
+/// True values of every stated parameter, by symbol: those of the paper and the rate at 10 MPa.
+pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64)>, RodwaveError> {
+    let mut stated = vec![("E", modulus_of(parameters))];
+    with_law!(parameters, |law| stated
+        .extend(law.stated().iter().map(|p| (p.symbol, p.value))));
+    Ok(stated)
+}
+
+/// An identified parameter.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Parameter {
+    pub(crate) symbol: &'static str,
+    pub(crate) unit: &'static str,
+    /// The value, where the data determine it (or it follows from parameters that they determine).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) value: Option<f64>,
+    /// Standard error of ln(value), or of the value of an exponent, where the value is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) standard_error: Option<f64>,
+    /// Where the iteration stopped, if the data do not determine the parameter: no property of the material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) stopped_at: Option<f64>,
+    pub(crate) verdict: String,
+    #[serde(skip)]
+    pub(crate) identified: bool,
+    #[serde(skip)]
+    pub(crate) scale: Scale,
+}
+
+/// What is kept of an identification.
+#[derive(Debug, Clone)]
+pub(crate) struct Outcome {
+    pub(crate) parameters: Vec<Parameter>,
+    /// Verdicts against the noise of the recorder, by symbol.
+    pub(crate) verdict_with_noise: Vec<(&'static str, Verdict)>,
+    /// δ, the error of the paper
+    pub(crate) relative_error: f64,
+    pub(crate) iterations: usize,
+    pub(crate) termination: String,
+    /// Simulated minus measured over V0, for each test.
+    pub(crate) residuals: Vec<Vec<f64>>,
+}
+
+/// How to identify.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settings {
+    pub(crate) cell: f64,
+    pub(crate) round_trip: bool,
+    /// Noise for the errors of the values.
+    pub(crate) noise: Noise,
+    /// Noise of the recorder, for the second verdict.
+    pub(crate) recorder_noise: f64,
+}
+
+/// Identifies the law of kind `model` from `tests`, from a start that knows nothing of the truth: E from the time of
+/// flight, the rate from a scan, and a weak nonlinearity.
+pub(crate) fn identify(
+    model: ModelKind,
+    tests: &[RodTest],
+    settings: Settings,
+) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
+    let outcome = match model {
+        ModelKind::Maxwell => run(Maxwell::new(1e7)?, tests, settings),
+        ModelKind::MaxwellNorton => run(
+            MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?,
+            tests,
+            settings,
+        ),
+        ModelKind::MaxwellGurevichRabinovich => run(
+            MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?,
+            tests,
+            settings,
+        ),
+    };
+    Ok(outcome?)
+}
+
+fn run<L: IdentifiableLaw>(
+    start: L,
+    tests: &[RodTest],
+    settings: Settings,
+) -> Result<Outcome, MaxwellidError> {
+    let mut fit = Fit::of(start).with_cell(settings.cell);
+    if settings.round_trip {
+        fit = fit.round_trip();
+    }
+    let identification = fit.to(tests)?;
+    let estimates = |noise| {
+        identification
+            .identifiability(noise)
+            .map(|i| i.estimates)
+            .unwrap_or_default()
+    };
+    Ok(Outcome {
+        parameters: estimates(settings.noise)
+            .into_iter()
+            .map(|estimate| {
+                let identified = estimate.verdict == Verdict::Identified;
+                let determined =
+                    identified || estimate.role == Role::Derived && estimate.standard_error < 2.0;
+                Parameter {
+                    symbol: estimate.symbol,
+                    unit: estimate.unit,
+                    value: determined.then_some(estimate.value),
+                    standard_error: determined.then_some(estimate.standard_error),
+                    stopped_at: (!determined).then_some(estimate.value),
+                    verdict: match estimate.role {
+                        Role::Coordinate => estimate.verdict.to_string(),
+                        Role::Derived => "derived".into(),
+                    },
+                    identified,
+                    scale: estimate.scale,
+                }
+            })
+            .collect(),
+        verdict_with_noise: estimates(Noise::Known(settings.recorder_noise))
+            .iter()
+            .map(|estimate| (estimate.symbol, estimate.verdict))
+            .collect(),
+        relative_error: identification.relative_error(),
+        iterations: identification.iterations(),
+        termination: identification.termination().to_string(),
+        residuals: identification.residuals().map(<[f64]>::to_vec).collect(),
+    })
+}

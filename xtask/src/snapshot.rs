@@ -1,0 +1,155 @@
+//! Comparison of a result with its snapshot in the repository.
+//!
+//! A snapshot guards against drift; it proves nothing. Numbers are compared to a relative tolerance, because the
+//! last digits of exp and ln differ between machines, and keys in [`NOT_COMPARED`] are left out, because they
+//! depend on those digits.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::generated::{GeneratedError, write_whole};
+
+/// Largest relative difference that is no drift: far below every printed digit, far above rounding.
+const RELATIVE: f64 = 1e-3;
+
+/// Keys whose values are shown but not compared: where an iteration stopped in a direction that the data do not see, and
+/// residuals at the level of rounding.
+const NOT_COMPARED: [&str; 3] = ["stopped_at", "iterations", "at_rounding"];
+
+/// The result differs from the snapshot.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{} differences from the snapshot {path}; the first: {first}. If the change is meant, run \
+     `{command}` and record it under Numerics in CHANGELOG.md", differences.len()
+)]
+pub(crate) struct Drift {
+    path: String,
+    differences: Vec<String>,
+    first: String,
+    command: &'static str,
+}
+
+/// Compares `found` with the snapshot at `path`, or writes it there with `accept`.
+pub(crate) fn compare(
+    path: &Path,
+    found: &Value,
+    accept: bool,
+    command: &'static str,
+) -> Result<(), Box<dyn std::error::Error>> {
+    if accept {
+        let text = serde_json::to_string_pretty(&rounded(found))? + "\n";
+        write_whole(path, &text)?;
+        return Ok(());
+    }
+    let text = fs::read_to_string(path).map_err(|source| GeneratedError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let expected: Value = serde_json::from_str(&text)?;
+    let mut differences = Vec::new();
+    differ("", &expected, found, &mut differences);
+    match differences.first() {
+        None => Ok(()),
+        Some(first) => Err(Box::new(Drift {
+            path: path.display().to_string(),
+            first: first.clone(),
+            differences,
+            command,
+        })),
+    }
+}
+
+fn differ(at: &str, expected: &Value, found: &Value, differences: &mut Vec<String>) {
+    match (expected, found) {
+        (Value::Object(expected), Value::Object(found)) => {
+            for (key, value) in expected {
+                if NOT_COMPARED.contains(&key.as_str()) {
+                    continue;
+                }
+                match found.get(key) {
+                    Some(other) => differ(&format!("{at}/{key}"), value, other, differences),
+                    None => differences.push(format!("{at}/{key} is missing")),
+                }
+            }
+            for key in found.keys().filter(|key| !expected.contains_key(*key)) {
+                differences.push(format!("{at}/{key} is new"));
+            }
+        }
+        (Value::Array(expected), Value::Array(found)) => {
+            if expected.len() != found.len() {
+                differences.push(format!(
+                    "{at} has {} entries, expected {}",
+                    found.len(),
+                    expected.len()
+                ));
+            }
+            for (index, (value, other)) in expected.iter().zip(found).enumerate() {
+                differ(&format!("{at}/{index}"), value, other, differences);
+            }
+        }
+        (Value::Number(a), Value::Number(b)) => {
+            if let (Some(a), Some(b)) = (a.as_f64(), b.as_f64())
+                && (a - b).abs() > RELATIVE * a.abs().max(b.abs())
+            {
+                differences.push(format!("{at} is {b:e}, expected {a:e}"));
+            }
+        }
+        _ if expected == found => {}
+        _ => differences.push(format!("{at} is {found}, expected {expected}")),
+    }
+}
+
+/// The same value with every number rounded to six significant digits, so that a snapshot's history stays readable.
+fn rounded(value: &Value) -> Value {
+    match value {
+        Value::Number(number) if number.is_f64() => number
+            .as_f64()
+            .and_then(|x| format!("{x:.5e}").parse::<f64>().ok())
+            .map_or_else(|| value.clone(), Value::from),
+        Value::Array(values) => values.iter().map(rounded).collect(),
+        Value::Object(entries) => entries
+            .iter()
+            .map(|(key, value)| (key.clone(), rounded(value)))
+            .collect::<serde_json::Map<_, _>>()
+            .into(),
+        _ => value.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn differences(expected: &Value, found: &Value) -> Vec<String> {
+        let mut differences = Vec::new();
+        differ("", expected, found, &mut differences);
+        differences
+    }
+
+    #[test]
+    fn numbers_within_the_tolerance_are_the_same() {
+        let expected = json!({"a": [1.0, {"b": 2.0, "stopped_at": 5.0}], "c": "text"});
+        let found = json!({"a": [1.0005, {"b": 2.0, "stopped_at": 9.0}], "c": "text"});
+        assert!(differences(&expected, &found).is_empty());
+        assert!(differences(&expected, &rounded(&expected)).is_empty());
+    }
+
+    #[test]
+    fn every_kind_of_drift_is_named_with_its_place() {
+        let expected = json!({"a": [1.0, 2.0], "b": "identified", "gone": 1});
+        let found = json!({"a": [1.01], "b": "not", "new": 1});
+        assert_eq!(
+            differences(&expected, &found),
+            [
+                "/a has 1 entries, expected 2",
+                "/a/0 is 1.01e0, expected 1e0",
+                "/b is \"not\", expected \"identified\"",
+                "/gone is missing",
+                "/new is new",
+            ]
+        );
+    }
+}

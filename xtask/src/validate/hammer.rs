@@ -1,0 +1,343 @@
+//! Five hits of one impact-hammer test, `hammer/measurements_{1..5}.npy`: force and acceleration, one second each.
+//!
+//! The checks go the whole way: file, record, averaged spectra, H1 and coherence, and back from a response to its force.
+
+use std::io;
+use std::path::Path;
+
+use impulse::Reconstruction;
+use labio::format::npy;
+use labio::{AveragedSpectra, Channel, FrequencyResponse, LabioError, Quantity, Record, Window};
+
+use super::check::{Check, Claim, NotMeasured, Observation, Report};
+
+const FORCE: &str = "force";
+const ACCELERATION: &str = "acceleration";
+const SOURCE: &str = "description beside the records";
+/// The hit whose force is predicted from the others.
+const PREDICTED: usize = 4;
+/// Lines searched on either side of a resonance; the nearest two are 459 Hz apart.
+const SEARCH_HZ: f64 = 50.0;
+
+/// All checks of this test, each with our number or the reason why there is none.
+pub(super) fn report(data: Option<&Path>) -> Report {
+    let measured = data
+        .ok_or_else(|| NotMeasured::Absent("no folder given (--data or RODLAB_DATA)".to_owned()))
+        .and_then(read)
+        .and_then(|hits| Measured::of(hits).map_err(|error| refused(&error)));
+    let ours =
+        |measure: &dyn Fn(&Measured) -> f64| measured.as_ref().map(measure).map_err(Clone::clone);
+
+    let mut checks = Vec::new();
+    let mut check = |claim: Claim, measure: &dyn Fn(&Measured) -> f64| {
+        checks.push(Check::of(claim, ours(measure)));
+    };
+
+    let claim = Claim {
+        what: "samples a hit".to_owned(),
+        source: SOURCE,
+        unit: "1",
+        expected: 25_600.0,
+        tolerance: 0.5,
+        tolerance_from: "a count",
+    };
+    check(claim, &|m| m.n_samples);
+    let claim = Claim {
+        what: "sampling rate".to_owned(),
+        source: SOURCE,
+        unit: "Hz",
+        expected: 25_600.0,
+        tolerance: 1e-6 * 25_600.0,
+        tolerance_from: "the times in the file are rounded",
+    };
+    check(claim, &|m| m.sampling_rate_hz);
+
+    let printed = |what: &str, unit, expected, last_digit: f64| Claim {
+        what: what.to_owned(),
+        source: SOURCE,
+        unit,
+        expected,
+        tolerance: last_digit / 2.0,
+        tolerance_from: "half the last printed digit",
+    };
+    check(
+        printed("smallest peak force of a hit", "N", 69.0, 1.0),
+        &|m| least(&m.peak_forces),
+    );
+    check(
+        printed("largest peak force of a hit", "N", 89.0, 1.0),
+        &|m| greatest(&m.peak_forces),
+    );
+    check(
+        printed("smallest mean of a response", "m/s^2", 0.25, 0.01),
+        &|m| least(&m.response_means),
+    );
+    check(
+        printed("largest mean of a response", "m/s^2", 0.32, 0.01),
+        &|m| greatest(&m.response_means),
+    );
+
+    for (from_hz, to_hz, expected) in [
+        (10.0, 100.0, 0.988),
+        (100.0, 500.0, 0.998),
+        (500.0, 1000.0, 0.9996),
+        (1000.0, 2000.0, 0.999),
+        (2000.0, 4000.0, 0.984),
+        (4000.0, 8000.0, 0.988),
+    ] {
+        let claim = Claim {
+            what: format!("mean coherence, {from_hz} to {to_hz} Hz"),
+            source: SOURCE,
+            unit: "1",
+            expected,
+            tolerance: 0.003,
+            tolerance_from: "the lines at the edges of the band",
+        };
+        check(claim, &|m| m.mean_coherence(from_hz, to_hz));
+    }
+
+    for expected in [900.0, 2640.0, 3669.0, 4128.0] {
+        let claim = Claim {
+            what: format!("resonance near {expected} Hz"),
+            source: SOURCE,
+            unit: "Hz",
+            expected,
+            tolerance: 1.0,
+            tolerance_from: "one spectral line",
+        };
+        check(claim, &|m| m.largest_response_near(expected));
+    }
+
+    let claim = Claim {
+        what: "force of hit 5 from the other four: error of the peak".to_owned(),
+        source: SOURCE,
+        unit: "% of peak",
+        expected: 0.0,
+        tolerance: 0.7,
+        tolerance_from: "the claim is an upper limit",
+    };
+    check(claim, &|m| m.predictions[PREDICTED].peak_error_percent);
+    check(
+        printed(
+            "force of hit 5 from the other four: rms error",
+            "% of peak",
+            0.2,
+            0.1,
+        ),
+        &|m| m.predictions[PREDICTED].rms_error_percent,
+    );
+
+    Report {
+        checks,
+        observations: measured.map_or_else(|_| Vec::new(), |m| m.observations()),
+    }
+}
+
+/// What the checks ask for.
+struct Measured {
+    n_samples: f64,
+    sampling_rate_hz: f64,
+    peak_forces: Vec<f64>,
+    response_means: Vec<f64>,
+    frequency_hz: Vec<f64>,
+    coherence: Vec<f64>,
+    response: FrequencyResponse,
+    /// Of every hit from the four others.
+    predictions: [Prediction; 5],
+}
+
+/// A force reconstructed from its response and the frequency response of other hits, against the measured force.
+struct Prediction {
+    peak_error_percent: f64,
+    rms_error_percent: f64,
+}
+
+fn read(data: &Path) -> Result<[Record; 5], NotMeasured> {
+    let channels = [
+        Channel::new(FORCE, Quantity::Force),
+        Channel::new(ACCELERATION, Quantity::Acceleration),
+    ];
+    let [force, acceleration] = channels.map(|channel| channel.map_err(|e| refused(&e)));
+    let channels = [force?, acceleration?];
+    let hit = |number: usize| {
+        let path = data
+            .join("hammer")
+            .join(format!("measurements_{number}.npy"));
+        npy::read(&path, &channels).map_err(|error| {
+            if is_absent(&error) {
+                NotMeasured::Absent(format!("hammer/measurements_{number}.npy does not exist"))
+            } else {
+                refused(&error)
+            }
+        })
+    };
+    Ok([hit(1)?, hit(2)?, hit(3)?, hit(4)?, hit(5)?])
+}
+
+fn is_absent(error: &LabioError) -> bool {
+    match error {
+        LabioError::InFile { source, .. } => is_absent(source),
+        LabioError::Read { source } => source.kind() == io::ErrorKind::NotFound,
+        _ => false,
+    }
+}
+
+/// An error with its causes in one line.
+fn refused(error: &dyn std::error::Error) -> NotMeasured {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    NotMeasured::Refused(text)
+}
+
+impl Measured {
+    fn of(hits: [Record; 5]) -> Result<Self, MeasureError> {
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular)?;
+        let coherence = spectra.coherence(FORCE, ACCELERATION)?;
+        let mut peak_forces = Vec::new();
+        let mut response_means = Vec::new();
+        for hit in &hits {
+            peak_forces.push(greatest(&hit.channel(FORCE)?.to_vec()));
+            response_means.push(hit.channel(ACCELERATION)?.mean().unwrap_or(f64::NAN));
+        }
+        let [first, ..] = &hits;
+        Ok(Self {
+            n_samples: first.n_samples() as f64,
+            sampling_rate_hz: first.sampling_rate_hz(),
+            peak_forces,
+            response_means,
+            frequency_hz: coherence.frequency_hz,
+            coherence: coherence.values,
+            response: spectra.h1(FORCE, ACCELERATION)?,
+            predictions: [
+                Prediction::of(&hits, 0)?,
+                Prediction::of(&hits, 1)?,
+                Prediction::of(&hits, 2)?,
+                Prediction::of(&hits, 3)?,
+                Prediction::of(&hits, 4)?,
+            ],
+        })
+    }
+
+    /// Mean over lines in `from_hz..to_hz`.
+    fn mean_coherence(&self, from_hz: f64, to_hz: f64) -> f64 {
+        let lines = self.frequency_hz.iter().zip(&self.coherence);
+        let band: Vec<f64> = lines
+            .filter(|(f, _)| (from_hz..to_hz).contains(*f))
+            .map(|(_, coherence)| *coherence)
+            .collect();
+        band.iter().sum::<f64>() / band.len() as f64
+    }
+
+    /// Frequency of the line with the largest magnitude of H1.
+    fn largest_response_near(&self, frequency_hz: f64) -> f64 {
+        self.frequency_hz
+            .iter()
+            .zip(&self.response.values)
+            .filter(|(f, _)| (*f - frequency_hz).abs() <= SEARCH_HZ)
+            .max_by(|(_, a), (_, b)| a.norm().total_cmp(&b.norm()))
+            .map_or(f64::NAN, |(f, _)| *f)
+    }
+
+    /// What the one claim about a predicted force looks like for the other hits.
+    fn observations(&self) -> Vec<Observation> {
+        let hits = self.predictions.iter().enumerate();
+        let unclaimed = hits.filter(|(index, _)| *index != PREDICTED);
+        unclaimed
+            .flat_map(|(index, prediction)| {
+                let number = index + 1;
+                [
+                    Observation {
+                        what: format!(
+                            "force of hit {number} from the other four: error of the peak"
+                        ),
+                        unit: "% of peak",
+                        ours: prediction.peak_error_percent,
+                    },
+                    Observation {
+                        what: format!("force of hit {number} from the other four: rms error"),
+                        unit: "% of peak",
+                        ours: prediction.rms_error_percent,
+                    },
+                ]
+            })
+            .collect()
+    }
+}
+
+impl Prediction {
+    fn of(hits: &[Record; 5], predicted: usize) -> Result<Self, MeasureError> {
+        let others = hits.iter().enumerate().filter(|(i, _)| *i != predicted);
+        let spectra = AveragedSpectra::of(others.map(|(_, hit)| hit), Window::Rectangular)?;
+        let h1 = spectra.h1(FORCE, ACCELERATION)?;
+        let hit = &hits[predicted];
+        let response = hit.channel(ACCELERATION)?.to_vec();
+        let found = Reconstruction::new(&response, hit.sampling_rate_hz(), &h1.values)?
+            .without_lines(h1.invalid_lines())
+            .solve()?;
+        let force = hit.channel(FORCE)?.to_vec();
+        let peak = greatest(&force);
+        let squares: f64 = force
+            .iter()
+            .zip(found.history.force())
+            .map(|(measured, found)| (found - measured).powi(2))
+            .sum();
+        Ok(Self {
+            peak_error_percent: 100.0 * (found.history.peak().force / peak - 1.0),
+            rms_error_percent: 100.0 * (squares / force.len() as f64).sqrt() / peak,
+        })
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+enum MeasureError {
+    #[error("spectra of the hits")]
+    Spectra {
+        #[from]
+        source: LabioError,
+    },
+    #[error("force from the response")]
+    Force {
+        #[from]
+        source: impulse::ImpulseError,
+    },
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::Tally;
+    use super::*;
+
+    #[test]
+    fn without_records_every_check_is_skipped_and_listed() {
+        for data in [None, Some(Path::new("no such folder"))] {
+            let Tally {
+                total,
+                passed,
+                failed,
+                skipped,
+            } = report(data).tally();
+            assert_eq!((total, passed, failed, skipped), (18, 0, 0, 18));
+        }
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_read_fails_every_check() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hammer");
+        std::fs::create_dir(&path).unwrap();
+        std::fs::write(path.join("measurements_1.npy"), b"not an array").unwrap();
+        assert_eq!(report(Some(folder.path())).tally().failed, 18);
+    }
+}
