@@ -1,1 +1,73 @@
-//! placeholder
+//! Records of impact tests and the averaged spectra made of them.
+//!
+//! # The problem
+//!
+//! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses $`x_j(t)`$ are sampled.
+//! Wanted is the frequency response $`H(\omega) = \hat x/\hat f`$ with the figures that say how far it can be believed: the
+//! ordinary coherence, the number of averages and the random error of every line. This is how (Ödeen 1993, paper E,
+//! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
+//!
+//! The walk is: a file ([`mod@format`]) becomes a [`Record`]; records become [`AveragedSpectra`] through a
+//! [`SpectrumAverager`], whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`]
+//! and a [`Coherence`].
+//!
+//! ```
+//! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
+//! use ndarray::array;
+//!
+//! # fn main() -> Result<(), labio::LabioError> {
+//! let channels = [
+//!     Channel::new("hammer", Quantity::Force)?,
+//!     Channel::new("end A", Quantity::Acceleration)?,
+//! ];
+//! let hit = |force: f64| {
+//!     // the body answers one sample later, with twice the number
+//!     let samples = array![[0.0, force, 0.0, 0.0], [0.0, 0.0, 2.0 * force, 0.0]];
+//!     Record::new(samples, 8000.0, 0.0, channels.to_vec(), Provenance::computed("example"))
+//! };
+//! let hits = [hit(1.0)?, hit(3.0)?, hit(2.0)?];
+//!
+//! let spectra = AveragedSpectra::of(&hits, Window::Rectangular)?;
+//! let response = spectra.h1("hammer", "end A")?;
+//! let delay = -response.values[1].arg() / (2.0 * std::f64::consts::PI * response.frequency_hz[1]);
+//! assert!((response.values[1].norm() - 2.0).abs() < 1e-12);
+//! assert!((delay - 1.0 / 8000.0).abs() < 1e-15);
+//! assert_eq!(response.n_averages, 3);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Conventions
+//!
+//! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ turns the phase by $`-\omega\tau`$.
+//! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
+//! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an even number of samples
+//!   puts a line on the Nyquist frequency, an odd number does not.
+//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it is
+//!   stated there.
+//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that neither a zero nor a large
+//!   number can pass for a measurement further on.
+//!
+//! # What this does not do
+//!
+//! No calibration and no conversion of units: what a file holds is taken as SI. No cutting of a long record into hits, no
+//! rejection of double hits, no overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
+//! number of averages counts hits and assumes them independent. Errors of bias (leakage, finite resolution, noise on the
+//! input of H1) are described, not estimated.
+
+pub mod format;
+
+mod channel;
+mod dft;
+mod error;
+mod frf;
+mod record;
+mod spectra;
+mod window;
+
+pub use channel::{Channel, Quantity};
+pub use error::LabioError;
+pub use frf::{Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
+pub use record::{Provenance, Record};
+pub use spectra::{AveragedSpectra, SpectrumAverager};
+pub use window::{SampledWindow, Window};

@@ -16,6 +16,9 @@ use crate::test::{Provenance, RodTest};
 /// V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
+/// Longest cell of the grid on which the starting rate is looked for \[m\]: decades are told apart on any grid.
+const SCAN_CELL: f64 = 8e-3;
+
 /// An identification to be made: which law, from which start, on which grid.
 ///
 /// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates (ln E, shape, ln rate at
@@ -119,7 +122,8 @@ impl<L: IdentifiableLaw> Fit<L> {
             });
         }
         let law = if self.scan {
-            scan_rate(&problem, &self.law, modulus, tests)
+            let coarse = TestResidual::new(tests, self.law.clone(), self.cell.max(SCAN_CELL));
+            scan_rate(&coarse, &self.law, modulus, tests)
         } else {
             self.law.clone()
         };

@@ -153,8 +153,8 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     estimates.extend(law.stated().iter().map(|p| estimate(p, &covariance, 0.0)));
     // the last parameter of a law is its rate: where the rate is not seen, neither is the shape of what is not seen,
     // whatever its linearised error at the point where the iteration stopped
-    let rate_error = covariance[parameters - 1][parameters - 1].sqrt();
-    if parameters > 1 && !(rate_error < IDENTIFIED_BELOW) {
+    let rate_seen = covariance[parameters - 1][parameters - 1].sqrt() < IDENTIFIED_BELOW;
+    if parameters > 1 && !rate_seen {
         for estimate in &mut estimates[1..] {
             estimate.verdict = Verdict::NotIdentifiable;
         }

@@ -108,7 +108,6 @@ impl<L: InelasticLaw> ImpactTest<L> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "counts follow from checked positive lengths"
     )]
     pub fn run(&self, cell: f64, duration: f64) -> Result<ImpactHistory, RodwaveError> {

@@ -1,5 +1,12 @@
 //! The direct problem of paper D against closed forms, the frequency domain, an independent second solver, its own
 //! convergence, energy, and finite differences.
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a failing test should say so at once, and exact zeros are compared exactly"
+)]
 
 use num_complex::Complex64;
 use proptest::prelude::*;

@@ -1,5 +1,12 @@
 //! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E F(σ), the semigroup
 //! property, dissipation, and finite differences for every derivative.
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a failing test should say so at once, and exact zeros are compared exactly"
+)]
 
 use rodwave::inelastic::{
     Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,

@@ -1,0 +1,134 @@
+//! What can be wrong with a request for a force.
+
+use thiserror::Error;
+
+/// Why a force could not be computed.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ImpulseError {
+    /// A scalar has a value that cannot be.
+    #[error("{quantity} is {value}, expected {expected}")]
+    NonPhysical {
+        /// Name and unit of the quantity, as `impact velocity \[m/s\]`.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// An element of an array is NaN or infinite.
+    #[error("element {index} of the {what} is not finite")]
+    NonFinite {
+        /// Name of the array.
+        what: &'static str,
+        /// Position of the element, from 0.
+        index: usize,
+    },
+    /// An array does not have the length that the others fix.
+    #[error("the {what} has {found} elements, expected {expected}")]
+    LengthMismatch {
+        /// Name of the array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+    /// An array is too short for what is asked.
+    #[error("the {what} has {found} elements, expected at least {expected}")]
+    TooShort {
+        /// Name of the array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// The two mobilities cancel: no finite force gives a velocity there.
+    #[error("the sum of the mobilities vanishes at line {index}")]
+    VanishingMobility {
+        /// Index of the spectral line.
+        index: usize,
+    },
+    /// The force spectrum is not finite although everything that entered it is.
+    #[error("the force spectrum overflows at line {index}")]
+    SpectrumOverflow {
+        /// Index of the spectral line.
+        index: usize,
+    },
+    /// A line to be left out does not exist.
+    #[error("line {index} is to be left out, but there are only {n_lines} lines")]
+    UnknownLine {
+        /// Index of the line.
+        index: usize,
+        /// Number of lines.
+        n_lines: usize,
+    },
+    /// An interval ends before it begins, or is not a number.
+    #[error("the {what} runs from {from} to {to}, expected finite and increasing limits")]
+    EmptyInterval {
+        /// Which interval.
+        what: &'static str,
+        /// Its lower limit.
+        from: f64,
+        /// Its upper limit.
+        to: f64,
+    },
+    /// The force is said to act when nothing was recorded.
+    #[error("the support from {from} s to {to} s holds no sample of the response")]
+    SupportOutsideRecord {
+        /// Begin of the support \[s\].
+        from: f64,
+        /// End of the support \[s\].
+        to: f64,
+    },
+    /// No spectral line is left to compute a force from.
+    #[error("none of the {n_lines} lines can be used")]
+    NoUsableLine {
+        /// Number of lines.
+        n_lines: usize,
+    },
+}
+
+/// Accepts a finite value above zero.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts a finite value that is not negative.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value, 0 or above",
+        })
+    }
+}
+
+/// Accepts finite limits in increasing order.
+pub(crate) fn check_interval(what: &'static str, from: f64, to: f64) -> Result<(), ImpulseError> {
+    if from.is_finite() && to.is_finite() && from < to {
+        Ok(())
+    } else {
+        Err(ImpulseError::EmptyInterval { what, from, to })
+    }
+}
+
+/// Accepts finite samples only.
+pub(crate) fn check_samples(what: &'static str, samples: &[f64]) -> Result<(), ImpulseError> {
+    match samples.iter().position(|sample| !sample.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(ImpulseError::NonFinite { what, index }),
+    }
+}

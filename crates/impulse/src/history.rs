@@ -1,0 +1,154 @@
+//! A force over time.
+
+use crate::ImpulseError;
+use crate::error::{check_positive, check_samples};
+
+/// Equally spaced samples of a force \[N\], positive in compression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceHistory {
+    start_time: f64,
+    time_step: f64,
+    force: Vec<f64>,
+}
+
+/// The largest force of a history, as sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ForcePeak {
+    /// When \[s\].
+    pub time: f64,
+    /// How large \[N\].
+    pub force: f64,
+}
+
+impl ForceHistory {
+    /// Samples of `force` \[N\], the first at `start_time` \[s\], `time_step` \[s\] apart.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the times, [`ImpulseError::TooShort`] without a sample,
+    /// [`ImpulseError::NonFinite`] for a sample.
+    pub fn new(start_time: f64, time_step: f64, force: Vec<f64>) -> Result<Self, ImpulseError> {
+        check_positive("time step [s]", time_step)?;
+        if !start_time.is_finite() {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "start time [s]",
+                value: start_time,
+                expected: "a finite value",
+            });
+        }
+        if force.is_empty() {
+            return Err(ImpulseError::TooShort {
+                what: "force history",
+                found: 0,
+                expected: 1,
+            });
+        }
+        check_samples("force history", &force)?;
+        Ok(Self {
+            start_time,
+            time_step,
+            force,
+        })
+    }
+
+    /// The samples \[N\]; `(n_samples)`.
+    #[must_use]
+    pub fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// Time between samples \[s\].
+    #[must_use]
+    pub fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    /// Time of sample `index` \[s\].
+    #[must_use]
+    pub fn time_at(&self, index: usize) -> f64 {
+        self.start_time + index as f64 * self.time_step
+    }
+
+    /// Index of the sample nearest to `time` \[s\], or none if the history does not reach there.
+    #[must_use]
+    pub fn index_near(&self, time: f64) -> Option<usize> {
+        let mut edges =
+            (0..self.force.len()).map(|index| self.time_at(index) + 0.5 * self.time_step);
+        if time < self.start_time - 0.5 * self.time_step {
+            return None;
+        }
+        edges.position(|edge| time < edge)
+    }
+
+    /// The largest sample.
+    #[must_use]
+    pub fn peak(&self) -> ForcePeak {
+        let mut peak = ForcePeak {
+            time: self.start_time,
+            force: f64::NEG_INFINITY,
+        };
+        for (index, &force) in self.force.iter().enumerate() {
+            if force > peak.force {
+                peak.time = self.time_at(index);
+                peak.force = force;
+            }
+        }
+        peak
+    }
+
+    /// The impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a band-limited history of one period, and
+    /// within half a step times a jump where a jump is not sampled at its middle.
+    #[must_use]
+    pub fn impulse(&self) -> f64 {
+        self.time_step * self.force.iter().sum::<f64>()
+    }
+
+    /// The same times with other forces.
+    pub(crate) fn with_force(&self, force: Vec<f64>) -> Self {
+        Self { force, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peak_and_impulse_of_a_triangle() {
+        let triangle = ForceHistory::new(-0.25, 0.25, vec![0.0, 0.0, 4.0, 8.0, 4.0, 0.0]).unwrap();
+        let peak = triangle.peak();
+        // dyadic numbers: exact
+        assert_eq!(peak.time.to_bits(), 0.5_f64.to_bits());
+        assert_eq!(peak.force.to_bits(), 8.0_f64.to_bits());
+        assert_eq!(triangle.impulse().to_bits(), 4.0_f64.to_bits());
+    }
+
+    #[test]
+    fn the_nearest_sample_is_found_and_none_beyond_the_ends() {
+        let history = ForceHistory::new(-0.5, 0.25, vec![0.0; 4]).unwrap();
+        for (time, index) in [
+            (-0.7, None),
+            (-0.6, Some(0)),
+            (0.0, Some(2)),
+            (0.1, Some(2)),
+            (0.3, Some(3)),
+            (0.4, None),
+            (f64::NAN, None),
+        ] {
+            assert_eq!(history.index_near(time), index, "{time}");
+        }
+    }
+
+    #[test]
+    fn a_history_without_time_or_with_holes_is_refused() {
+        assert!(ForceHistory::new(0.0, 0.0, vec![1.0]).is_err());
+        assert!(ForceHistory::new(f64::NAN, 1.0, vec![1.0]).is_err());
+        assert!(ForceHistory::new(0.0, 1.0, Vec::new()).is_err());
+        let error = ForceHistory::new(0.0, 1.0, vec![1.0, f64::NAN]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "element 1 of the force history is not finite"
+        );
+    }
+}

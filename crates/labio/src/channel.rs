@@ -1,0 +1,147 @@
+//! What a row of samples means.
+
+use std::fmt;
+
+use crate::LabioError;
+
+/// The physical quantity of a channel, which fixes its SI unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Force \[N\]; a contact force is positive in compression.
+    Force,
+    /// Displacement \[m\].
+    Displacement,
+    /// Velocity \[m/s\].
+    Velocity,
+    /// Acceleration \[m/s^2\].
+    Acceleration,
+    /// Normal strain \[-\], positive in tension.
+    Strain,
+    /// Voltage \[V\]: a sensor's signal before calibration.
+    Voltage,
+}
+
+impl Quantity {
+    /// The quantity in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::Displacement => "displacement",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Strain => "strain",
+            Self::Voltage => "voltage",
+        }
+    }
+
+    /// The SI unit of the samples, in ASCII.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Displacement => "m",
+            Self::Velocity => "m/s",
+            Self::Acceleration => "m/s^2",
+            Self::Strain => "1",
+            Self::Voltage => "V",
+        }
+    }
+}
+
+/// Name and quantity of one row of a [`Record`](crate::Record).
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Channel {
+    name: String,
+    quantity: Quantity,
+}
+
+impl Channel {
+    /// A channel by the name under which it will be asked for.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::EmptyChannelName`] if the name is empty or blank.
+    pub fn new(name: impl Into<String>, quantity: Quantity) -> Result<Self, LabioError> {
+        let name = name.into();
+        if name.trim().is_empty() {
+            return Err(LabioError::EmptyChannelName {
+                quantity: quantity.name(),
+            });
+        }
+        Ok(Self { name, quantity })
+    }
+
+    /// Name of the channel.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What its samples are.
+    #[must_use]
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+}
+
+impl fmt::Display for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` [{}]", self.name, self.quantity.unit())
+    }
+}
+
+/// The channel called `name` and its position.
+pub(crate) fn find<'a>(
+    channels: &'a [Channel],
+    name: &str,
+) -> Result<(usize, &'a Channel), LabioError> {
+    channels
+        .iter()
+        .enumerate()
+        .find(|(_, channel)| channel.name == name)
+        .ok_or_else(|| LabioError::UnknownChannel {
+            name: name.to_owned(),
+            known: channels.iter().map(|c| c.name.clone()).collect(),
+        })
+}
+
+/// Refuses a list in which a name occurs twice.
+pub(crate) fn check_distinct(channels: &[Channel]) -> Result<(), LabioError> {
+    for (second, channel) in channels.iter().enumerate() {
+        let (first, _) = find(channels, &channel.name)?;
+        if first < second {
+            return Err(LabioError::DuplicateChannel {
+                name: channel.name.clone(),
+                first,
+                second,
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blank_name_is_refused() {
+        let error = Channel::new("  ", Quantity::Force).unwrap_err();
+        assert_eq!(error.to_string(), "a channel of force has an empty name");
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_the_known_ones() {
+        let channels = [
+            Channel::new("hammer", Quantity::Force).unwrap(),
+            Channel::new("end A", Quantity::Acceleration).unwrap(),
+        ];
+        assert_eq!(find(&channels, "end A").unwrap(), (1, &channels[1]));
+        assert_eq!(
+            find(&channels, "end B").unwrap_err().to_string(),
+            "there is no channel `end B`, only `hammer`, `end A`"
+        );
+    }
+}

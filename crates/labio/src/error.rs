@@ -1,0 +1,208 @@
+//! What can be wrong with a record, a file or a request for a spectrum.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Why a record, a file or an estimate was refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LabioError {
+    /// A scalar has a value that cannot be.
+    #[error("{quantity} is {value}, expected {expected}")]
+    NonPhysical {
+        /// Name and unit of the quantity, as `sampling rate \[Hz\]`.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// A sample is NaN or infinite.
+    #[error("sample {index} of channel `{channel}` is {value}, expected a finite value")]
+    NonFiniteSample {
+        /// Name of the channel.
+        channel: String,
+        /// Position of the sample, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// Finite samples are so large that their spectrum overflows.
+    #[error("the spectrum of channel `{channel}` overflows at line {line}")]
+    SpectrumOverflow {
+        /// Name of the channel.
+        channel: String,
+        /// Index of the spectral line, from 0.
+        line: usize,
+    },
+    /// Two counts that belong together differ.
+    #[error("{what}: found {found}, expected {expected}")]
+    CountMismatch {
+        /// What is counted.
+        what: &'static str,
+        /// The count found.
+        found: usize,
+        /// The count it should be.
+        expected: usize,
+    },
+    /// There are too few samples for what is asked.
+    #[error("{what} has {found} samples, expected at least {expected}")]
+    TooFewSamples {
+        /// What is too short.
+        what: &'static str,
+        /// Number of samples found.
+        found: usize,
+        /// Number needed.
+        expected: usize,
+    },
+    /// An estimate needs more averages than were taken.
+    #[error("{estimate} needs at least {expected} averages, found {found}")]
+    TooFewAverages {
+        /// The estimate asked for.
+        estimate: &'static str,
+        /// Number of averages taken.
+        found: usize,
+        /// Number needed.
+        expected: usize,
+    },
+    /// A channel has no name.
+    #[error("a channel of {quantity} has an empty name")]
+    EmptyChannelName {
+        /// The quantity of the channel.
+        quantity: &'static str,
+    },
+    /// Two channels of one record have the same name.
+    #[error("channels {first} and {second} are both named `{name}`")]
+    DuplicateChannel {
+        /// The name.
+        name: String,
+        /// Index of the first channel of that name.
+        first: usize,
+        /// Index of the second.
+        second: usize,
+    },
+    /// No channel has the name asked for.
+    #[error("there is no channel `{name}`, only {}", quoted(known))]
+    UnknownChannel {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// A hit has other channels than the hits before it.
+    #[error("channel {index} is {found}, expected {expected} as in the hits before")]
+    ChannelMismatch {
+        /// Index of the channel, from 0.
+        index: usize,
+        /// Name and quantity found.
+        found: String,
+        /// Name and quantity expected.
+        expected: String,
+    },
+    /// A hit was sampled at another rate than the hits before it.
+    #[error("the sampling rate is {found_hz} Hz, expected {expected_hz} Hz as in the hits before")]
+    SamplingRateMismatch {
+        /// The rate found.
+        found_hz: f64,
+        /// The rate of the hits before.
+        expected_hz: f64,
+    },
+    /// The samples are not equally spaced in time.
+    #[error(
+        "time step {index} is {found} s, expected {expected} s within a relative deviation of {tolerance}"
+    )]
+    NonUniformTime {
+        /// Index of the sample at which the step starts, from 0.
+        index: usize,
+        /// The step found.
+        found: f64,
+        /// The mean step.
+        expected: f64,
+        /// The relative deviation that is accepted.
+        tolerance: f64,
+    },
+    /// The file is not of the format, or its header cannot be understood.
+    #[error("the {format} header cannot be read: {detail}")]
+    MalformedHeader {
+        /// Name of the format.
+        format: &'static str,
+        /// What the parser met.
+        detail: String,
+    },
+    /// The array in the file has the wrong number of axes.
+    #[error("the {format} array has {found} axes, expected {expected}")]
+    WrongDimensions {
+        /// Name of the format.
+        format: &'static str,
+        /// Number of axes found.
+        found: usize,
+        /// Number of axes expected.
+        expected: usize,
+    },
+    /// The numbers in the file are of another type.
+    #[error("the {format} array holds {found}, expected {expected}")]
+    WrongElement {
+        /// Name of the format.
+        format: &'static str,
+        /// The type found.
+        found: String,
+        /// The type expected.
+        expected: &'static str,
+    },
+    /// The file ends before its data do.
+    #[error("the {format} data end {missing_bytes} bytes too early")]
+    Truncated {
+        /// Name of the format.
+        format: &'static str,
+        /// Number of bytes that are missing.
+        missing_bytes: usize,
+    },
+    /// The header announces no data.
+    #[error("the {format} file holds no data")]
+    NoData {
+        /// Name of the format.
+        format: &'static str,
+    },
+    /// The file goes on after its data.
+    #[error("{extra_bytes} bytes follow the {format} data")]
+    TrailingBytes {
+        /// Name of the format.
+        format: &'static str,
+        /// Number of bytes too many.
+        extra_bytes: usize,
+    },
+    /// The operating system could not deliver the bytes.
+    #[error("the bytes could not be read")]
+    Read {
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Something is wrong with a named file.
+    #[error("in {}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<Self>,
+    },
+}
+
+fn quoted(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
+/// Accepts a finite value above zero.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(LabioError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value above 0",
+        })
+    }
+}
