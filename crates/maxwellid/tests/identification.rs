@@ -240,11 +240,12 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 #[test]
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
-    let at_51_khz = exponent_through_recorder(51_200.0, &truth);
-    let at_409_khz = exponent_through_recorder(8.0 * 51_200.0, &truth);
-    // The bias is no defect of the inversion: it shrinks with the rise time of the filter, here by a factor of eight.
-    assert!(at_51_khz < 2.108 - 0.3, "{at_51_khz}");
-    assert!((at_409_khz - 2.108).abs() < 0.15, "{at_409_khz}");
+    let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
+    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 2.07.
+    let exponents = [at(1.0), at(4.0), at(16.0)];
+    assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
+    assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");
+    assert!((exponents[2] - 2.108).abs() < 0.06, "{exponents:?}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 /// Cells of the inversion, in m.
 const CELL: f64 = 1e-3;
 /// Cells of the chain in the shortest wave of the record.
-const CELLS_PER_WAVE: f64 = 120.0;
+const CELLS_PER_WAVE: f64 = 90.0;
 /// The section of excitation lies this far from the struck end in m, as in Table 2; the appendix gives no rod length.
 const TAPE: f64 = 0.008;
 

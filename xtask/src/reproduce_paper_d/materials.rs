@@ -13,7 +13,7 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 const CELL: f64 = 4e-3;
 
 /// Cells of the chain in the shortest wave of the record.
-const CELLS_PER_WAVE: f64 = 80.0;
+const CELLS_PER_WAVE: f64 = 50.0;
 
 /// What the recorded excitation is to the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
