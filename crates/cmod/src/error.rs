@@ -12,7 +12,7 @@ pub enum CmodError {
     /// A physical quantity has a value that nature does not allow, or is not a number.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, as `length [m]`.
+        /// Name and unit of the quantity, as `length \[m\]`.
         quantity: &'static str,
         /// The value found.
         value: f64,

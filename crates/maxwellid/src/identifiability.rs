@@ -58,6 +58,9 @@ pub struct Estimate {
     pub role: Role,
     /// Whether the data determine it.
     pub verdict: Verdict,
+    /// Root mean square change of the response, as a share of V0, for a unit change of ln(value) or, where `scale` is a
+    /// difference, of the value; the other coordinates stay. `None` for a derived parameter.
+    pub influence: Option<f64>,
 }
 
 /// The information that the data hold about the parameters at the minimum.
@@ -149,8 +152,18 @@ pub(crate) fn assess<L: IdentifiableLaw>(
         gradient: vec![0.0; parameters - 1],
         role: Role::Coordinate,
     };
-    let mut estimates = vec![estimate(&modulus, &covariance, 1.0)];
-    estimates.extend(law.stated().iter().map(|p| estimate(p, &covariance, 0.0)));
+    let influences: Vec<f64> = linearisation
+        .jacobian
+        .iter()
+        .map(|column| root_mean_square(column))
+        .collect();
+    let mut estimates = vec![estimate(&modulus, &covariance, &influences, 1.0)];
+    let stated = law.stated();
+    estimates.extend(
+        stated
+            .iter()
+            .map(|p| estimate(p, &covariance, &influences, 0.0)),
+    );
     // the last parameter of a law is its rate: where the rate is not seen, neither is the shape of what is not seen,
     // whatever its linearised error at the point where the iteration stopped
     let rate_seen = covariance[parameters - 1][parameters - 1].sqrt() < IDENTIFIED_BELOW;
@@ -172,7 +185,12 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     })
 }
 
-fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], by_log_modulus: f64) -> Estimate {
+fn estimate(
+    parameter: &StatedParameter,
+    covariance: &[Vec<f64>],
+    influences: &[f64],
+    by_log_modulus: f64,
+) -> Estimate {
     let gradient: Vec<f64> = std::iter::once(by_log_modulus)
         .chain(parameter.gradient.iter().copied())
         .collect();
@@ -203,7 +221,22 @@ fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], by_log_modulus
         } else {
             Verdict::NotIdentifiable
         },
+        // a coordinate depends on one parameter of the fit only
+        influence: (parameter.role == Role::Coordinate)
+            .then(|| {
+                let own = gradient.iter().zip(influences).find(|(g, _)| **g != 0.0);
+                own.map(|(g, influence)| influence / g.abs())
+            })
+            .flatten(),
     }
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn root_mean_square(values: &[f64]) -> f64 {
+    (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
 /// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer, 1992), at least 1.

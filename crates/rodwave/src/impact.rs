@@ -44,7 +44,7 @@ impl Striker {
         self.density * self.area() * self.length
     }
 
-    /// Cross-sectional area [m²].
+    /// Cross-sectional area \[m²\].
     #[must_use]
     pub fn area(&self) -> f64 {
         0.25 * PI * self.diameter.powi(2)

@@ -49,10 +49,10 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
     /// The relaxation over one fixed duration, prepared once and applied to every cell of a rod.
     type Flow: RelaxationFlow + Send + Sync;
 
-    /// The inelastic strain rate F(σ) [1/s] at stress σ [Pa].
+    /// The inelastic strain rate F(σ) [1/s] at stress σ \[Pa\].
     fn inelastic_strain_rate(&self, stress: f64) -> f64;
 
-    /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` [s] for Young's modulus `modulus` [Pa].
+    /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` \[s\] for Young's modulus `modulus` \[Pa\].
     fn flow(&self, modulus: f64, duration: f64) -> Self::Flow;
 
     /// The parameters, in the order of [`Self::PARAMETERS`].
@@ -64,13 +64,13 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
     /// [`RodwaveError::LengthMismatch`] or [`RodwaveError::NonPhysical`].
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>;
 
-    /// The stress [Pa] at which the reference rate is taken.
+    /// The stress \[Pa\] at which the reference rate is taken.
     fn reference_stress(&self) -> f64;
 }
 
 /// The exact relaxation of one law over one duration.
 pub trait RelaxationFlow {
-    /// Stress [Pa] after the relaxation, from the stress before.
+    /// Stress \[Pa\] after the relaxation, from the stress before.
     ///
     /// |result| <= |stress|, and the sign is kept.
     fn relax(&self, stress: f64) -> f64;

@@ -1,4 +1,46 @@
 //! One-dimensional waves in viscoelastic rods: the forward physics.
+//!
+//! # Problem
+//! A slender rod obeys ∂σ/∂x = ρ ∂v/∂t and ∂ε/∂t = ∂v/∂x with a constitutive law between σ and ε
+//! (Ödeen 1993, survey, eqs. 2.1-2.3). What does a blow at one end do at another section, how does an end answer to a
+//! force, and what force do two bodies exert on each other?
+//!
+//! Linear laws are complex moduli E(ω): [`modulus`], [`medium`], [`transition`]. Nonlinear ones are inelastic strain
+//! rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`]. [`lumped`] is an independent second
+//! solver, [`impact`] a striker against a rod, [`experiment`] what instruments would have recorded of it.
+//!
+//! ```
+//! use rodwave::inelastic::Maxwell;
+//! use rodwave::{DirectProblem, InelasticRod};
+//!
+//! // the end of a polyamide rod is set in motion at once: when and how does the other end follow?
+//! let rod = InelasticRod::new(0.4, 1140.0, 3.209e9, Maxwell::new(4e6)?)?;
+//! let problem = DirectProblem::new(rod, 400)?;
+//! let mut march = problem.march(9.0);
+//! while march.free_end_velocity() == 0.0 {
+//!     march.advance(9.0);
+//! }
+//! assert_eq!(march.steps(), 400); // one cell a step: the front moves at (E/ρ)^½
+//! let energy = march.energy();
+//! assert!(energy.dissipated > 0.0);
+//! assert!((energy.supplied - energy.stored - energy.dissipated).abs() < 1e-12 * energy.supplied);
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+//!
+//! # Conventions
+//! SI units throughout. Time factor e^{+iωt}, so E'' >= 0 and the propagation coefficient γ = α + ik has α >= 0 and k > 0 for
+//! ω > 0. x and the particle velocity v grow along the rod; stress and normal force are positive in tension, contact forces in
+//! compression. The state of a section is (N, v).
+//!
+//! # Errata of the source
+//! The "finite system method" of paper D is not described in public text; the method of characteristics takes its place. The
+//! power laws of paper E, eq. 7, are no causal pair and hold on the real frequency axis only.
+//!
+//! # What this does not do
+//! * Lateral inertia: wavelengths must exceed five diameters, ten for errors below 1 %.
+//! * Plasticity with memory, damage, heat: the inelastic strain rate depends on the present stress only.
+//! * The time-domain solvers take one uniform rod.
+
 pub mod band_limited;
 pub mod characteristics;
 mod error;

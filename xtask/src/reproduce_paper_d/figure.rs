@@ -1,7 +1,6 @@
 //! One figure a material: measured and simulated response of the four tests, and what is left between them.
 
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::LegendPosition;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
@@ -17,10 +16,9 @@ pub(crate) fn svg(material: &Material, impact_velocity: f64) -> String {
         let panel = responses(history);
         layouts.push(
             Layout::auto_from_plots(&panel)
-                .with_title(format!("{}, {}", material.material, history.name))
+                .with_title(history.name.clone())
                 .with_x_label("time from the first sample, ms")
-                .with_y_label("velocity of the free end, m/s")
-                .with_legend_position(LegendPosition::InsideTopRight),
+                .with_y_label("velocity of the free end, m/s"),
         );
         plots.push(panel);
     }
@@ -35,6 +33,11 @@ pub(crate) fn svg(material: &Material, impact_velocity: f64) -> String {
     }
     let columns = material.histories.len();
     let scene = Figure::new(2, columns)
+        .with_title(format!(
+            "{}: virtual measurements with 2 % noise (points) and the identified law (lines)",
+            material.material
+        ))
+        .with_title_size(18)
         .with_plots(plots)
         .with_layouts(layouts)
         .with_cell_size(380.0, 280.0)
@@ -56,15 +59,13 @@ fn responses(history: &History) -> Vec<Plot> {
             ScatterPlot::new()
                 .with_data(milliseconds(&history.times, &history.measured))
                 .with_color("#555555")
-                .with_size(1.8)
-                .with_legend("virtual measurement"),
+                .with_size(1.8),
         ),
         Plot::Line(
             LinePlot::new()
                 .with_data(milliseconds(&history.times, &history.simulated))
                 .with_color("#c2410c")
-                .with_stroke_width(1.4)
-                .with_legend("identified law"),
+                .with_stroke_width(1.4),
         ),
     ]
 }

@@ -39,7 +39,7 @@ macro_rules! with_law {
 }
 pub(crate) use with_law;
 
-/// Young's modulus of a set of parameters [Pa].
+/// Young's modulus of a set of parameters \[Pa\].
 pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
     match parameters {
         LawParameters::Maxwell { modulus, .. }
@@ -71,6 +71,9 @@ pub(crate) struct Parameter {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stopped_at: Option<f64>,
     pub(crate) verdict: String,
+    /// What ten per cent of the parameter change in the response, rms, as a share of V0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) influence_of_ten_per_cent: Option<f64>,
     #[serde(skip)]
     pub(crate) identified: bool,
     #[serde(skip)]
@@ -158,6 +161,13 @@ fn run<L: IdentifiableLaw>(
                         Role::Coordinate => estimate.verdict.to_string(),
                         Role::Derived => "derived".into(),
                     },
+                    influence_of_ten_per_cent: estimate.influence.map(|influence| {
+                        0.1 * influence
+                            * match estimate.scale {
+                                Scale::Ratio => 1.0,
+                                Scale::Difference => estimate.value.abs(),
+                            }
+                    }),
                     identified,
                     scale: estimate.scale,
                 }

@@ -28,7 +28,7 @@ pub struct MaxwellGurevichRabinovich {
 }
 
 impl MaxwellGurevichRabinovich {
-    /// The law with viscosity η [Pa s] at vanishing stress and activation stress m [Pa].
+    /// The law with viscosity η [Pa s] at vanishing stress and activation stress m \[Pa\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless η and m are finite and above 0.
@@ -40,7 +40,7 @@ impl MaxwellGurevichRabinovich {
         Self::from_reference_rate(sharpness, rate, DEFAULT_REFERENCE_STRESS)
     }
 
-    /// The law with β = σ_ref/m and F(`reference_stress` [Pa]) = `reference_rate` [1/s].
+    /// The law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0.
@@ -62,7 +62,7 @@ impl MaxwellGurevichRabinovich {
         self.reference_stress / self.reference_rate * self.sharpness.exp()
     }
 
-    /// Activation stress m [Pa]: infinite for the linear law, negative where the viscosity grows with stress.
+    /// Activation stress m \[Pa\]: infinite for the linear law, negative where the viscosity grows with stress.
     #[must_use]
     pub fn activation_stress(&self) -> f64 {
         self.reference_stress / self.sharpness

@@ -34,7 +34,7 @@ impl Maxwell {
         )
     }
 
-    /// The law with F(`reference_stress` [Pa]) = `reference_rate` [1/s].
+    /// The law with F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.

@@ -4,7 +4,7 @@ use super::{DEFAULT_REFERENCE_STRESS, InelasticLaw, RelaxationFlow, RelaxedStres
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at σ_ref [Pa].
+/// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at σ_ref \[Pa\].
 ///
 /// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so that the linear
 /// limit is no wall for an identification.
@@ -37,7 +37,7 @@ impl MaxwellNorton {
         Self::from_reference_rate(exponent, rate, DEFAULT_REFERENCE_STRESS)
     }
 
-    /// The law with exponent κ and F(`reference_stress` [Pa]) = `reference_rate` [1/s].
+    /// The law with exponent κ and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
