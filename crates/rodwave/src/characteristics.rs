@@ -19,7 +19,7 @@
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
-use crate::inelastic::{InelasticLaw, MAX_PARAMETERS, RelaxationFlow};
+use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow};
 use crate::rod::InelasticRod;
 
 /// Name of this solver in the provenance of virtual records.
@@ -375,23 +375,44 @@ fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reach
     let inverse = 1.0 / impedance;
     let right = &mut wave.right.as_mut_slice()[..reached];
     let left = &mut wave.left.as_mut_slice()[..reached];
-    let mut loss = 0.0;
-    let mut first = 0.0;
-    for (index, (r, l)) in right.iter_mut().zip(left.iter_mut()).enumerate() {
-        let scaled = 0.5 * (*r + *l);
-        let stress = impedance * scaled;
-        let change = (flow.relax(stress) - stress) * inverse;
-        *r += change;
-        *l += change;
-        // (R² + L²) changes by 2 change (R + L) + 2 change² = 2 change (2 scaled + change)
-        let lost = -2.0 * change * (2.0 * scaled + change);
-        loss += lost;
-        if index == 0 {
-            first = lost;
-        }
+    let mut loss = [0.0; LANES];
+    let (right_blocks, right_rest) = right.as_chunks_mut::<LANES>();
+    let (left_blocks, left_rest) = left.as_chunks_mut::<LANES>();
+    // the rest, filled up with cells at rest
+    let (mut r, mut l) = ([0.0; LANES], [0.0; LANES]);
+    let rest = right_rest.len();
+    r[..rest].copy_from_slice(right_rest);
+    l[..rest].copy_from_slice(left_rest);
+    let blocks = right_blocks.iter_mut().zip(left_blocks);
+    let mut loss_of_end = None;
+    for (right, left) in blocks.chain(std::iter::once((&mut r, &mut l))) {
+        relax_block(right, left, flow, impedance, inverse, &mut loss);
+        loss_of_end.get_or_insert(loss[0]);
     }
+    right_rest.copy_from_slice(&r[..rest]);
+    left_rest.copy_from_slice(&l[..rest]);
     // the end node carries half a cell
-    loss - 0.5 * first
+    loss.iter().sum::<f64>() - 0.5 * loss_of_end.unwrap_or(0.0)
+}
+
+#[inline]
+fn relax_block<F: RelaxationFlow>(
+    right: &mut [f64; LANES],
+    left: &mut [f64; LANES],
+    flow: &F,
+    impedance: f64,
+    inverse: f64,
+    loss: &mut [f64; LANES],
+) {
+    let scaled: [f64; LANES] = std::array::from_fn(|i| 0.5 * (right[i] + left[i]));
+    let change = flow.change(&std::array::from_fn(|i| impedance * scaled[i]));
+    for i in 0..LANES {
+        let change = change[i] * inverse;
+        right[i] += change;
+        left[i] += change;
+        // R² + L² changes by 2 change (R + L) + 2 change²
+        loss[i] -= 2.0 * change * (2.0 * scaled[i] + change);
+    }
 }
 
 /// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
@@ -403,30 +424,41 @@ fn relax_with_tangents<L: InelasticLaw>(
     reached: usize,
 ) {
     let inverse = 1.0 / impedance;
-    let count = L::PARAMETERS.len();
-    let mut by_parameter = [0.0; MAX_PARAMETERS];
-    let right = wave.right.as_mut_slice();
-    let left = wave.left.as_mut_slice();
-    for node in 0..reached {
-        let scaled = 0.5 * (right[node] + left[node]);
-        let stress = impedance * scaled;
-        let relaxed = flow.relax_with_sensitivity(stress, &mut by_parameter[..count]);
-        let change = (relaxed.stress - stress) * inverse;
-        let scaled_after = scaled + change;
-        right[node] += change;
-        left[node] += change;
+    let parameters = L::PARAMETERS.len();
+    for first in (0..reached).step_by(LANES) {
+        let count = LANES.min(reached - first);
+        let nodes = first..first + count;
+        let right = &mut wave.right.as_mut_slice()[nodes.clone()];
+        let left = &mut wave.left.as_mut_slice()[nodes.clone()];
+        let mut scaled = [0.0; LANES];
+        for ((scaled, r), l) in scaled.iter_mut().zip(right.iter()).zip(left.iter()) {
+            *scaled = 0.5 * (r + l);
+        }
+        let change = flow
+            .change_with_sensitivity(&std::array::from_fn(|i| impedance * scaled[i]), parameters);
+        for ((change, r), l) in change.stress.iter().zip(right).zip(left) {
+            *r += change * inverse;
+            *l += change * inverse;
+        }
         for (index, tangent) in tangents.iter_mut().enumerate() {
-            let r = &mut tangent.right.as_mut_slice()[node];
-            let l = &mut tangent.left.as_mut_slice()[node];
-            let before = 0.5 * (*r + *l);
-            let source = if index == 0 {
-                0.5 * (scaled * relaxed.by_stress + relaxed.by_log_modulus * inverse - scaled_after)
+            let source: [f64; LANES] = if index == 0 {
+                // at constant dimensionless time: Z and E h grow as E^½
+                std::array::from_fn(|i| {
+                    0.5 * (scaled[i] * change.by_stress[i]
+                        + (change.by_log_modulus[i] - change.stress[i]) * inverse)
+                })
             } else {
-                by_parameter[index - 1] * inverse
+                std::array::from_fn(|i| change.by_parameter[index - 1][i] * inverse)
             };
-            let change = relaxed.by_stress * before + source - before;
-            *r += change;
-            *l += change;
+            let right = &mut tangent.right.as_mut_slice()[nodes.clone()];
+            let left = &mut tangent.left.as_mut_slice()[nodes.clone()];
+            for (((r, l), source), by_stress) in
+                right.iter_mut().zip(left).zip(source).zip(change.by_stress)
+            {
+                let change = by_stress * 0.5 * (*r + *l) + source;
+                *r += change;
+                *l += change;
+            }
         }
     }
 }

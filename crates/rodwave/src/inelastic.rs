@@ -19,6 +19,7 @@
 //! 0.9999, between κ and ln r it is of order 0.5.
 
 mod elastic;
+mod elementary;
 mod gurevich_rabinovich;
 mod maxwell;
 mod norton;
@@ -68,7 +69,13 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
     fn reference_stress(&self) -> f64;
 }
 
+/// Number of cells that a [`RelaxationFlow`] relaxes together.
+pub const LANES: usize = 8;
+
 /// The exact relaxation of one law over one duration.
+///
+/// [`RelaxationFlow::change`] and [`RelaxationFlow::change_with_sensitivity`] have defaults; a law whose flow needs
+/// transcendental functions overrides them where the solver's speed matters.
 pub trait RelaxationFlow {
     /// Stress \[Pa\] after the relaxation, from the stress before.
     ///
@@ -78,6 +85,42 @@ pub trait RelaxationFlow {
     /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to
     /// `by_parameter`, which has as many entries as the law has parameters.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
+
+    /// Stress after minus stress before \[Pa\], for several cells.
+    #[inline]
+    fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
+        std::array::from_fn(|i| self.relax(stress[i]) - stress[i])
+    }
+
+    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the number of parameters of the law.
+    #[inline]
+    fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
+        cell_by_cell(self, stress, parameters)
+    }
+}
+
+/// The change of several cells with its derivatives, one cell after the other.
+fn cell_by_cell<F: RelaxationFlow + ?Sized>(
+    flow: &F,
+    stress: &[f64; LANES],
+    parameters: usize,
+) -> StressChange {
+    let mut result = StressChange::default();
+    let mut by_parameter = [0.0; MAX_PARAMETERS];
+    for (lane, &stress) in stress.iter().enumerate() {
+        let relaxed = flow.relax_with_sensitivity(stress, &mut by_parameter[..parameters]);
+        result.stress[lane] = relaxed.stress - stress;
+        result.by_stress[lane] = relaxed.by_stress - 1.0;
+        result.by_log_modulus[lane] = relaxed.by_log_modulus;
+        for (column, value) in result
+            .by_parameter
+            .iter_mut()
+            .zip(&by_parameter[..parameters])
+        {
+            column[lane] = *value;
+        }
+    }
+    result
 }
 
 /// Result of [`RelaxationFlow::relax_with_sensitivity`].
@@ -89,6 +132,19 @@ pub struct RelaxedStress {
     pub by_stress: f64,
     /// dσ1/d ln(E h) \[Pa\]: modulus E and duration h enter only by their product.
     pub by_log_modulus: f64,
+}
+
+/// Result of [`RelaxationFlow::change_with_sensitivity`]: the change σ1 - σ0 of several cells, and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StressChange {
+    /// σ1 - σ0 \[Pa\].
+    pub stress: [f64; LANES],
+    /// dσ1/dσ0 - 1.
+    pub by_stress: [f64; LANES],
+    /// dσ1/d ln(E h) \[Pa\].
+    pub by_log_modulus: [f64; LANES],
+    /// dσ1/dp \[Pa\] for each parameter p of the law.
+    pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
 /// Checks the number of parameters handed to a law.

@@ -1,6 +1,8 @@
 //! The linear Maxwell law, F = σ/η (Ödeen 1993, paper D, Table 1, model 1).
 
-use super::{DEFAULT_REFERENCE_STRESS, InelasticLaw, RelaxationFlow, RelaxedStress, check_count};
+use super::{
+    DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, check_count,
+};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -68,6 +70,7 @@ impl InelasticLaw for Maxwell {
         MaxwellFlow {
             exponent,
             factor: (-exponent).exp(),
+            decrement: (-exponent).exp_m1(),
         }
     }
 
@@ -90,12 +93,19 @@ impl InelasticLaw for Maxwell {
 pub struct MaxwellFlow {
     exponent: f64,
     factor: f64,
+    /// factor - 1
+    decrement: f64,
 }
 
 impl RelaxationFlow for MaxwellFlow {
     #[inline]
     fn relax(&self, stress: f64) -> f64 {
         stress * self.factor
+    }
+
+    #[inline]
+    fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
+        std::array::from_fn(|i| stress[i] * self.decrement)
     }
 
     #[inline]

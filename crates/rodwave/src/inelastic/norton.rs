@@ -1,6 +1,9 @@
 //! The Maxwell-Norton law, F = |σ|^κ sgn(σ)/B (Ödeen 1993, paper D, Table 1, model 2).
 
-use super::{DEFAULT_REFERENCE_STRESS, InelasticLaw, RelaxationFlow, RelaxedStress, check_count};
+use super::{
+    DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
+    cell_by_cell, check_count, elementary,
+};
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
@@ -81,6 +84,7 @@ impl InelasticLaw for MaxwellNorton {
             excess: self.exponent - 1.0,
             advance: modulus * duration * self.reference_rate / self.reference_stress,
             reference_stress: self.reference_stress,
+            series: series_of_decrement(self.exponent - 1.0),
         }
     }
 
@@ -107,6 +111,7 @@ pub struct NortonFlow {
     /// E h r/σ_ref, the value of a at the reference stress
     advance: f64,
     reference_stress: f64,
+    series: [f64; TERMS],
 }
 
 impl NortonFlow {
@@ -121,16 +126,8 @@ impl NortonFlow {
     #[inline]
     fn factor(&self, a: f64) -> f64 {
         let n = self.excess;
-        if a * (1.0 + n.abs()) < 2e-3 {
-            // Σ (-a)^k Π(1 + j n)/k!; the first omitted term is below (2e-3)^6 = 6e-17
-            return 1.0
-                - a * (1.0
-                    - (1.0 + n) * a / 2.0
-                        * (1.0
-                            - (1.0 + 2.0 * n) * a / 3.0
-                                * (1.0
-                                    - (1.0 + 3.0 * n) * a / 4.0
-                                        * (1.0 - (1.0 + 4.0 * n) * a / 5.0))));
+        if self.is_short(a) {
+            return 1.0 - self.short_decrement(a);
         }
         let x = n * a;
         if x <= -1.0 {
@@ -141,6 +138,45 @@ impl NortonFlow {
             (-a * (x.ln_1p() / x)).exp()
         }
     }
+
+    /// Whether the series of [`Self::short_decrement`] holds.
+    #[inline]
+    fn is_short(&self, a: f64) -> bool {
+        a * (1.0 + self.excess.abs()) < SHORT
+    }
+
+    /// 1 - (1 + n a)^(-1/n) by its series.
+    #[inline]
+    fn short_decrement(&self, a: f64) -> f64 {
+        a * self.series.iter().rev().fold(0.0, |sum, c| sum * a + c)
+    }
+
+    /// ln(|σ|/σ_ref) and a of several cells.
+    #[inline]
+    fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
+        let inverse = 1.0 / self.reference_stress;
+        let ln_ratio = elementary::ln(&std::array::from_fn(|i| stress[i].abs() * inverse));
+        let power = elementary::exp(&std::array::from_fn(|i| self.excess * ln_ratio[i]));
+        (ln_ratio, std::array::from_fn(|i| self.advance * power[i]))
+    }
+}
+
+/// Largest a (1 + |n|) of a short step: the first omitted term of the series is (2e-2)^9 of the first, 5e-16.
+const SHORT: f64 = 2e-2;
+
+/// Terms of the series of the decrement.
+const TERMS: usize = 9;
+
+/// Coefficients of 1 - (1 + n a)^(-1/n) = Σ (-1)^k Π_{j<=k}(1 + j n)/(k+1)! a^(k+1), from k = 0.
+fn series_of_decrement(n: f64) -> [f64; TERMS] {
+    let mut coefficient = 1.0;
+    let mut order = 1.0;
+    std::array::from_fn(|_| {
+        let present = coefficient;
+        coefficient *= -(1.0 + order * n) / (order + 1.0);
+        order += 1.0;
+        present
+    })
 }
 
 impl RelaxationFlow for NortonFlow {
@@ -150,6 +186,44 @@ impl RelaxationFlow for NortonFlow {
             return 0.0;
         }
         stress * self.factor(self.relative_step(stress).0)
+    }
+
+    #[inline]
+    fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
+        let (_, a) = self.relative_steps(stress);
+        if a.iter().all(|a| self.is_short(*a)) {
+            std::array::from_fn(|i| -stress[i] * self.short_decrement(a[i]))
+        } else {
+            std::array::from_fn(|i| self.relax(stress[i]) - stress[i])
+        }
+    }
+
+    #[inline]
+    fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
+        let (ln_ratio, a) = self.relative_steps(stress);
+        // at zero stress κ < 1 has no derivative and κ = 1 its limit: the exact path knows
+        if !a.iter().all(|a| self.is_short(*a)) || self.excess <= 0.0 && stress.contains(&0.0) {
+            return cell_by_cell(self, stress, parameters);
+        }
+        let mut result = StressChange::default();
+        for i in 0..LANES {
+            let a = a[i];
+            let x = self.excess * a;
+            let inverse = 1.0 / (1.0 + x);
+            let decrement = self.short_decrement(a);
+            let relaxed = stress[i] * (1.0 - decrement);
+            let by_log_rate = -relaxed * a * inverse;
+            // Σ (-x)^k (k+1)/(k+2) as in `bend`; |x| < 2e-2, and it counts a-fold
+            let bend =
+                0.5 - x * (2.0 / 3.0 - x * (0.75 - x * (0.8 - x * (5.0 / 6.0 - x * (6.0 / 7.0)))));
+            result.stress[i] = -stress[i] * decrement;
+            // factor/(1 + x) - 1
+            result.by_stress[i] = -(decrement + x) * inverse;
+            result.by_log_modulus[i] = by_log_rate;
+            result.by_parameter[0][i] = relaxed * a * (a * bend - ln_ratio[i] * inverse);
+            result.by_parameter[1][i] = by_log_rate;
+        }
+        result
     }
 
     #[inline]
