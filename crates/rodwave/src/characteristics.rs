@@ -19,7 +19,7 @@
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
-use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow};
+use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
 use crate::rod::InelasticRod;
 
 /// Name of this solver in the provenance of virtual records.
@@ -275,11 +275,17 @@ impl<L: InelasticLaw> March<L> {
     pub fn advance(&mut self, velocity: f64) {
         let nodes = self.wave.len();
         let reached = (self.steps + 1).min(nodes);
-        let relaxed = if self.steps == 0 {
-            relax(&mut self.wave, &self.half_flow, self.impedance, reached)
+        let flow = if self.steps == 0 {
+            &self.half_flow
         } else {
-            relax(&mut self.wave, &self.flow, self.impedance, reached)
+            &self.flow
         };
+        let relaxed = pulp::Arch::new().dispatch(Relax {
+            wave: &mut self.wave,
+            flow,
+            impedance: self.impedance,
+            reached,
+        });
         self.dissipated += self.energy_weight * relaxed;
         self.supplied += 0.5 * self.energy_weight * self.wave.net_inflow();
         self.wave.shift(velocity);
@@ -295,13 +301,13 @@ impl<L: InelasticLaw> March<L> {
         } else {
             &self.flow
         };
-        relax_with_tangents::<L>(
-            &mut self.wave,
-            &mut self.tangents,
+        pulp::Arch::new().dispatch(RelaxWithTangents::<L> {
+            wave: &mut self.wave,
+            tangents: &mut self.tangents,
             flow,
-            self.impedance,
+            impedance: self.impedance,
             reached,
-        );
+        });
         self.wave.shift(velocity);
         for (index, tangent) in self.tangents.iter_mut().enumerate() {
             tangent.shift(if index == 0 { velocity_tangent } else { 0.0 });
@@ -369,8 +375,25 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
+/// [`relax`] as a task that can be run with the vector instructions of the processor at hand: the same digits, sooner.
+struct Relax<'a, F> {
+    wave: &'a mut WavePair,
+    flow: &'a F,
+    impedance: f64,
+    reached: usize,
+}
+
+impl<F: RelaxationFlow> pulp::NullaryFnOnce for Relax<'_, F> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        relax(self.wave, self.flow, self.impedance, self.reached)
+    }
+}
+
 /// Relaxes the first `reached` nodes (ahead of the front there is nothing) and returns the loss of Σ(R² + L²).
-#[inline]
+#[inline(always)]
 fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
     let inverse = 1.0 / impedance;
     let right = &mut wave.right.as_mut_slice()[..reached];
@@ -395,7 +418,7 @@ fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reach
     loss.iter().sum::<f64>() - 0.5 * loss_of_end.unwrap_or(0.0)
 }
 
-#[inline]
+#[inline(always)]
 fn relax_block<F: RelaxationFlow>(
     right: &mut [f64; LANES],
     left: &mut [f64; LANES],
@@ -404,8 +427,8 @@ fn relax_block<F: RelaxationFlow>(
     inverse: f64,
     loss: &mut [f64; LANES],
 ) {
-    let scaled: [f64; LANES] = std::array::from_fn(|i| 0.5 * (right[i] + left[i]));
-    let change = flow.change(&std::array::from_fn(|i| impedance * scaled[i]));
+    let scaled: [f64; LANES] = lanes!(|i| 0.5 * (right[i] + left[i]));
+    let change = flow.change(&lanes!(|i| impedance * scaled[i]));
     for i in 0..LANES {
         let change = change[i] * inverse;
         right[i] += change;
@@ -415,7 +438,32 @@ fn relax_block<F: RelaxationFlow>(
     }
 }
 
+/// [`relax_with_tangents`] as a task that can be run with the vector instructions of the processor at hand.
+struct RelaxWithTangents<'a, L: InelasticLaw> {
+    wave: &'a mut WavePair,
+    tangents: &'a mut [WavePair],
+    flow: &'a L::Flow,
+    impedance: f64,
+    reached: usize,
+}
+
+impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        relax_with_tangents::<L>(
+            self.wave,
+            self.tangents,
+            self.flow,
+            self.impedance,
+            self.reached,
+        );
+    }
+}
+
 /// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
+#[inline(always)]
 fn relax_with_tangents<L: InelasticLaw>(
     wave: &mut WavePair,
     tangents: &mut [WavePair],
@@ -434,8 +482,7 @@ fn relax_with_tangents<L: InelasticLaw>(
         for ((scaled, r), l) in scaled.iter_mut().zip(right.iter()).zip(left.iter()) {
             *scaled = 0.5 * (r + l);
         }
-        let change = flow
-            .change_with_sensitivity(&std::array::from_fn(|i| impedance * scaled[i]), parameters);
+        let change = flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), parameters);
         for ((change, r), l) in change.stress.iter().zip(right).zip(left) {
             *r += change * inverse;
             *l += change * inverse;
@@ -443,12 +490,12 @@ fn relax_with_tangents<L: InelasticLaw>(
         for (index, tangent) in tangents.iter_mut().enumerate() {
             let source: [f64; LANES] = if index == 0 {
                 // at constant dimensionless time: Z and E h grow as E^½
-                std::array::from_fn(|i| {
+                lanes!(|i| {
                     0.5 * (scaled[i] * change.by_stress[i]
                         + (change.by_log_modulus[i] - change.stress[i]) * inverse)
                 })
             } else {
-                std::array::from_fn(|i| change.by_parameter[index - 1][i] * inverse)
+                lanes!(|i| change.by_parameter[index - 1][i] * inverse)
             };
             let right = &mut tangent.right.as_mut_slice()[nodes.clone()];
             let left = &mut tangent.left.as_mut_slice()[nodes.clone()];

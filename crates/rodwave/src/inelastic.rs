@@ -18,6 +18,19 @@
 //! but they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is
 //! 0.9999, between κ and ln r it is of order 0.5.
 
+/// An array with one entry for each of the cells that are relaxed together. Unlike `std::array::from_fn` it is a plain loop,
+/// which the compiler turns into vector instructions.
+macro_rules! lanes {
+    (|$i:ident| $value:expr) => {{
+        let mut lanes = [0.0_f64; $crate::inelastic::LANES];
+        for $i in 0..$crate::inelastic::LANES {
+            lanes[$i] = $value;
+        }
+        lanes
+    }};
+}
+pub(crate) use lanes;
+
 mod elastic;
 mod elementary;
 mod gurevich_rabinovich;
@@ -70,7 +83,7 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
 }
 
 /// Number of cells that a [`RelaxationFlow`] relaxes together.
-pub const LANES: usize = 8;
+pub const LANES: usize = 16;
 
 /// The exact relaxation of one law over one duration.
 ///

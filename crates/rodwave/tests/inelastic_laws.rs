@@ -9,7 +9,7 @@
 )]
 
 use rodwave::inelastic::{
-    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+    Elastic, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
 };
 
 const MODULUS: f64 = 2.5e9;
@@ -81,6 +81,59 @@ fn battery<L: InelasticLaw>(law: &L) {
                 "odd: {context}"
             );
             derivatives(law, stress, duration);
+            several_cells(law, stress, duration);
+        }
+    }
+}
+
+/// The flow of several cells at once is the flow of each.
+fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
+    let count = L::PARAMETERS.len();
+    let flow = law.flow(MODULUS, duration);
+    // from a hundredth of the stress to all of it, so that short and long steps meet in one block, and one cell at rest
+    let mut cells = [0.0; LANES];
+    for (lane, cell) in (0_u8..).zip(&mut cells[1..]) {
+        *cell = stress * 0.01_f64.powf(1.0 - f64::from(lane) / 14.0);
+    }
+    let change = flow.change(&cells);
+    let sensitivity = flow.change_with_sensitivity(&cells, count);
+    let mut by_parameter = vec![0.0; count];
+    for (lane, &cell) in cells.iter().enumerate() {
+        let context = format!("{law:?}, {cell} Pa for {duration} s");
+        let exact = flow.relax_with_sensitivity(cell, &mut by_parameter);
+        // two evaluations of one exact flow, each good to some 1e-14 of the stress
+        let rounding = 1e-13 * cell.abs();
+        assert!(
+            (change[lane] - (flow.relax(cell) - cell)).abs() <= rounding,
+            "{context}"
+        );
+        assert!(
+            (sensitivity.stress[lane] - change[lane]).abs() <= rounding,
+            "{context}"
+        );
+        let close = |name: &str, found: f64, expected: f64, scale: f64| {
+            assert!(
+                (found - expected).abs() <= 1e-11 * expected.abs() + 1e-13 * scale,
+                "{context}: {name} {found}, cell by cell {expected}"
+            );
+        };
+        // at rest the derivative of |σ|^κ jumps where κ is just above 1: it is 1 at 0 Pa and e^{-q} at 1e-300 Pa
+        if cell != 0.0 {
+            close(
+                "by stress",
+                1.0 + sensitivity.by_stress[lane],
+                exact.by_stress,
+                1.0,
+            );
+        }
+        close(
+            "by ln modulus",
+            sensitivity.by_log_modulus[lane],
+            exact.by_log_modulus,
+            cell.abs(),
+        );
+        for (found, expected) in sensitivity.by_parameter.iter().zip(&by_parameter) {
+            close("by parameter", found[lane], *expected, cell.abs());
         }
     }
 }

@@ -46,15 +46,15 @@ const EXPONENTIAL: [f64; 13] = [
 ];
 
 /// Σ cₖ xᵏ by Horner's rule.
-#[inline]
+#[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 /// ln of numbers that are not negative, to 1e-14 (relative to 1 near 1); about -709 at zero.
-#[inline]
+#[inline(always)]
 pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
-    std::array::from_fn(|i| {
+    lanes!(|i| {
         let shifted = x[i].to_bits().wrapping_add(ONE_BITS - SQRT_HALF_BITS);
         let exponent = f64::from_bits((shifted >> 52) | TWO_TO_52_BITS) - TWO_TO_52 - 1023.0;
         let mantissa = f64::from_bits((shifted & MANTISSA) + SQRT_HALF_BITS);
@@ -66,9 +66,9 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
 }
 
 /// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; beyond, the value at the nearer end.
-#[inline]
+#[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
-    std::array::from_fn(|i| {
+    lanes!(|i| {
         // max and min in this order let a NaN through to the exact path
         let x = if x[i] < -708.0 { -708.0 } else { x[i] };
         let x = if x > 709.0 { 709.0 } else { x };
@@ -93,7 +93,7 @@ mod tests {
         let mut x = 1e-300_f64;
         while x < 1e300 {
             let values: [f64; LANES] =
-                std::array::from_fn(|i| x * (1.0 + 0.11 * f64::from(u8::try_from(i).unwrap())));
+                lanes!(|i| x * (1.0 + 0.11 * f64::from(u8::try_from(i).unwrap())));
             for (value, found) in values.iter().zip(ln(&values)) {
                 // a few units of rounding of the result or, near 1, of the argument
                 let allowed = 1e-15 * value.ln().abs().max(1.0) * 4.0;
@@ -103,8 +103,7 @@ mod tests {
         }
         let mut x = -700.0_f64;
         while x < 700.0 {
-            let values: [f64; LANES] =
-                std::array::from_fn(|i| x + 0.031 * f64::from(u8::try_from(i).unwrap()));
+            let values: [f64; LANES] = lanes!(|i| x + 0.031 * f64::from(u8::try_from(i).unwrap()));
             for (value, found) in values.iter().zip(exp(&values)) {
                 assert!(
                     (found / value.exp() - 1.0).abs() < 4e-15,

@@ -124,7 +124,7 @@ const SERIES_LIMIT: f64 = 2e-2;
 /// S to seven terms of its Taylor series in q, with a = q e^p and p = y0.
 ///
 /// The n-th term is aⁿ Pₙ(p)/n!, with P₁ = 1 and Pₙ₊₁ = -p (n Pₙ + Pₙ').
-#[inline]
+#[inline(always)]
 fn decrement_by_series(a: f64, p: f64) -> f64 {
     let p3 = 1.0 + 2.0 * p;
     let p4 = 1.0 + p * (7.0 + p * 6.0);
@@ -216,11 +216,11 @@ fn exponential_integral(y: f64) -> f64 {
 
 impl GurevichRabinovichFlow {
     /// y0 = |σ0|/m and a = q e^{y0} of several cells.
-    #[inline]
+    #[inline(always)]
     fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
-        let y0 = std::array::from_fn(|i| stress[i].abs() * self.inverse_activation_stress);
+        let y0 = lanes!(|i| stress[i].abs() * self.inverse_activation_stress);
         let growth = elementary::exp(&y0);
-        (y0, std::array::from_fn(|i| self.advance * growth[i]))
+        (y0, lanes!(|i| self.advance * growth[i]))
     }
 
     /// S = ln(σ0/σ1) from y0 = |σ0|/m.
@@ -244,36 +244,40 @@ impl RelaxationFlow for GurevichRabinovichFlow {
         stress * short_exp(-self.decrement(y0))
     }
 
-    #[inline]
+    #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         let (y0, a) = self.relative_steps(stress);
-        if is_short(&y0, &a) {
-            std::array::from_fn(|i| stress[i] * short_exp_m1(-decrement_by_series(a[i], y0[i])))
-        } else {
-            std::array::from_fn(|i| self.relax(stress[i]) - stress[i])
+        match parts(&y0, &a) {
+            Some(parts) => {
+                let relaxation = in_parts(&y0, &a, parts);
+                lanes!(|i| stress[i] * relaxation.shrink[i])
+            }
+            None => lanes!(|i| self.relax(stress[i]) - stress[i]),
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (y0, a) = self.relative_steps(stress);
-        if !is_short(&y0, &a) {
+        let Some(parts) = parts(&y0, &a) else {
             return cell_by_cell(self, stress, parameters);
-        }
+        };
+        let Relaxation { shrink, growth } = in_parts(&y0, &a, parts);
         let inverse_reference = 1.0 / self.reference_stress;
         let mut result = StressChange::default();
         for i in 0..LANES {
-            let shrink = short_exp_m1(-decrement_by_series(a[i], y0[i]));
+            let (shrink, growth) = (shrink[i], growth[i]);
             let change = stress[i] * shrink;
             let relaxed = stress[i] + change;
-            // y1 - y0, below the limit of the series as well
             let drop = y0[i] * shrink;
-            let growth = short_exp_m1(drop);
             // q e^{y1} = q e^{y0} e^{y1 - y0}
             let by_log_modulus = -relaxed * a[i] * (1.0 + growth);
             // (e^{y1 - y0} - 1)/(y1 - y0)
-            let mean_growth =
-                1.0 + drop * (1.0 / 2.0 + drop * (1.0 / 6.0 + drop * (1.0 / 24.0 + drop / 120.0)));
+            let mean_growth = if drop.abs() < 1e-12 {
+                1.0
+            } else {
+                growth / drop
+            };
             let by_inverse_m = relaxed * stress[i].abs() * shrink * mean_growth;
             result.stress[i] = change;
             result.by_stress[i] = shrink + growth + shrink * growth;
@@ -313,16 +317,54 @@ impl RelaxationFlow for GurevichRabinovichFlow {
     }
 }
 
-/// Whether the series of [`decrement_by_series`] holds for several cells.
-#[inline]
-fn is_short(y0: &[f64; LANES], a: &[f64; LANES]) -> bool {
-    y0.iter()
-        .zip(a)
-        .all(|(y0, a)| a * (1.0 + y0.abs()) < SERIES_LIMIT)
+/// σ1/σ0 - 1 and e^{y1 - y0} - 1 of several cells.
+struct Relaxation {
+    shrink: [f64; LANES],
+    growth: [f64; LANES],
+}
+
+/// Most parts into which a step is cut for the series; longer steps are solved exactly, cell by cell.
+const MOST_PARTS: f64 = 16.0;
+
+/// Into how many equal parts the step of several cells has to be cut for the series of [`decrement_by_series`] to hold in
+/// each; `None` for too many. The stress falls, so the first part is the hardest, and the parts make the whole exactly.
+#[inline(always)]
+fn parts(y0: &[f64; LANES], a: &[f64; LANES]) -> Option<f64> {
+    let mut hardest = 0.0_f64;
+    for (y0, a) in y0.iter().zip(a) {
+        let measure = a * (1.0 + y0.abs());
+        hardest = if measure > hardest { measure } else { hardest };
+    }
+    let parts = (hardest / SERIES_LIMIT).ceil().max(1.0);
+    // m < 0: the rate may rise as the stress falls, and the first part is not the hardest
+    let falling = y0.iter().all(|y0| *y0 >= 0.0) || hardest < SERIES_LIMIT;
+    (parts <= MOST_PARTS && falling).then_some(parts)
+}
+
+/// The relaxation of several cells in equal parts; e^y is carried from part to part by its own series.
+#[inline(always)]
+fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
+    let mut y = *y0;
+    let mut step = lanes!(|i| a[i] / parts);
+    let (mut shrink, mut growth) = ([0.0; LANES], [0.0; LANES]);
+    let mut left = parts;
+    while left > 0.5 {
+        for i in 0..LANES {
+            let by = short_exp_m1(-decrement_by_series(step[i], y[i]));
+            let drop = y[i] * by;
+            let gain = short_exp_m1(drop);
+            shrink[i] += by + shrink[i] * by;
+            growth[i] += gain + growth[i] * gain;
+            y[i] += drop;
+            step[i] += step[i] * gain;
+        }
+        left -= 1.0;
+    }
+    Relaxation { shrink, growth }
 }
 
 /// exp(x) - 1 for |x| < 2.2e-2, to a part in 1e15.
-#[inline]
+#[inline(always)]
 fn short_exp_m1(x: f64) -> f64 {
     const COEFFICIENTS: [f64; 7] = [
         1.0,

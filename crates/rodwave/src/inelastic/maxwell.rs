@@ -103,9 +103,9 @@ impl RelaxationFlow for MaxwellFlow {
         stress * self.factor
     }
 
-    #[inline]
+    #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
-        std::array::from_fn(|i| stress[i] * self.decrement)
+        lanes!(|i| stress[i] * self.decrement)
     }
 
     #[inline]

@@ -140,24 +140,24 @@ impl NortonFlow {
     }
 
     /// Whether the series of [`Self::short_decrement`] holds.
-    #[inline]
+    #[inline(always)]
     fn is_short(&self, a: f64) -> bool {
         a * (1.0 + self.excess.abs()) < SHORT
     }
 
     /// 1 - (1 + n a)^(-1/n) by its series.
-    #[inline]
+    #[inline(always)]
     fn short_decrement(&self, a: f64) -> f64 {
         a * self.series.iter().rev().fold(0.0, |sum, c| sum * a + c)
     }
 
     /// ln(|σ|/σ_ref) and a of several cells.
-    #[inline]
+    #[inline(always)]
     fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
         let inverse = 1.0 / self.reference_stress;
-        let ln_ratio = elementary::ln(&std::array::from_fn(|i| stress[i].abs() * inverse));
-        let power = elementary::exp(&std::array::from_fn(|i| self.excess * ln_ratio[i]));
-        (ln_ratio, std::array::from_fn(|i| self.advance * power[i]))
+        let ln_ratio = elementary::ln(&lanes!(|i| stress[i].abs() * inverse));
+        let power = elementary::exp(&lanes!(|i| self.excess * ln_ratio[i]));
+        (ln_ratio, lanes!(|i| self.advance * power[i]))
     }
 }
 
@@ -188,17 +188,17 @@ impl RelaxationFlow for NortonFlow {
         stress * self.factor(self.relative_step(stress).0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         let (_, a) = self.relative_steps(stress);
         if a.iter().all(|a| self.is_short(*a)) {
-            std::array::from_fn(|i| -stress[i] * self.short_decrement(a[i]))
+            lanes!(|i| -stress[i] * self.short_decrement(a[i]))
         } else {
-            std::array::from_fn(|i| self.relax(stress[i]) - stress[i])
+            lanes!(|i| self.relax(stress[i]) - stress[i])
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
         // at zero stress κ < 1 has no derivative and κ = 1 its limit: the exact path knows
