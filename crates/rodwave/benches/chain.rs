@@ -1,2 +1,121 @@
-//! To be written.
-fn main() {}
+//! Mobility of a chain at many frequencies.
+//!
+//! One element of throughput is one element of the chain at one frequency, its material law included. The groups differ in
+//! the law; within a group the number of elements and the number of frequencies vary, which must not change the rate.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "the macros of criterion define undocumented functions, and a benchmark that cannot start should say so"
+)]
+
+use std::hint::black_box;
+
+use criterion::{
+    BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement,
+};
+use num_complex::Complex64;
+use rodwave::chain::{AngularFrequency, WaveMedium};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::{Elastic, FractionalZener, PowerLawPropagation, Zener};
+use rodwave::{Chain, Termination};
+
+fn rods<M>(medium: &M, n_elements: usize) -> Chain
+where
+    M: WaveMedium<AngularFrequency> + Clone + 'static,
+{
+    let (thin, thick) = (
+        Circle::of_diameter(0.02).unwrap(),
+        Circle::of_diameter(0.03).unwrap(),
+    );
+    let mut builder = Chain::from_impact_face();
+    for index in 0..n_elements {
+        builder = builder.rod(medium, if index % 2 == 0 { thin } else { thick }, 0.1);
+    }
+    builder.end(Termination::Free).unwrap()
+}
+
+fn cones<M>(medium: &M, n_elements: usize) -> Chain
+where
+    M: WaveMedium<AngularFrequency> + Clone + 'static,
+{
+    let (thin, thick) = (
+        Circle::of_diameter(0.02).unwrap(),
+        Circle::of_diameter(0.03).unwrap(),
+    );
+    let mut builder = Chain::from_impact_face();
+    for index in 0..n_elements {
+        builder = if index % 2 == 0 {
+            builder.cone(medium, thin, thick, 0.1)
+        } else {
+            builder.horn(medium, thick, thin, 0.1)
+        };
+    }
+    builder.end(Termination::Free).unwrap()
+}
+
+fn measure(
+    group: &mut BenchmarkGroup<'_, measurement::WallTime>,
+    chain: &Chain,
+    n_frequencies: u32,
+) {
+    let n_elements = chain.n_elements();
+    group.throughput(Throughput::Elements(
+        n_elements as u64 * u64::from(n_frequencies),
+    ));
+    let name = format!("{n_elements} elements, {n_frequencies} frequencies");
+    group.bench_function(name, |bencher| {
+        bencher.iter(|| {
+            (1..=n_frequencies)
+                .map(|line| chain.mobility(black_box(60.0 * f64::from(line))).unwrap())
+                .sum::<Complex64>()
+        });
+    });
+}
+
+fn laws(criterion: &mut Criterion) {
+    let elastic = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
+    let zener = Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap();
+    let power = Medium::new(
+        1150.0,
+        PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap(),
+    )
+    .unwrap();
+    let fractional = FractionalZener::new(1e9, 4e9, 1e-4, 0.3).unwrap();
+    let fractional = Medium::new(1150.0, fractional).unwrap();
+
+    let mut group = criterion.benchmark_group("elastic rods");
+    group.sample_size(30);
+    for (n_elements, n_frequencies) in [
+        (4, 1024),
+        (16, 1024),
+        (64, 1024),
+        (256, 1024),
+        (16, 256),
+        (16, 4096),
+    ] {
+        measure(&mut group, &rods(&elastic, n_elements), n_frequencies);
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("elastic cones and horns");
+    group.sample_size(30);
+    measure(&mut group, &cones(&elastic, 16), 1024);
+    group.finish();
+    let mut group = criterion.benchmark_group("Zener rods");
+    group.sample_size(30);
+    measure(&mut group, &rods(&zener, 16), 1024);
+    group.finish();
+    let mut group = criterion.benchmark_group("rods of paper E, eq. 7");
+    group.sample_size(30);
+    measure(&mut group, &rods(&power, 16), 1024);
+    group.finish();
+    let mut group = criterion.benchmark_group("fractional rods");
+    group.sample_size(30);
+    for (n_elements, n_frequencies) in [(4, 1024), (16, 1024), (64, 1024), (16, 4096)] {
+        measure(&mut group, &rods(&fractional, n_elements), n_frequencies);
+    }
+    group.finish();
+}
+
+criterion_group!(benches, laws);
+criterion_main!(benches);

@@ -26,6 +26,14 @@ pub enum RodwaveError {
         /// The value found.
         value: f64,
     },
+    /// An element of a body is not possible, or its response at the frequency asked for is not defined.
+    #[error("element {index}: {source}")]
+    InElement {
+        /// Position of the element, from 0 at the impact face.
+        index: usize,
+        /// What is wrong with it.
+        source: Box<Self>,
+    },
     /// Two arrays that belong together differ in length.
     #[error("{what} has {found} entries, expected {expected}")]
     LengthMismatch {
@@ -45,6 +53,20 @@ pub enum RodwaveError {
         found: usize,
         /// Number needed.
         expected: usize,
+    },
+    /// A table is asked for a value that it does not hold.
+    #[error(
+        "{quantity} is {value}, expected a value from {lower} to {upper}, where the table ends"
+    )]
+    OutsideTable {
+        /// Name and unit of the argument, as `angular frequency [rad/s]`.
+        quantity: &'static str,
+        /// The argument found.
+        value: f64,
+        /// The smallest argument in the table.
+        lower: f64,
+        /// The largest argument in the table.
+        upper: f64,
     },
     /// The response is asked for beyond the end of the excitation.
     #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]

@@ -5,9 +5,14 @@
 //! (Ödeen 1993, survey, eqs. 2.1-2.3). What does a blow at one end do at another section, how does an end answer to a
 //! force, and what force do two bodies exert on each other?
 //!
-//! Linear laws are complex moduli E(ω): [`modulus`], [`medium`], [`transition`]. Nonlinear ones are inelastic strain
-//! rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`]. [`lumped`] is an independent second
-//! solver, [`impact`] a striker against a rod, [`experiment`] what instruments would have recorded of it.
+//! Linear laws are complex moduli E(ω): [`modulus`] has them, [`medium`] what they make of a wave, [`kramers_kronig`] whether
+//! measured values can be one. [`element`] and [`transition`] carry the state of a section through rods, cones, horns, masses,
+//! springs and dashpots; [`chain`] makes bodies of them, with the mobility of their faces at any frequency; [`synthesis`] turns
+//! spectra into histories. [`slenderness`] says what one-dimensional theory is worth and corrects it.
+//!
+//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`].
+//! [`lumped`] is an independent second solver, [`impact`] a striker against a rod, [`experiment`] what instruments would have
+//! recorded of it.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -37,21 +42,29 @@
 //! power laws of paper E, eq. 7, are no causal pair and hold on the real frequency axis only.
 //!
 //! # What this does not do
-//! * Lateral inertia: wavelengths must exceed five diameters, ten for errors below 1 %.
+//! * Two dimensions: lateral inertia is in [`slenderness`] alone, as a correction for uniform round rods.
 //! * Plasticity with memory, damage, heat: the inelastic strain rate depends on the present stress only.
-//! * The time-domain solvers take one uniform rod.
+//! * The time-domain solvers take one uniform rod; a body of several parts is solved in the frequency domain.
 
 pub mod band_limited;
+pub mod chain;
 pub mod characteristics;
+pub mod element;
 mod error;
 pub mod experiment;
 pub mod impact;
 pub mod inelastic;
+pub mod kramers_kronig;
 pub mod lumped;
 pub mod medium;
 pub mod modulus;
 mod rod;
+pub mod slenderness;
+pub mod synthesis;
 pub mod transition;
+pub mod waves;
+
+pub use chain::{Chain, Termination};
 pub use characteristics::DirectProblem;
 pub use error::RodwaveError;
 pub use rod::InelasticRod;

@@ -8,12 +8,18 @@
 //!
 //! Of the two roots for γ it is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and
 //! decays along +x. For ω < 0 everything is the complex conjugate.
+//!
+//! A pulse of narrow band travels with the group velocity, which follows from the modulus and its slope:
+//!
+//! ```text
+//! dγ/dω = (γ/ω) (1 - (dE/d ln ω)/(2E)) ,    c_g = 1/Im(dγ/dω)
+//! ```
 
 use num_complex::Complex64;
 
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
-use crate::modulus::{ComplexModulus, LaplaceModulus};
+use crate::modulus::{ComplexModulus, LaplaceModulus, fourth_order_difference};
 
 /// How harmonic waves propagate in a material once its density is known.
 ///
@@ -25,6 +31,14 @@ pub trait PropagationLaw {
 
     /// Complex modulus E \[Pa\] at `omega` [rad/s] for `density` [kg/m³]; the limit at ω = 0.
     fn modulus(&self, omega: f64, density: f64) -> Complex64;
+
+    /// Derivative dγ/dω [s/m] at `omega` ≠ 0 [rad/s] for `density` [kg/m³].
+    ///
+    /// Unless a law knows better, a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where γ is smooth
+    /// on the scale of an octave.
+    fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
+        fourth_order_difference(omega, |omega| self.propagation_coefficient(omega, density)) / omega
+    }
 }
 
 impl<M: ComplexModulus> PropagationLaw for M {
@@ -37,6 +51,12 @@ impl<M: ComplexModulus> PropagationLaw for M {
 
     fn modulus(&self, omega: f64, _density: f64) -> Complex64 {
         self.at(omega)
+    }
+
+    fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
+        let modulus = self.at(omega);
+        let gamma = root(modulus, Complex64::new(0.0, omega), density);
+        gamma / omega * (1.0 - 0.5 * self.slope(omega) / modulus)
     }
 }
 
@@ -119,6 +139,37 @@ impl<L: PropagationLaw> Medium<L> {
             speed.norm_sqr() / speed.re.max(f64::MIN_POSITIVE) // 1/Re(1/c), and 0 where c = 0
         } else {
             omega / self.wave_number(omega)
+        }
+    }
+
+    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static modulus E(0), which is
+    /// 0 for a fluid.
+    ///
+    /// Exact for every law whose slope is; see [`ComplexModulus::slope`] and
+    /// [`PropagationLaw::propagation_derivative`].
+    ///
+    /// # Validity
+    /// With losses a pulse changes its shape, and no point of it need travel with c_g; the notion holds for αλ ≪ 1. In a
+    /// relaxing material k grows more slowly than ω and c_g exceeds the phase velocity ω/k. It can even exceed the wave
+    /// speed (E(∞)/ρ)^½, which no front does: by up to 12 % in a Zener material with E₁ = 10 E₀.
+    ///
+    /// ```
+    /// use rodwave::medium::Medium;
+    /// use rodwave::modulus::ConstantQ;
+    ///
+    /// // k ∝ ω^{1-g}: the group is faster than the phase by 1/(1-g), g = (1/π) atan tan δ
+    /// let medium = Medium::new(912.0, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
+    /// let ratio = medium.group_velocity(1e4) / medium.phase_velocity(1e4);
+    /// let g = 0.07_f64.atan() / std::f64::consts::PI;
+    /// assert!((ratio * (1.0 - g) - 1.0).abs() < 1e-12);
+    /// # Ok::<(), rodwave::RodwaveError>(())
+    /// ```
+    #[must_use]
+    pub fn group_velocity(&self, omega: f64) -> f64 {
+        if omega == 0.0 {
+            self.phase_velocity(0.0)
+        } else {
+            1.0 / self.law.propagation_derivative(omega, self.density).im
         }
     }
 

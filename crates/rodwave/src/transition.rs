@@ -15,7 +15,7 @@
 //! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the free-end mobility, a ratio of
 //! two entries of one row, keeps its digits. What is a *difference* of large entries does not: determinant, inverse and
 //! the state transferred along +x lose a factor e^{2αL} of the rounding, that is all digits at αL ≈ 18. Beyond the
-//! overflow the mobility is refused, not returned wrong.
+//! overflow the mobility is refused, not returned wrong. A [`Chain`](crate::Chain) has none of these limits.
 //!
 //! ```
 //! use rodwave::medium::Medium;
@@ -46,6 +46,7 @@ use std::ops::Mul;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
+use crate::element::{Lumped, ScaledTransition};
 use crate::error::{check_finite, check_positive};
 
 /// Largest αL of one element: e^{700} is just below the largest number.
@@ -123,17 +124,47 @@ impl TransitionMatrix {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the mass is finite and not negative and the frequency is finite.
     pub fn lumped_mass(mass: f64, omega: f64) -> Result<Self, RodwaveError> {
-        if !(mass.is_finite() && mass >= 0.0) {
+        Self::lumped(Lumped::mass(mass)?, omega)
+    }
+
+    /// A massless spring of this `stiffness` k [N/m] between two faces, at `omega` [rad/s]: the force is common, the
+    /// velocity jumps by iωN/k.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the stiffness is finite and above 0 and the frequency is finite.
+    pub fn spring(stiffness: f64, omega: f64) -> Result<Self, RodwaveError> {
+        Self::lumped(Lumped::spring(stiffness)?, omega)
+    }
+
+    /// A massless dashpot of this `resistance` q [kg/s] between two faces: the force is common, the velocity jumps by N/q.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the resistance is finite and above 0.
+    pub fn dashpot(resistance: f64) -> Result<Self, RodwaveError> {
+        Self::lumped(Lumped::dashpot(resistance)?, 0.0)
+    }
+
+    fn lumped(element: Lumped, omega: f64) -> Result<Self, RodwaveError> {
+        let omega = check_finite("angular frequency [rad/s]", omega)?;
+        Self::from_scaled(&element.transition(Complex64::new(0.0, omega)))
+    }
+
+    /// The matrix itself from one that is divided by a power of e.
+    pub(crate) fn from_scaled(scaled: &ScaledTransition) -> Result<Self, RodwaveError> {
+        if scaled.exponent > LARGEST_DAMPING {
             return Err(RodwaveError::NonPhysical {
-                quantity: "mass [kg]",
-                value: mass,
-                expected: "a finite value, 0 or above",
+                quantity: "damping over the element",
+                value: scaled.exponent,
+                expected: "at most 700, lest the matrix overflow",
             });
         }
-        let omega = check_finite("angular frequency [rad/s]", omega)?;
-        let mut matrix = Self::identity();
-        matrix.entries[0][1] = Complex64::new(0.0, omega * mass);
-        Ok(matrix)
+        let growth = scaled.exponent.exp();
+        Ok(Self {
+            entries: [
+                [scaled.p11 * growth, scaled.p12 * growth],
+                [scaled.p21 * growth, scaled.p22 * growth],
+            ],
+        })
     }
 
     /// The entries, row by row: N from (N, v), then v from (N, v).

@@ -2,7 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::{ComplexModulus, LaplaceModulus};
+use super::differentiable::{exactly, named, write};
+use super::time_domain::after_step;
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -38,10 +40,46 @@ impl ComplexModulus for Elastic {
     fn at(&self, _omega: f64) -> Complex64 {
         Complex64::new(self.modulus, 0.0)
     }
+
+    fn slope(&self, _omega: f64) -> Complex64 {
+        Complex64::ZERO
+    }
 }
 
 impl LaplaceModulus for Elastic {
     fn at_s(&self, _s: Complex64) -> Complex64 {
         Complex64::new(self.modulus, 0.0)
+    }
+}
+
+/// Parameters: `ln_modulus`.
+impl DifferentiableModulus for Elastic {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&["ln_modulus"])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.modulus.ln()]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [modulus] = exactly(parameters)?;
+        Self::new(modulus.exp())
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        write(&[self.at(omega)], derivatives)
+    }
+}
+
+impl TimeDomainModulus for Elastic {
+    fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
+        after_step(time)?;
+        Ok(self.modulus)
+    }
+
+    fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
+        after_step(time)?;
+        Ok(1.0 / self.modulus)
     }
 }

@@ -2,14 +2,17 @@
 
 use num_complex::Complex64;
 
-use super::{ComplexModulus, LaplaceModulus};
+use super::differentiable::{exactly, named, write};
+use super::time_domain::after_step;
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
 /// A spring E in parallel with a dashpot η: E(s) = E + sη.
 ///
 /// The loss factor ωη/E grows without bound, and so does the wave speed: the equation of motion is parabolic and a
-/// front arrives at once everywhere. E(0) = E.
+/// front arrives at once everywhere. E(0) = E. A step of strain needs an infinite force for an instant: the relaxation
+/// modulus is E + ηδ(t), and E after the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KelvinVoigt {
     modulus: f64,
@@ -33,10 +36,49 @@ impl ComplexModulus for KelvinVoigt {
     fn at(&self, omega: f64) -> Complex64 {
         self.at_s(Complex64::new(0.0, omega))
     }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        Complex64::new(0.0, omega * self.viscosity)
+    }
 }
 
 impl LaplaceModulus for KelvinVoigt {
     fn at_s(&self, s: Complex64) -> Complex64 {
         self.modulus + s * self.viscosity
+    }
+}
+
+/// Parameters: `ln_modulus`, `ln_viscosity`.
+impl DifferentiableModulus for KelvinVoigt {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&["ln_modulus", "ln_viscosity"])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.modulus.ln(), self.viscosity.ln()]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [modulus, viscosity] = exactly(parameters)?;
+        Self::new(modulus.exp(), viscosity.exp())
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        write(
+            &[Complex64::from(self.modulus), self.slope(omega)],
+            derivatives,
+        )
+    }
+}
+
+impl TimeDomainModulus for KelvinVoigt {
+    fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
+        after_step(time)?;
+        Ok(self.modulus)
+    }
+
+    fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
+        let time = after_step(time)?;
+        Ok(-(-time * self.modulus / self.viscosity).exp_m1() / self.modulus)
     }
 }

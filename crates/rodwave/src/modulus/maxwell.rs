@@ -2,7 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::{ComplexModulus, LaplaceModulus};
+use super::differentiable::{exactly, named, write};
+use super::time_domain::after_step;
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -52,11 +54,49 @@ impl ComplexModulus for Maxwell {
     fn at(&self, omega: f64) -> Complex64 {
         self.at_s(Complex64::new(0.0, omega))
     }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
+        self.modulus * s_tau / (1.0 + s_tau) / (1.0 + s_tau)
+    }
 }
 
 impl LaplaceModulus for Maxwell {
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
         self.modulus * s_tau / (1.0 + s_tau)
+    }
+}
+
+/// Parameters: `ln_modulus`, `ln_relaxation_time`. The derivative by ln E is at constant τ, not at constant viscosity.
+impl DifferentiableModulus for Maxwell {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&["ln_modulus", "ln_relaxation_time"])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.modulus.ln(), self.relaxation_time.ln()]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [modulus, relaxation_time] = exactly(parameters)?;
+        Ok(Self {
+            modulus: check_positive("Young's modulus [Pa]", modulus.exp())?,
+            relaxation_time: check_positive("relaxation time [s]", relaxation_time.exp())?,
+        })
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        write(&[self.at(omega), self.slope(omega)], derivatives)
+    }
+}
+
+impl TimeDomainModulus for Maxwell {
+    fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
+        Ok(self.modulus * (-after_step(time)? / self.relaxation_time).exp())
+    }
+
+    fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
+        Ok((1.0 + after_step(time)? / self.relaxation_time) / self.modulus)
     }
 }

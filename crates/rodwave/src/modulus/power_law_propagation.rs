@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::differentiable::write;
 use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::medium::PropagationLaw;
@@ -14,7 +15,9 @@ use crate::medium::PropagationLaw;
 /// # Validity
 /// The fit holds where it was made: for Nylon-6 up to 10 kHz. Two independent power laws are not a causal pair, so the
 /// law cannot be continued to complex frequencies and is no [`LaplaceModulus`](crate::modulus::LaplaceModulus). For
-/// p < q there is a (very low) frequency below which α > k, that is E' < 0.
+/// p < q there is a (very low) frequency below which α > k, that is E' < 0. By [`kramers_kronig`](crate::kramers_kronig) no
+/// relaxing material has the constants of Nylon-6 from 0.5 to 10 kHz; the nearest differs by 0.03 % of |E|, which is 0.4 %
+/// of its loss. [`ConstantQ`](super::ConstantQ) is a causal law of p = q.
 ///
 /// ```
 /// use rodwave::medium::Medium;
@@ -77,6 +80,37 @@ impl PowerLawPropagation {
         })
     }
 
+    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] by ln a, p, ln b and q, in this order, to
+    /// `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
+    ///
+    /// Those of the modulus are -2E/γ times these.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`] unless `derivatives` has four entries.
+    pub fn propagation_gradient(
+        &self,
+        omega: f64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        if omega == 0.0 {
+            return write(&[Complex64::ZERO; 4], derivatives);
+        }
+        let (alpha, ik) = self.parts(omega);
+        let logarithm = omega.abs().ln();
+        write(&[alpha, alpha * logarithm, ik, ik * logarithm], derivatives)
+    }
+
+    /// α and ik [1/m].
+    fn parts(&self, omega: f64) -> (Complex64, Complex64) {
+        let magnitude = omega.abs();
+        let alpha = self.damping_factor * magnitude.powf(self.damping_exponent);
+        let k = self.wave_number_factor * magnitude.powf(self.wave_number_exponent);
+        (
+            Complex64::from(alpha),
+            Complex64::new(0.0, k.copysign(omega)),
+        )
+    }
+
     /// γ/(iω) [s/m] for `omega` >= 0, its limit at 0 included, where it may be infinite.
     fn slowness(&self, omega: f64) -> Complex64 {
         let k = self.wave_number_factor * omega.powf(self.wave_number_exponent - 1.0);
@@ -91,11 +125,13 @@ impl PowerLawPropagation {
 
 impl PropagationLaw for PowerLawPropagation {
     fn propagation_coefficient(&self, omega: f64, _density: f64) -> Complex64 {
-        let magnitude = omega.abs();
-        Complex64::new(
-            self.damping_factor * magnitude.powf(self.damping_exponent),
-            (self.wave_number_factor * magnitude.powf(self.wave_number_exponent)).copysign(omega),
-        )
+        let (alpha, ik) = self.parts(omega);
+        alpha + ik
+    }
+
+    fn propagation_derivative(&self, omega: f64, _density: f64) -> Complex64 {
+        let (alpha, ik) = self.parts(omega);
+        (self.damping_exponent * alpha + self.wave_number_exponent * ik) / omega
     }
 
     fn modulus(&self, omega: f64, density: f64) -> Complex64 {

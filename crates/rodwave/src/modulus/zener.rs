@@ -2,7 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::{ComplexModulus, LaplaceModulus};
+use super::differentiable::{exactly, named, write};
+use super::time_domain::after_step;
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -25,8 +27,7 @@ use crate::error::check_positive;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zener {
-    relaxed_modulus: f64,
-    unrelaxed_modulus: f64,
+    step: ModulusStep,
     relaxation_time: f64,
 }
 
@@ -41,20 +42,37 @@ impl Zener {
         unrelaxed_modulus: f64,
         relaxation_time: f64,
     ) -> Result<Self, RodwaveError> {
-        let relaxed_modulus = check_positive("relaxed modulus [Pa]", relaxed_modulus)?;
-        let unrelaxed_modulus = check_positive("unrelaxed modulus [Pa]", unrelaxed_modulus)?;
-        if unrelaxed_modulus <= relaxed_modulus {
+        Ok(Self {
+            step: ModulusStep::new(relaxed_modulus, unrelaxed_modulus)?,
+            relaxation_time: check_positive("relaxation time [s]", relaxation_time)?,
+        })
+    }
+}
+
+/// Relaxed and unrelaxed modulus of a solid, E₀ < E₁.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ModulusStep {
+    pub(super) relaxed: f64,
+    pub(super) unrelaxed: f64,
+}
+
+impl ModulusStep {
+    pub(super) fn new(relaxed: f64, unrelaxed: f64) -> Result<Self, RodwaveError> {
+        let relaxed = check_positive("relaxed modulus [Pa]", relaxed)?;
+        let unrelaxed = check_positive("unrelaxed modulus [Pa]", unrelaxed)?;
+        if unrelaxed <= relaxed {
             return Err(RodwaveError::NonPhysical {
                 quantity: "unrelaxed modulus [Pa]",
-                value: unrelaxed_modulus,
+                value: unrelaxed,
                 expected: "more than the relaxed modulus",
             });
         }
-        Ok(Self {
-            relaxed_modulus,
-            unrelaxed_modulus,
-            relaxation_time: check_positive("relaxation time [s]", relaxation_time)?,
-        })
+        Ok(Self { relaxed, unrelaxed })
+    }
+
+    /// E₁ - E₀ \[Pa\].
+    pub(super) fn increment(&self) -> f64 {
+        self.unrelaxed - self.relaxed
     }
 }
 
@@ -62,12 +80,62 @@ impl ComplexModulus for Zener {
     fn at(&self, omega: f64) -> Complex64 {
         self.at_s(Complex64::new(0.0, omega))
     }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
+        self.step.increment() * s_tau / (1.0 + s_tau) / (1.0 + s_tau)
+    }
 }
 
 impl LaplaceModulus for Zener {
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
-        self.relaxed_modulus
-            + (self.unrelaxed_modulus - self.relaxed_modulus) * s_tau / (1.0 + s_tau)
+        self.step.relaxed + self.step.increment() * s_tau / (1.0 + s_tau)
+    }
+}
+
+/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`.
+impl DifferentiableModulus for Zener {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&[
+            "ln_relaxed_modulus",
+            "ln_modulus_increment",
+            "ln_relaxation_time",
+        ])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![
+            self.step.relaxed.ln(),
+            self.step.increment().ln(),
+            self.relaxation_time.ln(),
+        ]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [relaxed, increment, relaxation_time] = exactly(parameters)?.map(f64::exp);
+        Self::new(relaxed, relaxed + increment, relaxation_time)
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        let relaxed = Complex64::from(self.step.relaxed);
+        write(
+            &[relaxed, self.at(omega) - relaxed, self.slope(omega)],
+            derivatives,
+        )
+    }
+}
+
+/// Creep is slower than relaxation: its time is τE₁/E₀.
+impl TimeDomainModulus for Zener {
+    fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
+        let decay = (-after_step(time)? / self.relaxation_time).exp();
+        Ok(self.step.relaxed + self.step.increment() * decay)
+    }
+
+    fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
+        let retardation_time = self.relaxation_time * self.step.unrelaxed / self.step.relaxed;
+        let decay = (-after_step(time)? / retardation_time).exp();
+        Ok(1.0 / self.step.relaxed - (1.0 / self.step.relaxed - 1.0 / self.step.unrelaxed) * decay)
     }
 }

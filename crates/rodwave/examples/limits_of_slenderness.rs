@@ -1,0 +1,124 @@
+//! Error of the storage modulus that each theory finds from the wave number of the exact one, against D/λ.
+//!
+//! ```text
+//! cargo run --release --package rodwave --example limits_of_slenderness
+//! ```
+//!
+//! writes `target/examples/limits_of_slenderness.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use num_complex::Complex64;
+use rodwave::slenderness::{
+    LoveRayleigh, MindlinHerrmann, PochhammerChree, RodTheory, RoundRod, recommend,
+};
+
+const POISSON_RATIOS: [f64; 3] = [0.30, 0.40, 0.49];
+
+/// Largest D/λ.
+const LARGEST_RATIO: f64 = 0.4;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for poisson_ratio in POISSON_RATIOS {
+        let panel = errors(poisson_ratio)?;
+        layouts.push(
+            Layout::auto_from_plots(&panel)
+                .with_title(format!("Poisson's ratio {poisson_ratio:.2}"))
+                .with_x_label("D/λ")
+                .with_y_label("error of E', %")
+                .with_y_axis_min(-20.0)
+                .with_y_axis_max(2.0)
+                .with_legend_position(LegendPosition::InsideBottomLeft),
+        );
+        panels.push(panel);
+        for wavelength_in_diameters in [10.0, 5.0, 3.0] {
+            let stated = recommend(wavelength_in_diameters, poisson_ratio)?;
+            println!(
+                "nu = {poisson_ratio:.2}, lambda = {wavelength_in_diameters:4.1} D: elementary theory {:6.2} %, Love {:6.3} %, recommended: {:?}",
+                100.0 * stated.elementary_error,
+                100.0 * stated.love_error,
+                stated.theory
+            );
+        }
+    }
+    let scene = Figure::new(1, POISSON_RATIOS.len())
+        .with_title("Storage modulus from a measured wave number: what lateral inertia does")
+        .with_title_size(18)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(420.0, 380.0)
+        .render();
+
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/examples");
+    fs::create_dir_all(&folder)?;
+    let file = folder.join("limits_of_slenderness.svg");
+    fs::write(&file, SvgBackend::default().render_scene(&scene))?;
+    println!("written: {}", file.display());
+    Ok(())
+}
+
+/// Relative error of E' in per cent by elementary theory, Love, and Mindlin and Herrmann.
+fn errors(poisson_ratio: f64) -> Result<Vec<Plot>, Box<dyn Error>> {
+    // At a given wave number neither density nor modulus matter.
+    let rod = RoundRod {
+        density: 1000.0,
+        diameter: 0.010,
+        poisson_ratio,
+    };
+    let omega = 1e5;
+    let exact = PochhammerChree::new(rod)?;
+    let love = LoveRayleigh::round(rod)?;
+    let mindlin_herrmann = MindlinHerrmann::new(rod)?;
+    let storage_modulus = |theory: &dyn RodTheory, gamma| -> Result<_, Box<dyn Error>> {
+        let corrected = theory.modulus(gamma, omega)?.found();
+        Ok(corrected.ok_or("the first branch was lost")?)
+    };
+
+    let mut curves = [const { Vec::new() }; 3];
+    for step in 1..=80 {
+        let ratio = LARGEST_RATIO * f64::from(step) / 80.0;
+        let gamma = Complex64::new(0.0, TAU * ratio / rod.diameter);
+        let truth = storage_modulus(&exact, gamma)?;
+        let found = [
+            truth.apparent_modulus,
+            storage_modulus(&love, gamma)?.modulus,
+            storage_modulus(&mindlin_herrmann, gamma)?.modulus,
+        ];
+        for (curve, modulus) in curves.iter_mut().zip(found) {
+            curve.push((ratio, 100.0 * (modulus.re / truth.modulus.re - 1.0)));
+        }
+    }
+    let looks = [
+        ("elementary", "#555555"),
+        ("Love", "#c2410c"),
+        ("Mindlin-Herrmann", "#1d4ed8"),
+    ];
+    Ok(curves
+        .into_iter()
+        .zip(looks)
+        .map(|(curve, (name, colour))| {
+            Plot::Line(
+                LinePlot::new()
+                    .with_data(curve)
+                    .with_color(colour)
+                    .with_stroke_width(1.8)
+                    .with_legend(name),
+            )
+        })
+        .collect())
+}

@@ -1,0 +1,258 @@
+//! Bodies made of a row of elements: mobility of their faces and the response of their sections.
+//!
+//! A body is a row of [elements](crate::element) along x from the impact face, and a [`Termination`] behind the last one.
+//! A compressive force F̂ on the impact face makes it move with v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1
+//! and A11).
+//!
+//! ```
+//! use rodwave::element::Circle;
+//! use rodwave::medium::Medium;
+//! use rodwave::modulus::{Elastic, PowerLawPropagation};
+//! use rodwave::{Chain, Termination};
+//!
+//! // the compound cylinder of paper E, struck at face A
+//! let nylon = Medium::new(1150.0, PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?)?;
+//! let aluminium = Medium::new(2700.0, Elastic::new(69e9)?)?;
+//! let face = Circle::of_diameter(0.032)?;
+//! let cylinder = Chain::from_impact_face()
+//!     .rod(&nylon, face, 0.125)
+//!     .rod(&aluminium, face, 0.125)
+//!     .rod(&nylon, face, 0.125)
+//!     .rod(&aluminium, face, 0.125)
+//!     .end(Termination::Free)?;
+//! let omega = 2.0 * std::f64::consts::PI * 1e3;
+//! let mobility = cylinder.mobility(omega)?; // v/F, s/kg
+//! assert!((mobility.im - 3.52231105718e-4).abs() < 1e-14);
+//!
+//! // and what reaches the middle of the last section, for 1 N s at the face
+//! let state = cylinder.section(3, 0.0625)?.state(omega)?;
+//! assert!(state.velocity.norm() > 0.0);
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+//!
+//! # Method
+//! From the termination the pair (F, v) = (-N, v) is carried towards the impact face up to a common factor; the mobility
+//! is v/F there. Each element contributes its transition matrix divided by e^{αL} and the pair is brought back to size
+//! one, so that nothing overflows at any αL or kL: the factor e^{-αL} only counts for the response of a section. For
+//! passive elements no sum of the recursion cancels except near a resonance or antiresonance of the body itself, and a
+//! free or fixed end is the pair (0, 1) or (1, 0) like any other. A reflection coefficient has the same freedom from
+//! overflow, but it tends to 1 as ω → 0 and with it the mass of a free body is lost in the rounding of 1 - r; in the pair
+//! the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to the last digits.
+//!
+//! The plain product of the matrices (paper E, eq. A9) is [`Chain::transition_matrix`]; it serves as a check.
+//!
+//! # Two domains
+//! A [`Chain`] takes any law and is evaluated at real ω. An [`AnalyticChain`] takes only laws that are
+//! [analytic](crate::modulus::LaplaceModulus) and is evaluated at complex s as well, as
+//! [damped synthesis](crate::synthesis::DampedSynthesis) needs. The power laws of paper E, eq. 7 are no such laws, and a
+//! body that contains them cannot be an `AnalyticChain`.
+//!
+//! # What this does not do
+//! Bodies branch nowhere, and the theory is one-dimensional: see the limits in [`element`](crate::element). A chain copies
+//! the media it is built from.
+
+mod argument;
+mod builder;
+mod element;
+mod face;
+mod section;
+mod termination;
+
+use num_complex::Complex64;
+
+pub use argument::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
+pub use builder::ChainBuilder;
+pub use section::Section;
+pub use termination::{Impedance, Termination};
+
+use crate::RodwaveError;
+use crate::element::Lumped;
+use crate::transition::TransitionMatrix;
+use element::Element;
+use face::Face;
+
+/// A body for real frequencies, or, with `V` = [`LaplaceVariable`], also for complex ones.
+#[derive(Debug, Clone)]
+pub struct Chain<V: Argument = AngularFrequency> {
+    elements: Vec<Element<V>>,
+    termination: Termination<V>,
+}
+
+/// A body whose laws are all analytic in the right half plane; see [`Chain::analytic_from_impact_face`].
+pub type AnalyticChain = Chain<LaplaceVariable>;
+
+impl Chain {
+    /// Begins a body at its impact face, of elements that obey any law.
+    pub fn from_impact_face() -> ChainBuilder {
+        ChainBuilder::new()
+    }
+}
+
+impl AnalyticChain {
+    /// Begins a body at its impact face, of elements whose laws can be continued to complex s.
+    ///
+    /// ```
+    /// use num_complex::Complex64;
+    /// use rodwave::chain::{AnalyticChain, Termination};
+    /// use rodwave::element::Circle;
+    /// use rodwave::medium::Medium;
+    /// use rodwave::modulus::Elastic;
+    ///
+    /// let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+    /// let rod = AnalyticChain::analytic_from_impact_face()
+    ///     .rod(&steel, Circle::of_diameter(0.010)?, 1.0)
+    ///     .end(Termination::Free)?;
+    /// let at_complex_s = rod.mobility_at_s(Complex64::new(2e3, 1e4))?;
+    /// let at_real_frequency = rod.mobility(1e4)?;
+    /// assert!(at_complex_s.re > 0.0 && at_real_frequency.re.abs() < 1e-12);
+    /// # Ok::<(), rodwave::RodwaveError>(())
+    /// ```
+    ///
+    /// A medium that is known on the frequency axis only is refused by the compiler:
+    ///
+    /// ```compile_fail,E0277
+    /// use rodwave::chain::{AnalyticChain, Termination};
+    /// use rodwave::element::Circle;
+    /// use rodwave::medium::Medium;
+    /// use rodwave::modulus::PowerLawPropagation;
+    ///
+    /// let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?;
+    /// let nylon = Medium::new(1150.0, law)?;
+    /// let rod = AnalyticChain::analytic_from_impact_face()
+    ///     .rod(&nylon, Circle::of_diameter(0.010)?, 1.0)
+    ///     .end(Termination::Free)?;
+    /// # Ok::<(), rodwave::RodwaveError>(())
+    /// ```
+    pub fn analytic_from_impact_face() -> ChainBuilder<LaplaceVariable> {
+        ChainBuilder::new()
+    }
+
+    /// Mobility G(s) = v/F \[s/kg\] of the impact face at the Laplace variable `s` [1/s], Re s >= 0.
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    pub fn mobility_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
+        self.impact_face(LaplaceVariable::new(s)?)?.mobility()
+    }
+
+    /// Mobility G(s) = v/F \[s/kg\] of the far face at the Laplace variable `s` [1/s]: see [`Chain::far_face_mobility`].
+    ///
+    /// # Errors
+    /// As [`AnalyticChain::mobility_at_s`].
+    pub fn far_face_mobility_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
+        self.far_face(LaplaceVariable::new(s)?)?.mobility()
+    }
+}
+
+impl<V: Argument> Chain<V> {
+    /// Number of elements between the impact face and the termination.
+    #[must_use]
+    pub fn n_elements(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Mass M \[kg\] with which the body answers at low frequencies, Ĝ → 1/(iωM); none if its end is not free.
+    #[must_use]
+    pub fn free_mass(&self) -> Option<f64> {
+        let end = match self.termination {
+            Termination::Free => 0.0,
+            Termination::Mass(mass) => mass,
+            _ => return None,
+        };
+        let elements = self.elements.iter().map(|element| match element {
+            Element::Segment { medium, segment } => medium.density() * segment.volume(),
+            Element::Lumped(Lumped::Mass(mass)) => *mass,
+            Element::Lumped(_) => 0.0,
+        });
+        Some(elements.sum::<f64>() + end)
+    }
+
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses on the face, v̂ is the
+    /// velocity of the face along F̂ (paper E, eqs. A5 and A11).
+    ///
+    /// At ω = 0 it is the static limit: 0 for a fixed body, 1/q for a dashpot q at the end.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free body at ω = 0, and an
+    /// undamped body exactly at an antiresonance. [`RodwaveError::InElement`] where a law gives no finite propagation
+    /// coefficient, and for a fluid, E(0) = 0, at ω = 0.
+    pub fn mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
+        self.impact_face(V::on_axis(omega)?)?.mobility()
+    }
+
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against +x and v̂ is the
+    /// velocity along F̂; the termination stays in place and the impact face is free.
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`].
+    pub fn far_face_mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
+        self.far_face(V::on_axis(omega)?)?.mobility()
+    }
+
+    /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product (paper E, eqs. A8-A9).
+    ///
+    /// The termination is not in it. For the limits of the product see [`transition`](crate::transition).
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`], and [`RodwaveError::InElement`] where the matrix of an element overflows.
+    pub fn transition_matrix(&self, omega: f64) -> Result<TransitionMatrix, RodwaveError> {
+        let argument = V::on_axis(omega)?;
+        let mut product = TransitionMatrix::identity();
+        for (index, element) in self.elements.iter().enumerate() {
+            let matrix = element
+                .transition(argument)
+                .and_then(|scaled| TransitionMatrix::from_scaled(&scaled))
+                .map_err(|source| in_element(index, source))?;
+            product = matrix * product;
+        }
+        Ok(product)
+    }
+
+    /// A section \[m\] behind the near face of `element`, counted from 0 at the impact face.
+    ///
+    /// Lumped elements have their near face at `distance` 0 and nothing else.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] for an element that is not there, [`RodwaveError::InElement`] for a distance outside
+    /// the element.
+    pub fn section(&self, element: usize, distance: f64) -> Result<Section<'_, V>, RodwaveError> {
+        Section::new(self, element, distance)
+    }
+
+    /// The pair at the impact face.
+    fn impact_face(&self, argument: V) -> Result<Face, RodwaveError> {
+        let mut face = self.termination.face(argument)?;
+        for (index, element) in self.elements.iter().enumerate().rev() {
+            let transition = element
+                .transition(argument)
+                .map_err(|source| in_element(index, source))?;
+            face.pass(&transition);
+        }
+        Ok(face)
+    }
+
+    /// The pair at the far face with the impact face free and the termination in place.
+    fn far_face(&self, argument: V) -> Result<Face, RodwaveError> {
+        let mut face = Face::FREE;
+        for (index, element) in self.elements.iter().enumerate() {
+            let transition = element
+                .transition(argument)
+                .map_err(|source| in_element(index, source))?;
+            face.pass(&transition.turned());
+        }
+        let end = self.termination.face(argument)?;
+        // F/v = F₁/v₁ + F₂/v₂
+        Ok(Face::new(
+            face.force * end.velocity + end.force * face.velocity,
+            face.velocity * end.velocity,
+        ))
+    }
+}
+
+/// Adds the place to an error.
+fn in_element(index: usize, source: RodwaveError) -> RodwaveError {
+    RodwaveError::InElement {
+        index,
+        source: Box::new(source),
+    }
+}

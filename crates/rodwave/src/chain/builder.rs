@@ -1,0 +1,118 @@
+//! Putting a chain together.
+
+use std::sync::Arc;
+
+use super::element::Element;
+use super::{AngularFrequency, Argument, Chain, Termination, WaveMedium, in_element};
+use crate::RodwaveError;
+use crate::element::{CrossSection, Lumped, Segment};
+
+/// A chain in the making. The elements follow each other along x, the first at the impact face.
+///
+/// A wrong element is reported by [`ChainBuilder::end`].
+#[derive(Debug, Clone)]
+#[must_use = "a chain is made by `end`"]
+pub struct ChainBuilder<V: Argument = AngularFrequency> {
+    elements: Vec<Element<V>>,
+    first_error: Option<RodwaveError>,
+}
+
+impl<V: Argument> ChainBuilder<V> {
+    pub(super) fn new() -> Self {
+        Self {
+            elements: Vec::new(),
+            first_error: None,
+        }
+    }
+
+    /// A uniform rod of `medium` with this `section` and `length` \[m\].
+    pub fn rod<M>(self, medium: &M, section: impl Into<CrossSection>, length: f64) -> Self
+    where
+        M: WaveMedium<V> + Clone + 'static,
+    {
+        self.segment(medium, Segment::rod(section, length))
+    }
+
+    /// A truncated cone of `medium` from the section `near` the impact face to the section `far` from it, of `length` \[m\].
+    pub fn cone<M>(
+        self,
+        medium: &M,
+        near: impl Into<CrossSection>,
+        far: impl Into<CrossSection>,
+        length: f64,
+    ) -> Self
+    where
+        M: WaveMedium<V> + Clone + 'static,
+    {
+        self.segment(medium, Segment::cone(near, far, length))
+    }
+
+    /// An exponential horn of `medium` from the section `near` the impact face to the section `far` from it, of `length`
+    /// \[m\].
+    pub fn horn<M>(
+        self,
+        medium: &M,
+        near: impl Into<CrossSection>,
+        far: impl Into<CrossSection>,
+        length: f64,
+    ) -> Self
+    where
+        M: WaveMedium<V> + Clone + 'static,
+    {
+        self.segment(medium, Segment::horn(near, far, length))
+    }
+
+    /// A rigid mass \[kg\].
+    pub fn mass(self, mass: f64) -> Self {
+        self.element(Lumped::mass(mass).map(Element::Lumped))
+    }
+
+    /// A massless spring of this `stiffness` k [N/m] between the faces of its neighbours.
+    pub fn spring(self, stiffness: f64) -> Self {
+        self.element(Lumped::spring(stiffness).map(Element::Lumped))
+    }
+
+    /// A massless dashpot of this `resistance` q [kg/s] between the faces of its neighbours.
+    pub fn dashpot(self, resistance: f64) -> Self {
+        self.element(Lumped::dashpot(resistance).map(Element::Lumped))
+    }
+
+    /// Ends the body.
+    ///
+    /// # Errors
+    /// [`RodwaveError::InElement`] with the first element that is not possible, counted from 0 at the impact face;
+    /// [`RodwaveError::NonPhysical`] for the termination.
+    pub fn end(self, termination: Termination<V>) -> Result<Chain<V>, RodwaveError> {
+        if let Some(error) = self.first_error {
+            return Err(error);
+        }
+        termination.check()?;
+        Ok(Chain {
+            elements: self.elements,
+            termination,
+        })
+    }
+
+    fn segment<M>(self, medium: &M, segment: Result<Segment, RodwaveError>) -> Self
+    where
+        M: WaveMedium<V> + Clone + 'static,
+    {
+        self.element(segment.map(|segment| Element::Segment {
+            medium: Arc::new(medium.clone()),
+            segment,
+        }))
+    }
+
+    fn element(mut self, element: Result<Element<V>, RodwaveError>) -> Self {
+        match element {
+            Ok(element) => self.elements.push(element),
+            Err(source) => {
+                // later elements are not pushed after an error, so the count is the index of the first wrong one
+                let index = self.elements.len();
+                self.first_error
+                    .get_or_insert_with(|| in_element(index, source));
+            }
+        }
+        self
+    }
+}

@@ -1,0 +1,132 @@
+//! What happens at a section inside the body.
+
+use num_complex::Complex64;
+
+use super::element::{Element, Parts};
+use super::face::Face;
+use super::{Argument, Chain, LaplaceVariable, in_element};
+use crate::RodwaveError;
+use crate::transition::State;
+use crate::waves::TravellingWaves;
+
+/// A section of a chain; made by [`Chain::section`].
+#[derive(Debug, Clone)]
+pub struct Section<'a, V: Argument> {
+    chain: &'a Chain<V>,
+    element: &'a Element<V>,
+    index: usize,
+    distance: f64,
+    /// The element on either side of the section.
+    parts: Parts<V>,
+}
+
+impl<'a, V: Argument> Section<'a, V> {
+    pub(super) fn new(
+        chain: &'a Chain<V>,
+        index: usize,
+        distance: f64,
+    ) -> Result<Self, RodwaveError> {
+        let Some(element) = chain.elements.get(index) else {
+            return Err(RodwaveError::LengthMismatch {
+                what: "the row of elements up to the section",
+                found: index.saturating_add(1),
+                expected: chain.elements.len(),
+            });
+        };
+        let parts = element
+            .cut(distance)
+            .map_err(|source| in_element(index, source))?;
+        Ok(Self {
+            chain,
+            element,
+            index,
+            distance,
+            parts,
+        })
+    }
+
+    /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact face, F̂ = 1: the transfer
+    /// functions N̂/F̂ and v̂/F̂ \[s/kg\].
+    ///
+    /// Quotients of two such states are the transfer functions between two sections, whatever the excitation. Where the
+    /// waves have died out, below 1e-308, the state is 0.
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`].
+    pub fn state(&self, omega: f64) -> Result<State, RodwaveError> {
+        self.state_for(V::on_axis(omega)?)
+    }
+
+    /// The waves along +x and -x of which the normal force of the section consists at `omega` [rad/s], for a compressive
+    /// impulse of 1 N s on the impact face, with x = 0 at the section (Ödeen 1993, paper E, eq. A15).
+    ///
+    /// In a cone or a horn, where these are not independent solutions, they are the waves of a uniform rod that would
+    /// continue the section.
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at ω = 0.
+    pub fn waves(&self, omega: f64) -> Result<TravellingWaves, RodwaveError> {
+        let argument = V::on_axis(omega)?;
+        let state = self.state_for(argument)?;
+        let local = self
+            .element
+            .local_waves(self.distance, argument)
+            .map_err(|source| in_element(self.index, source))?;
+        Ok(TravellingWaves::of_normal_force(
+            state,
+            local.propagation_coefficient,
+            local.characteristic_impedance,
+        ))
+    }
+
+    fn state_for(&self, argument: V) -> Result<State, RodwaveError> {
+        let pass = |face: &mut Face, index: usize, element: &Element<V>| {
+            let transition = element
+                .transition(argument)
+                .map_err(|source| in_element(index, source))?;
+            face.pass(&transition);
+            Ok::<(), RodwaveError>(())
+        };
+        let mut face = self.chain.termination.face(argument)?;
+        for (index, element) in self
+            .chain
+            .elements
+            .iter()
+            .enumerate()
+            .skip(self.index + 1)
+            .rev()
+        {
+            pass(&mut face, index, element)?;
+        }
+        if let Some(part) = &self.parts.far {
+            pass(&mut face, self.index, part)?;
+        }
+        let here = face;
+        face.restart();
+        if let Some(part) = &self.parts.near {
+            pass(&mut face, self.index, part)?;
+        }
+        for (index, element) in self
+            .chain
+            .elements
+            .iter()
+            .enumerate()
+            .take(self.index)
+            .rev()
+        {
+            pass(&mut face, index, element)?;
+        }
+        here.over_force_of(&face)
+    }
+}
+
+impl Section<'_, LaplaceVariable> {
+    /// State of the section at the Laplace variable `s` [1/s], Re s >= 0, for a compressive impulse of 1 N s on the impact
+    /// face.
+    ///
+    /// # Errors
+    /// As [`Section::state`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    pub fn state_at_s(&self, s: Complex64) -> Result<State, RodwaveError> {
+        self.state_for(LaplaceVariable::new(s)?)
+    }
+}

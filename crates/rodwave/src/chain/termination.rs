@@ -1,0 +1,123 @@
+//! What stands behind the last element.
+
+use std::fmt;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::face::Face;
+use super::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
+use crate::RodwaveError;
+use crate::element::{CrossSection, check_static_impedance};
+
+/// What stands behind the last element of a chain, as a relation between N and v on its far face.
+///
+/// `V` follows from the chain that it ends.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Termination<V: Argument = AngularFrequency> {
+    /// Nothing: N = 0.
+    Free,
+    /// A rigid wall: v = 0.
+    Fixed,
+    /// A rigid mass \[kg\], as an accelerometer: N = -iωm v.
+    Mass(f64),
+    /// A dashpot to the ground of this resistance q [kg/s]: N = -q v (Ödeen 1993, paper E, eqs. A6 and A12).
+    Dashpot(f64),
+    /// Any impedance; made by [`Termination::impedance`] or [`Termination::impedance_at_s`].
+    Impedance(Impedance<V>),
+    /// An endless rod, N = -Z v; made by [`Termination::semi_infinite`].
+    SemiInfinite {
+        /// Its material.
+        medium: Arc<dyn WaveMedium<V>>,
+        /// Its cross-section.
+        section: CrossSection,
+    },
+}
+
+/// An impedance F/v [kg/s] as function of the frequency.
+#[derive(Clone)]
+pub struct Impedance<V>(Arc<dyn Fn(V) -> Complex64 + Send + Sync>);
+
+impl<V> fmt::Debug for Impedance<V> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_tuple("Impedance").finish_non_exhaustive()
+    }
+}
+
+impl Termination<AngularFrequency> {
+    /// An impedance Ẑ = F̂/v̂ [kg/s] given as function of ω [rad/s], measured or computed; for a constant ignore ω.
+    ///
+    /// A passive one has Re Ẑ >= 0, which is not checked.
+    #[must_use]
+    pub fn impedance(law: impl Fn(f64) -> Complex64 + Send + Sync + 'static) -> Self {
+        Self::Impedance(Impedance(Arc::new(move |argument: AngularFrequency| {
+            law(argument.omega())
+        })))
+    }
+}
+
+impl Termination<LaplaceVariable> {
+    /// An impedance Z(s) = F/v [kg/s] given as function of the Laplace variable s [1/s], analytic for Re s > 0.
+    #[must_use]
+    pub fn impedance_at_s(law: impl Fn(Complex64) -> Complex64 + Send + Sync + 'static) -> Self {
+        Self::Impedance(Impedance(Arc::new(move |argument: LaplaceVariable| {
+            law(argument.s())
+        })))
+    }
+}
+
+impl<V: Argument> Termination<V> {
+    /// A rod of this `medium` and `section` from which nothing returns, as the long cylindrical rod of paper E
+    /// (eqs. 10 and A16).
+    #[must_use]
+    pub fn semi_infinite<M>(medium: &M, section: impl Into<CrossSection>) -> Self
+    where
+        M: WaveMedium<V> + Clone + 'static,
+    {
+        Self::SemiInfinite {
+            medium: Arc::new(medium.clone()),
+            section: section.into(),
+        }
+    }
+
+    /// Accepts masses and resistances that are finite and not negative.
+    pub(super) fn check(&self) -> Result<(), RodwaveError> {
+        let (quantity, value) = match self {
+            Self::Mass(mass) => ("mass of the termination [kg]", *mass),
+            Self::Dashpot(resistance) => ("resistance of the termination [kg/s]", *resistance),
+            _ => return Ok(()),
+        };
+        if value.is_finite() && value >= 0.0 {
+            Ok(())
+        } else {
+            Err(RodwaveError::NonPhysical {
+                quantity,
+                value,
+                expected: "a finite value, 0 or above",
+            })
+        }
+    }
+
+    /// Force and velocity of the face that the termination touches.
+    pub(super) fn face(&self, argument: V) -> Result<Face, RodwaveError> {
+        match self {
+            Self::Free => Ok(Face::FREE),
+            Self::Fixed => Ok(Face::FIXED),
+            Self::Mass(mass) => Face::of_impedance(argument.s() * mass),
+            Self::Dashpot(resistance) => Face::of_impedance((*resistance).into()),
+            Self::Impedance(Impedance(law)) => Face::of_impedance(law(argument)),
+            Self::SemiInfinite { medium, section } => {
+                let s = argument.s();
+                if s == Complex64::ZERO {
+                    let static_impedance = medium.static_impedance();
+                    check_static_impedance(static_impedance)?;
+                    return Face::of_impedance(static_impedance * section.area());
+                }
+                // Z = sρA/γ (paper E, eq. 6)
+                let gamma = medium.propagation_coefficient(argument);
+                Face::of_impedance(s * (medium.density() * section.area()) / gamma)
+            }
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Whether storage and loss modulus belong together.
+//!
+//! In a causal material E' and E'' are not two functions but one: the Kramers-Kronig relations give each from the other,
+//! over *all* frequencies. A measurement or a fit covers a band, and of what lies outside nothing is known; the relations
+//! cannot be evaluated. But they can be tested. The stress of a material that relaxes after a step of strain, and does so
+//! monotonically with all derivatives, as polymers do, has the modulus
+//!
+//! ```text
+//! E(ω) = E∞ + iωη + ∫ H(τ) iωτ/(1 + iωτ) d(ln τ) ,    E∞, η, H >= 0
+//! ```
+//!
+//! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`] finds the one that is
+//! nearest to the given values over the band, with H on a grid of [`GRID_PER_DECADE`] relaxation times a decade, from two
+//! decades faster to four decades slower than the band. What remains is the residual: the least change of the values that
+//! makes them a causal material.
+//!
+//! # Threshold
+//! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two neighbours. As
+//! |∂²/∂(ln τ)² iωτ/(1 + iωτ)| is nothing but its own loss part ωτ/(1 + ω²τ²), which varies by less than e^h within the
+//! interval, the error is at most (h²/8) e^h times the loss modulus of the branch, and summed over the branches
+//!
+//! ```text
+//! |E_grid(ω) - E(ω)| <= ε E''(ω) ,    ε = (h²/8) e^h = 7.0e-4
+//! ```
+//!
+//! at every frequency of the band. (Branches beyond the ends of the grid are replaced by the last branch and the spring or
+//! the dashpot; the error is at most 1e-4 E''.) Hence for *every* relaxing material
+//!
+//! ```text
+//! rms |E - E_causal|/|E| <= ε rms E''/|E|
+//! ```
+//!
+//! and a larger residual proves that there is none that has the given values. A smaller one exhibits a causal material that
+//! has them within it. The threshold is a theorem on the grid and not a judgement. To it are added the scatter of measured
+//! values, if there is one, and 1e-10 for rounding.
+//!
+//! The optimum of a problem of non-negative least squares is only found to a tolerance; the result carries a lower bound of
+//! the residual by duality beside its value, and the verdict is [`Verdict::Undecided`] where the threshold lies between.
+//!
+//! # Why not the local relation
+//! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single relaxation it is wrong by
+//! the factor π/2 at ωτ = 1. A threshold that passes this law passes nearly everything.
+//!
+//! ```
+//! use rodwave::kramers_kronig::{KramersKronig, Verdict};
+//! use rodwave::medium::Medium;
+//! use rodwave::modulus::{ConstantQ, PowerLawPropagation};
+//!
+//! // 0.5 to 10 kHz
+//! let omega: Vec<f64> = (0..60).map(|j| 3141.6 * 20f64.powf(f64::from(j) / 59.0)).collect();
+//! let fit = Medium::new(1150.0, PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?)?;
+//! assert_eq!(KramersKronig::of_medium(&fit, &omega)?.verdict(), Verdict::NotCausal);
+//! let law = Medium::new(1150.0, ConstantQ::new(2.3e9, 0.095, 1e4)?)?;
+//! assert_eq!(KramersKronig::of_medium(&law, &omega)?.verdict(), Verdict::Causal);
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+//!
+//! # What this does not do
+//! A causal material that resonates is not a relaxing one and is reported as not causal: no polymer rod is of that kind
+//! in its own right. Over a narrow band almost everything belongs to some causal material, and noise hides what remains.
+
+mod non_negative;
+
+use std::f64::consts::LN_10;
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+use crate::error::{check_finite, check_positive};
+use crate::medium::{Medium, PropagationLaw};
+use crate::modulus::MaxwellBranch;
+use non_negative::NonNegativeProblem;
+
+/// Relaxation times a decade of the grid.
+pub const GRID_PER_DECADE: u32 = 32;
+
+/// The grid begins at this fraction of the period/2π of the highest frequency.
+const FASTEST: f64 = 1e-2;
+
+/// The grid ends at this multiple of the period/2π of the lowest frequency.
+const SLOWEST: f64 = 1e4;
+
+/// Rounding of the least-squares problem, relative to |E|, with room: sums of some hundred terms.
+const ROUNDING: f64 = 1e-10;
+
+/// The causal material nearest to given values of a complex modulus, and how far it is from them.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct KramersKronig {
+    /// The lines in the given order.
+    pub lines: Vec<ResidualLine>,
+    /// Root of the mean square of |E - E_causal|/|E| over the lines.
+    pub residual: f64,
+    /// The residual of the best causal material is not below this.
+    pub residual_lower_bound: f64,
+    /// The largest residual that a causal material can have; see the [module](self).
+    pub threshold: f64,
+    /// E∞ of the nearest causal material \[Pa\].
+    pub equilibrium_modulus: f64,
+    /// η of the nearest causal material [Pa s].
+    pub viscosity: f64,
+    /// The relaxation spectrum of the nearest causal material, in the order of increasing relaxation times.
+    pub branches: Vec<MaxwellBranch>,
+}
+
+/// One line of [`KramersKronig`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ResidualLine {
+    /// Angular frequency [rad/s].
+    pub omega: f64,
+    /// The given modulus E \[Pa\].
+    pub modulus: Complex64,
+    /// Modulus of the nearest causal material \[Pa\].
+    pub causal_modulus: Complex64,
+    /// (E - E_causal)/|E|.
+    pub residual: Complex64,
+}
+
+/// What a residual says of the given values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// A causal material has these values, within the threshold.
+    Causal,
+    /// No relaxing material has these values.
+    NotCausal,
+    /// The optimum was not approached closely enough to tell.
+    Undecided,
+}
+
+impl KramersKronig {
+    /// Tests the modulus of `medium` over the band of `omega` > 0 [rad/s].
+    ///
+    /// Some 20 lines a decade show what there is; the work grows with their number.
+    ///
+    /// # Errors
+    /// As [`Self::of_modulus`].
+    pub fn of_medium<L: PropagationLaw>(
+        medium: &Medium<L>,
+        omega: &[f64],
+    ) -> Result<Self, RodwaveError> {
+        let modulus: Vec<_> = omega.iter().map(|&omega| medium.modulus(omega)).collect();
+        Self::of_modulus(omega, &modulus, 0.0)
+    }
+
+    /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with the relative standard error
+    /// `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a law.
+    ///
+    /// The scatter of n lines adds `relative_error` (1 + 3/(2√n)) to the threshold, its mean and three standard
+    /// deviations.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::TooFewSamples`] below three lines; [`RodwaveError::NonPhysical`]
+    /// unless all frequencies are finite and above 0, all moduli finite and not 0, and the error finite and not negative.
+    pub fn of_modulus(
+        omega: &[f64],
+        modulus: &[Complex64],
+        relative_error: f64,
+    ) -> Result<Self, RodwaveError> {
+        let band = check(omega, modulus, relative_error)?;
+        let elements = elements(band);
+        let mut target = Vec::with_capacity(2 * omega.len());
+        for modulus in modulus {
+            let weighted = modulus / modulus.norm();
+            target.extend([weighted.re, weighted.im]);
+        }
+        let columns = elements.iter().map(|element| {
+            omega
+                .iter()
+                .zip(modulus)
+                .flat_map(|(&omega, modulus)| {
+                    let weighted = element.at(omega) / modulus.norm();
+                    [weighted.re, weighted.im]
+                })
+                .collect()
+        });
+        let threshold = threshold(modulus, relative_error);
+        let n = omega.len() as f64;
+        // Far below the threshold the verdict is clear, and a closer fit says nothing more.
+        let enough = 0.1 * threshold * n.sqrt();
+        let solution = NonNegativeProblem::new(columns.collect(), target).solve(enough);
+        let material: Vec<(Element, f64)> = elements
+            .into_iter()
+            .zip(solution.coefficients)
+            .filter(|(_, amount)| *amount > 0.0)
+            .collect();
+        Ok(Self {
+            lines: lines(omega, modulus, &material),
+            residual: solution.residual / n.sqrt(),
+            residual_lower_bound: solution.residual_lower_bound / n.sqrt(),
+            threshold,
+            equilibrium_modulus: amount_of(&material, Element::Spring),
+            viscosity: amount_of(&material, Element::Dashpot),
+            branches: material
+                .iter()
+                .filter_map(|(element, amount)| match element {
+                    Element::Branch { relaxation_time } => Some(MaxwellBranch {
+                        modulus: *amount,
+                        relaxation_time: *relaxation_time,
+                    }),
+                    _ => None,
+                })
+                .collect(),
+        })
+    }
+
+    /// What the residual says.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if self.residual <= self.threshold {
+            Verdict::Causal
+        } else if self.residual_lower_bound > self.threshold {
+            Verdict::NotCausal
+        } else {
+            Verdict::Undecided
+        }
+    }
+}
+
+/// A generator of the cone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Element {
+    /// 1 Pa.
+    Spring,
+    /// 1 Pa s.
+    Dashpot,
+    /// 1 Pa with a relaxation time \[s\].
+    Branch { relaxation_time: f64 },
+}
+
+impl Element {
+    fn at(self, omega: f64) -> Complex64 {
+        match self {
+            Self::Spring => Complex64::ONE,
+            Self::Dashpot => Complex64::new(0.0, omega),
+            Self::Branch { relaxation_time } => {
+                let s_tau = Complex64::new(0.0, omega * relaxation_time);
+                s_tau / (1.0 + s_tau)
+            }
+        }
+    }
+}
+
+/// Lowest and highest frequency.
+#[derive(Debug, Clone, Copy)]
+struct Band {
+    lowest: f64,
+    highest: f64,
+}
+
+fn check(omega: &[f64], modulus: &[Complex64], relative_error: f64) -> Result<Band, RodwaveError> {
+    if omega.len() != modulus.len() {
+        return Err(RodwaveError::LengthMismatch {
+            what: "array of moduli",
+            found: modulus.len(),
+            expected: omega.len(),
+        });
+    }
+    if omega.len() < 3 {
+        return Err(RodwaveError::TooFewSamples {
+            history: "array of moduli",
+            found: omega.len(),
+            expected: 3,
+        });
+    }
+    if relative_error < 0.0 {
+        return Err(RodwaveError::NonPhysical {
+            quantity: "relative standard error of the modulus",
+            value: relative_error,
+            expected: "a finite value, 0 or above",
+        });
+    }
+    check_finite("relative standard error of the modulus", relative_error)?;
+    let mut band = Band {
+        lowest: f64::INFINITY,
+        highest: 0.0,
+    };
+    for (&omega, modulus) in omega.iter().zip(modulus) {
+        check_positive("angular frequency of a line [rad/s]", omega)?;
+        check_positive("magnitude of the complex modulus [Pa]", modulus.norm())?;
+        band = Band {
+            lowest: band.lowest.min(omega),
+            highest: band.highest.max(omega),
+        };
+    }
+    check_positive(
+        "slowest relaxation time of the grid [s]",
+        SLOWEST / band.lowest,
+    )?;
+    Ok(band)
+}
+
+/// Distance of two relaxation times of the grid in ln τ.
+fn grid_step() -> f64 {
+    LN_10 / f64::from(GRID_PER_DECADE)
+}
+
+fn elements(band: Band) -> Vec<Element> {
+    let (fastest, slowest) = (FASTEST / band.highest, SLOWEST / band.lowest);
+    let times = std::iter::successors(Some(fastest), |time| Some(time * grid_step().exp()))
+        .take_while(|time| *time < slowest)
+        .chain([slowest])
+        .map(|relaxation_time| Element::Branch { relaxation_time });
+    [Element::Spring, Element::Dashpot]
+        .into_iter()
+        .chain(times)
+        .collect()
+}
+
+fn threshold(modulus: &[Complex64], relative_error: f64) -> f64 {
+    let n = modulus.len() as f64;
+    let loss: f64 = modulus
+        .iter()
+        .map(|modulus| (modulus.im.max(0.0) / modulus.norm()).powi(2))
+        .sum();
+    let grid = grid_step().powi(2) / 8.0 * grid_step().exp();
+    grid * (loss / n).sqrt() + relative_error * (1.0 + 1.5 / n.sqrt()) + ROUNDING
+}
+
+fn lines(omega: &[f64], modulus: &[Complex64], material: &[(Element, f64)]) -> Vec<ResidualLine> {
+    omega
+        .iter()
+        .zip(modulus)
+        .map(|(&omega, &modulus)| {
+            let causal_modulus: Complex64 = material
+                .iter()
+                .map(|(element, amount)| element.at(omega) * amount)
+                .sum();
+            ResidualLine {
+                omega,
+                modulus,
+                causal_modulus,
+                residual: (modulus - causal_modulus) / modulus.norm(),
+            }
+        })
+        .collect()
+}
+
+fn amount_of(material: &[(Element, f64)], wanted: Element) -> f64 {
+    let of_kind = material.iter().filter(|(element, _)| *element == wanted);
+    of_kind.map(|(_, amount)| amount).sum()
+}

@@ -1,0 +1,141 @@
+//! The modulus of Havriliak and Negami: a broad and skew loss peak.
+
+use num_complex::Complex64;
+
+use super::differentiable::{exactly, named, write};
+use super::zener::ModulusStep;
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, check_exponent};
+use crate::RodwaveError;
+use crate::error::check_positive;
+
+/// The empirical law of polymers through their glass transition (Havriliak & Negami, *Polymer* **8** (1967) 161).
+///
+/// ```text
+/// E(s) = E₁ - (E₁ - E₀)/(1 + (sτ)^α)^β ,    0 < α <= 1 ,  0 < αβ <= 1
+/// ```
+///
+/// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ} above. β = 1 is the
+/// [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1 that of Davidson and Cole. The bounds are those
+/// of a relaxation modulus that decreases with all its derivatives monotonic; β itself may exceed 1.
+///
+/// In the time domain it needs the Mittag-Leffler function of three parameters; it is no
+/// [`TimeDomainModulus`](super::TimeDomainModulus).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HavriliakNegami {
+    step: ModulusStep,
+    relaxation_time: f64,
+    breadth_exponent: f64,
+    skewness_exponent: f64,
+}
+
+impl HavriliakNegami {
+    /// A solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ \[s\],
+    /// `breadth_exponent` α and `skewness_exponent` β.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀, and α and αβ are at most 1.
+    pub fn new(
+        relaxed_modulus: f64,
+        unrelaxed_modulus: f64,
+        relaxation_time: f64,
+        breadth_exponent: f64,
+        skewness_exponent: f64,
+    ) -> Result<Self, RodwaveError> {
+        let breadth_exponent = check_exponent("breadth exponent", breadth_exponent)?;
+        let skewness_exponent = check_positive("skewness exponent", skewness_exponent)?;
+        check_exponent(
+            "product of breadth and skewness exponents",
+            breadth_exponent * skewness_exponent,
+        )?;
+        Ok(Self {
+            step: ModulusStep::new(relaxed_modulus, unrelaxed_modulus)?,
+            relaxation_time: check_positive("relaxation time [s]", relaxation_time)?,
+            breadth_exponent,
+            skewness_exponent,
+        })
+    }
+
+    /// (sτ)^α.
+    fn power(&self, s: Complex64) -> Complex64 {
+        (s * self.relaxation_time).powf(self.breadth_exponent)
+    }
+}
+
+impl ComplexModulus for HavriliakNegami {
+    fn at(&self, omega: f64) -> Complex64 {
+        self.at_s(Complex64::new(0.0, omega))
+    }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        let power = self.power(Complex64::new(0.0, omega));
+        let exponents = self.breadth_exponent * self.skewness_exponent;
+        let decay = (1.0 + power).powf(-self.skewness_exponent);
+        self.step.increment() * exponents * decay * power / (1.0 + power)
+    }
+}
+
+impl LaplaceModulus for HavriliakNegami {
+    fn at_s(&self, s: Complex64) -> Complex64 {
+        let decay = (1.0 + self.power(s)).powf(-self.skewness_exponent);
+        self.step.relaxed + self.step.increment() * (1.0 - decay)
+    }
+}
+
+/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`, `breadth_exponent`,
+/// `skewness_exponent`.
+impl DifferentiableModulus for HavriliakNegami {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&[
+            "ln_relaxed_modulus",
+            "ln_modulus_increment",
+            "ln_relaxation_time",
+            "breadth_exponent",
+            "skewness_exponent",
+        ])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![
+            self.step.relaxed.ln(),
+            self.step.increment().ln(),
+            self.relaxation_time.ln(),
+            self.breadth_exponent,
+            self.skewness_exponent,
+        ]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [relaxed, increment, relaxation_time, breadth, skewness] = exactly(parameters)?;
+        let (relaxed, increment) = (relaxed.exp(), increment.exp());
+        Self::new(
+            relaxed,
+            relaxed + increment,
+            relaxation_time.exp(),
+            breadth,
+            skewness,
+        )
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        let relaxed = Complex64::from(self.step.relaxed);
+        let slope = self.slope(omega);
+        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
+        let by_breadth = if omega == 0.0 {
+            Complex64::ZERO // x ln x → 0
+        } else {
+            slope * s_tau.ln() / self.breadth_exponent
+        };
+        let base = 1.0 + self.power(Complex64::new(0.0, omega));
+        let by_skewness = self.step.increment() * base.powf(-self.skewness_exponent) * base.ln();
+        write(
+            &[
+                relaxed,
+                self.at(omega) - relaxed,
+                slope,
+                by_breadth,
+                by_skewness,
+            ],
+            derivatives,
+        )
+    }
+}

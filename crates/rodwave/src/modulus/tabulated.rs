@@ -1,0 +1,187 @@
+//! A modulus known at some frequencies.
+
+use num_complex::Complex64;
+
+use super::ComplexModulus;
+use super::monotone_cubic::MonotoneCubic;
+use crate::RodwaveError;
+use crate::error::check_positive;
+
+/// Storage and loss modulus on the lines of a measurement, interpolated monotonically over ln ω.
+///
+/// A table says nothing outside its band, and its [`lookup`](Self::lookup) refuses to. It is therefore no
+/// [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held) makes it one, by a choice that stands in
+/// the caller's program. For ω < 0 the modulus is the complex conjugate.
+///
+/// Interpolated values are not causal beyond the accuracy of the interpolation, and a table is no
+/// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
+///
+/// ```
+/// use num_complex::Complex64;
+/// use rodwave::modulus::{ComplexModulus, Tabulated};
+///
+/// let omega = [1e3, 1e4, 1e5];
+/// let modulus = [(2.4e9, 1.6e8), (2.6e9, 1.5e8), (2.8e9, 1.5e8)].map(|(re, im)| Complex64::new(re, im));
+/// let table = Tabulated::new(&omega, &modulus)?;
+/// assert_eq!(table.lookup(1e4)?, modulus[1]);
+/// assert!(table.lookup(2e5).is_err());
+/// assert_eq!(table.held().at(2e5), modulus[2]);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tabulated {
+    first: Line,
+    last: Line,
+    storage: MonotoneCubic,
+    loss: MonotoneCubic,
+}
+
+/// A line of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Line {
+    omega: f64,
+    modulus: Complex64,
+}
+
+impl Tabulated {
+    /// A table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least two lines.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or [`RodwaveError::NonPhysical`] unless all
+    /// frequencies are finite, above 0 and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise
+    /// can make a measured E'' negative: such a line belongs smoothed or left out, by whoever knows the noise.
+    pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
+        if omega.len() != modulus.len() {
+            return Err(RodwaveError::LengthMismatch {
+                what: "table of moduli",
+                found: modulus.len(),
+                expected: omega.len(),
+            });
+        }
+        let line = |index: Option<usize>| {
+            let index = index?;
+            Some(Line {
+                omega: *omega.get(index)?,
+                modulus: *modulus.get(index)?,
+            })
+        };
+        let (Some(first), Some(last), 2..) =
+            (line(Some(0)), line(omega.len().checked_sub(1)), omega.len())
+        else {
+            return Err(RodwaveError::TooFewSamples {
+                history: "table of moduli",
+                found: omega.len(),
+                expected: 2,
+            });
+        };
+        let mut below = 0.0;
+        for (&omega, modulus) in omega.iter().zip(modulus) {
+            check_positive("angular frequency of a line [rad/s]", omega)?;
+            if omega <= below {
+                return Err(RodwaveError::NonPhysical {
+                    quantity: "angular frequency of a line [rad/s]",
+                    value: omega,
+                    expected: "more than that of the line before",
+                });
+            }
+            below = omega;
+            check_positive("storage modulus of a line [Pa]", modulus.re)?;
+            if !(modulus.im.is_finite() && modulus.im >= 0.0) {
+                return Err(RodwaveError::NonPhysical {
+                    quantity: "loss modulus of a line [Pa]",
+                    value: modulus.im,
+                    expected: "a finite value, 0 or above",
+                });
+            }
+        }
+        let log_omega: Vec<f64> = omega.iter().map(|omega| omega.ln()).collect();
+        let storage: Vec<f64> = modulus.iter().map(|modulus| modulus.re).collect();
+        let loss: Vec<f64> = modulus.iter().map(|modulus| modulus.im).collect();
+        Ok(Self {
+            first,
+            last,
+            storage: MonotoneCubic::through(&log_omega, &storage),
+            loss: MonotoneCubic::through(&log_omega, &loss),
+        })
+    }
+
+    /// Whether the magnitude of `omega` [rad/s] lies in the band of the table, its ends included.
+    #[must_use]
+    pub fn covers(&self, omega: f64) -> bool {
+        (self.first.omega..=self.last.omega).contains(&omega.abs())
+    }
+
+    /// Complex modulus \[Pa\] at `omega` [rad/s], of either sign.
+    ///
+    /// # Errors
+    /// [`RodwaveError::OutsideTable`] where the table does not reach, 0 included.
+    pub fn lookup(&self, omega: f64) -> Result<Complex64, RodwaveError> {
+        if self.covers(omega) {
+            Ok(self.interpolate(omega, MonotoneCubic::value))
+        } else {
+            Err(RodwaveError::OutsideTable {
+                quantity: "magnitude of the angular frequency [rad/s]",
+                value: omega.abs(),
+                lower: self.first.omega,
+                upper: self.last.omega,
+            })
+        }
+    }
+
+    /// The table continued by its first and its last line: constant E' and E'' below and above, and E(0) = E' of the first.
+    ///
+    /// A constant loss with a constant stiffness is not causal. What the continuation does to a result has to be judged,
+    /// for instance by what [`covers`](Self::covers) says of the frequencies that carry the energy.
+    #[must_use]
+    pub fn held(self) -> HeldTable {
+        HeldTable { table: self }
+    }
+
+    fn interpolate(&self, omega: f64, face: impl Fn(&MonotoneCubic, f64) -> f64) -> Complex64 {
+        let log_omega = omega.abs().ln();
+        let value = Complex64::new(face(&self.storage, log_omega), face(&self.loss, log_omega));
+        conjugate_below_zero(value, omega)
+    }
+}
+
+/// A [`Tabulated`] modulus, continued by the values at its ends; made by [`Tabulated::held`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldTable {
+    table: Tabulated,
+}
+
+impl HeldTable {
+    /// The table without its continuation.
+    #[must_use]
+    pub fn table(&self) -> &Tabulated {
+        &self.table
+    }
+}
+
+impl ComplexModulus for HeldTable {
+    fn at(&self, omega: f64) -> Complex64 {
+        let Tabulated { first, last, .. } = &self.table;
+        if omega == 0.0 {
+            Complex64::from(first.modulus.re)
+        } else if omega.abs() < first.omega {
+            conjugate_below_zero(first.modulus, omega)
+        } else if omega.abs() > last.omega {
+            conjugate_below_zero(last.modulus, omega)
+        } else {
+            self.table.interpolate(omega, MonotoneCubic::value)
+        }
+    }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        if self.table.covers(omega) {
+            self.table.interpolate(omega, MonotoneCubic::slope)
+        } else {
+            Complex64::ZERO
+        }
+    }
+}
+
+/// The value for |ω| as that for ω.
+fn conjugate_below_zero(value: Complex64, omega: f64) -> Complex64 {
+    if omega < 0.0 { value.conj() } else { value }
+}

@@ -1,0 +1,285 @@
+//! The exact theory of an infinitely long cylinder, after Pochhammer and Chree: its first longitudinal branch.
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+
+use super::frequency_equation::{FrequencyEquation, Jet, Variable};
+use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Scale};
+
+/// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below 0.1 K².
+const SERIES_END: f64 = 1e-8;
+
+/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D: Love errs there by 0.1 per cent.
+const FIRST_POINT: f64 = 0.5;
+
+/// Largest step in √|K| or √|B|, so that no undulation of the Bessel functions is overlooked.
+const LARGEST_STEP: f64 = 0.5;
+
+/// Smallest step, relative to the way. A branch that asks for less cannot be told from its neighbour in double precision.
+const SMALLEST_STEP: f64 = 1e-10;
+
+/// Steps, successful or not, after which the way is given up: some ka = 85.
+const MOST_STEPS: usize = 5000;
+
+/// A step goes no further than this part of the clearance to other branches where it begins, twice that where it ends ...
+const REACH: f64 = 0.2;
+
+/// ... and what Newton's iteration adds to the prediction is at most this part.
+const CORRECTION_REACH: f64 = 0.1;
+
+/// Relative difference by which the way back may miss its beginning; another branch is much further away.
+const CLOSURE: f64 = 1e-6;
+
+/// Newton steps at one point. Within `CORRECTION_REACH` three or four suffice.
+const MOST_NEWTON_STEPS: usize = 8;
+
+/// Theory of Pochhammer and Chree, first longitudinal branch.
+///
+/// ```text
+/// (2p/a)(q² + k²) J₁(pa) J₁(qa) - (q² - k²)² J₀(pa) J₁(qa) - 4k²pq J₁(pa) J₀(qa) = 0
+/// p² = ρω²/(λ+2μ) - k² ,    q² = ρω²/μ - k² ,    k² = -γ²
+/// ```
+///
+/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a², and for short ones in an elastic rod the phase velocity
+/// is that of Rayleigh's surface wave.
+///
+/// # Method
+/// The equation has infinitely many roots. The first branch is the one that begins as K = B, and it is *followed* from there: ω,
+/// or γ in the inverse direction, grows from a point where Love's theory is good to its value, with E or ω held. Each step
+/// is predicted along the tangent and corrected by Newton's iteration, and never reaches further than a fraction of the
+/// distance to the neighbouring branch, so that a close passage of two branches is not jumped across. That distance is
+/// estimated by 2|f'/f''| in B and in K. Down to λ ≈ 6D there is one step.
+///
+/// A modulus that was found from γ must lead back to γ on the first branch; if it does not, the result is
+/// [`FirstBranch::Left`].
+///
+/// # Validity
+/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which crosses the second at ka = 1.841; for small
+/// ν > 0 the two veer apart there, and a modulus that is not quite elastic decides by its loss which way the branch takes. Where that
+/// cannot be told the result is [`FirstBranch::Left`]; so it is beyond ka = 85, λ = D/27, where the way is too long.
+///
+/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may have the same γ, each on
+/// its first branch, and [`RodTheory::modulus`] returns the one that is reached with γ growing in proportion. It happens for
+/// ν = -0.23, E''/E' = 0.52, λ = 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PochhammerChree {
+    scale: Scale,
+    poisson_ratio: f64,
+}
+
+impl PochhammerChree {
+    /// A round rod.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless density and diameter are above 0 and -1 < ν <= 0.5.
+    pub fn new(rod: RoundRod) -> Result<Self, RodwaveError> {
+        let rod = rod.checked()?;
+        Ok(Self {
+            scale: rod.scale(),
+            poisson_ratio: rod.poisson_ratio,
+        })
+    }
+}
+
+impl RodTheory for PochhammerChree {
+    fn propagation_coefficient(
+        &self,
+        modulus: Complex64,
+        omega: f64,
+    ) -> Result<FirstBranch<Complex64>, RodwaveError> {
+        self.scale.propagation_coefficient(modulus, omega, |bar| {
+            Way {
+                sought: Sought::Wave,
+                poisson_ratio: self.poisson_ratio,
+                end: bar,
+            }
+            .follow()
+            .map(|root| root.value)
+        })
+    }
+
+    fn modulus(
+        &self,
+        propagation_coefficient: Complex64,
+        omega: f64,
+    ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError> {
+        self.scale.modulus(propagation_coefficient, omega, |wave| {
+            let outcome = Way {
+                sought: Sought::Bar,
+                poisson_ratio: self.poisson_ratio,
+                end: wave,
+            }
+            .follow();
+            let FirstBranch::Found(root) = outcome else {
+                return outcome;
+            };
+            let back = Way {
+                sought: Sought::Wave,
+                poisson_ratio: self.poisson_ratio,
+                end: root.value,
+            };
+            match back.follow() {
+                FirstBranch::Found(back) if is_close(back.value, wave) => outcome,
+                _ => FirstBranch::Left { reached: 1.0 },
+            }
+        })
+    }
+}
+
+fn is_close(a: Complex64, b: Complex64) -> bool {
+    (a - b).norm() <= CLOSURE * b.norm()
+}
+
+/// Which of B and K is sought from the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sought {
+    Bar,
+    Wave,
+}
+
+/// The way of the given variable from 0 to its end t = 1, as t² `end`.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    sought: Sought,
+    poisson_ratio: f64,
+    end: Complex64,
+}
+
+/// Distance to the second root of a function that begins as f'δ + ½f''δ².
+fn clearance(jet: &Jet) -> f64 {
+    2.0 * (jet.first / jet.second).norm()
+}
+
+/// A point on the branch.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    given: Complex64,
+    root: Complex64,
+    /// d(root)/d(given) along the branch.
+    tangent: Complex64,
+    /// ∂(root)/∂ν.
+    by_poisson_ratio: Complex64,
+    /// Estimated distance to another branch at constant `given`.
+    root_clearance: f64,
+    /// The same at constant `root`: of a branch that runs across, this one is the smaller.
+    given_clearance: f64,
+}
+
+impl Point {
+    /// The larger of the two changes, relative to the clearance.
+    fn reach(&self, root_change: Complex64, given_change: Complex64) -> f64 {
+        let along_root = root_change.norm() / self.root_clearance;
+        along_root.max(given_change.norm() / self.given_clearance)
+    }
+}
+
+impl Way {
+    fn follow(&self) -> FirstBranch<Root> {
+        let size = self.end.norm();
+        if size < SERIES_END || self.poisson_ratio == 0.0 {
+            return FirstBranch::Found(self.long_wave_root());
+        }
+        let full = size.sqrt();
+        let largest_step = LARGEST_STEP / full;
+        let mut t = (FIRST_POINT / full).min(1.0);
+        let given = self.end * t * t;
+        let Some(mut point) = self.newton(given, self.love(given)) else {
+            return FirstBranch::Left { reached: 0.0 };
+        };
+        let mut step = largest_step;
+        for _ in 0..MOST_STEPS {
+            if t >= 1.0 {
+                return FirstBranch::Found(Root {
+                    value: point.root,
+                    by_poisson_ratio: point.by_poisson_ratio,
+                });
+            }
+            if step < SMALLEST_STEP {
+                break;
+            }
+            let next_t = (t + step).min(1.0);
+            match self.advance(&point, self.end * next_t * next_t) {
+                Some(next) => {
+                    (t, point) = (next_t, next);
+                    step = (2.0 * step).min(largest_step);
+                }
+                None => step *= 0.5,
+            }
+        }
+        FirstBranch::Left { reached: t }
+    }
+
+    /// One step along the branch, or `None` if it is too long to be safe.
+    fn advance(&self, from: &Point, given: Complex64) -> Option<Point> {
+        let given_change = given - from.given;
+        let root_change = from.tangent * given_change;
+        if from.reach(root_change, given_change) > REACH {
+            return None;
+        }
+        let predicted = from.root + root_change;
+        let next = self.newton(given, predicted)?;
+        let correction = (next.root - predicted).norm();
+        let is_safe = next.reach(root_change, given_change) <= 2.0 * REACH
+            && correction <= CORRECTION_REACH * from.root_clearance.min(next.root_clearance);
+        is_safe.then_some(next)
+    }
+
+    /// Newton's iteration for the root at one value of the given variable.
+    fn newton(&self, given: Complex64, start: Complex64) -> Option<Point> {
+        let (unknown, known) = match self.sought {
+            Sought::Bar => (Variable::Bar, Variable::Wave),
+            Sought::Wave => (Variable::Wave, Variable::Bar),
+        };
+        let mut root = start;
+        let mut settled = false;
+        for _ in 0..MOST_NEWTON_STEPS {
+            let equation = match self.sought {
+                Sought::Bar => FrequencyEquation::at(root, given, self.poisson_ratio),
+                Sought::Wave => FrequencyEquation::at(given, root, self.poisson_ratio),
+            }?;
+            let jet = equation.along(unknown);
+            let root_clearance = clearance(&jet);
+            if settled {
+                let by_given = equation.along(known);
+                return Some(Point {
+                    given,
+                    root,
+                    tangent: -by_given.first / jet.first,
+                    by_poisson_ratio: -equation.along(Variable::PoissonRatio).first / jet.first,
+                    root_clearance,
+                    given_clearance: clearance(&by_given),
+                });
+            }
+            let correction = jet.value / jet.first;
+            if !(correction.re.is_finite() && correction.im.is_finite()) {
+                return None;
+            }
+            root -= correction;
+            // The error left is the correction squared by the clearance: below rounding.
+            settled = correction.norm() <= 1e-9 * root_clearance.min(root.norm());
+        }
+        None
+    }
+
+    /// Love's theory.
+    fn love(&self, given: Complex64) -> Complex64 {
+        let inertia = 0.5 * self.poisson_ratio.powi(2) * given;
+        match self.sought {
+            Sought::Bar => given / (1.0 + inertia),
+            Sought::Wave => given / (1.0 - inertia),
+        }
+    }
+
+    /// The root to first order: elementary theory and Love's correction. Exact for ν = 0.
+    fn long_wave_root(&self) -> Root {
+        let sign = match self.sought {
+            Sought::Bar => -1.0,
+            Sought::Wave => 1.0,
+        };
+        Root {
+            value: self.love(self.end),
+            by_poisson_ratio: sign * self.poisson_ratio * self.end * self.end,
+        }
+    }
+}

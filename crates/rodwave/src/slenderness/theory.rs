@@ -1,0 +1,234 @@
+//! What a theory of lateral inertia is: both directions, and results that say whether they lie on the first branch.
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+use crate::error::{check_finite, check_positive};
+
+/// Theory of longitudinal waves in a rod with lateral inertia.
+pub trait RodTheory {
+    /// Propagation coefficient γ = α + ik [1/m] of the first branch from the complex `modulus` E \[Pa\] at `omega` [rad/s].
+    ///
+    /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and γ = 0 at ω = 0.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless ω is finite, E finite and not 0, and ρω²a²/E finite.
+    fn propagation_coefficient(
+        &self,
+        modulus: Complex64,
+        omega: f64,
+    ) -> Result<FirstBranch<Complex64>, RodwaveError>;
+
+    /// Complex modulus, lateral inertia removed, from the `propagation_coefficient` γ [1/m] that was measured at `omega`
+    /// [rad/s].
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless ω and γ are finite and not 0, and γ²a² neither overflows nor underflows.
+    fn modulus(
+        &self,
+        propagation_coefficient: Complex64,
+        omega: f64,
+    ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError>;
+}
+
+/// A round rod, as far as its waves depend on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundRod {
+    /// Density ρ [kg/m³].
+    pub density: f64,
+    /// Diameter D \[m\].
+    pub diameter: f64,
+    /// Poisson's ratio ν, above -1 and at most 0.5.
+    pub poisson_ratio: f64,
+}
+
+impl RoundRod {
+    /// The same rod, if all its numbers are physical.
+    pub(super) fn checked(self) -> Result<Self, RodwaveError> {
+        Ok(Self {
+            density: check_positive("density [kg/m^3]", self.density)?,
+            diameter: check_positive("diameter [m]", self.diameter)?,
+            poisson_ratio: check_poisson_ratio(self.poisson_ratio)?,
+        })
+    }
+
+    /// What makes modulus and propagation coefficient dimensionless.
+    pub(super) fn scale(&self) -> Scale {
+        Scale {
+            density: self.density,
+            length: 0.5 * self.diameter,
+        }
+    }
+}
+
+/// Accepts -1 < ν <= 0.5, the range of a stable isotropic solid with the incompressible one.
+pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveError> {
+    if poisson_ratio > -1.0 && poisson_ratio <= 0.5 {
+        Ok(poisson_ratio)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "poisson's ratio",
+            value: poisson_ratio,
+            expected: "a value above -1 and at most 0.5",
+        })
+    }
+}
+
+/// A result on the first branch of the dispersion relation, or the reason why there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub enum FirstBranch<T> {
+    /// On the first branch.
+    Found(T),
+    /// The theory has no wave that travels at this frequency: its first branch ends where `lateral_inertia` is 1.
+    BeyondCutOff {
+        /// Re ρω²ν²k_p²/E, the inertia of the lateral motion relative to the stiffness.
+        lateral_inertia: f64,
+    },
+    /// The branch was followed from low frequency and lost: another branch comes so close that the two cannot be told
+    /// apart, or the frequency is too far away.
+    Left {
+        /// Part of the way at which the branch was still known: a fraction of ω, or of γ in the inverse direction. It is 1 if
+        /// a modulus was found from γ, but does not lead back to γ on the first branch.
+        reached: f64,
+    },
+}
+
+impl<T> FirstBranch<T> {
+    /// The result, if it was found.
+    #[must_use]
+    pub fn found(self) -> Option<T> {
+        match self {
+            Self::Found(value) => Some(value),
+            Self::BeyondCutOff { .. } | Self::Left { .. } => None,
+        }
+    }
+
+    /// The same outcome with the result converted.
+    pub(super) fn map<U>(self, convert: impl FnOnce(T) -> U) -> FirstBranch<U> {
+        match self {
+            Self::Found(value) => FirstBranch::Found(convert(value)),
+            Self::BeyondCutOff { lateral_inertia } => FirstBranch::BeyondCutOff { lateral_inertia },
+            Self::Left { reached } => FirstBranch::Left { reached },
+        }
+    }
+}
+
+/// Complex modulus from a propagation coefficient, lateral inertia removed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CorrectedModulus {
+    /// E = E' + iE'' \[Pa\].
+    pub modulus: Complex64,
+    /// What elementary theory makes of the same propagation coefficient, -ρω²/γ² \[Pa\] (Ödeen 1993, paper A, eq. 2).
+    pub apparent_modulus: Complex64,
+    /// ∂E/∂ν at constant propagation coefficient \[Pa\].
+    pub by_poisson_ratio: Complex64,
+}
+
+/// Standard errors of a modulus that come from that of Poisson's ratio. They are fully correlated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ModulusError {
+    /// Of E' \[Pa\].
+    pub storage_modulus: f64,
+    /// Of E'' \[Pa\].
+    pub loss_modulus: f64,
+    /// Of E''/E'.
+    pub loss_factor: f64,
+}
+
+impl CorrectedModulus {
+    /// Loss factor E''/E'.
+    #[must_use]
+    pub fn loss_factor(&self) -> f64 {
+        self.modulus.im / self.modulus.re
+    }
+
+    /// Standard errors from the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν| δν and so on.
+    ///
+    /// To leading order the correction is proportional to ν², and its relative error 2 δν/ν.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless δν is finite and not negative.
+    pub fn standard_error(&self, poisson_ratio_error: f64) -> Result<ModulusError, RodwaveError> {
+        if !(poisson_ratio_error.is_finite() && poisson_ratio_error >= 0.0) {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "standard error of poisson's ratio",
+                value: poisson_ratio_error,
+                expected: "a finite value, at least 0",
+            });
+        }
+        let slope = self.by_poisson_ratio;
+        let loss_factor_slope = (slope.im - slope.re * self.loss_factor()) / self.modulus.re;
+        Ok(ModulusError {
+            storage_modulus: poisson_ratio_error * slope.re.abs(),
+            loss_modulus: poisson_ratio_error * slope.im.abs(),
+            loss_factor: poisson_ratio_error * loss_factor_slope.abs(),
+        })
+    }
+}
+
+/// A root of f(B, K, ν) = 0 in the variable that is sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Root {
+    /// B or K.
+    pub(super) value: Complex64,
+    /// Its derivative by ν, the other variable held.
+    pub(super) by_poisson_ratio: Complex64,
+}
+
+/// Density and length that make modulus and propagation coefficient dimensionless: B = ρω²l²/E, K = -γ²l².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scale {
+    /// ρ [kg/m³].
+    pub(super) density: f64,
+    /// l \[m\].
+    pub(super) length: f64,
+}
+
+impl Scale {
+    /// γ from E, with `solve` for K from B.
+    pub(super) fn propagation_coefficient(
+        &self,
+        modulus: Complex64,
+        omega: f64,
+        solve: impl FnOnce(Complex64) -> FirstBranch<Complex64>,
+    ) -> Result<FirstBranch<Complex64>, RodwaveError> {
+        check_positive("magnitude of the complex modulus [Pa]", modulus.norm())?;
+        let omega = check_finite("angular frequency [rad/s]", omega)?;
+        let velocity = (modulus / self.density).sqrt();
+        let bar_number = (omega * self.length / velocity).powu(2);
+        check_finite("magnitude of rho omega^2 l^2/E", bar_number.norm())?;
+        let phase_sign = Complex64::new(0.0, omega.signum());
+        Ok(solve(bar_number).map(|k| phase_sign * k.sqrt() / self.length))
+    }
+
+    /// E from γ, with `solve` for B from K.
+    pub(super) fn modulus(
+        &self,
+        propagation_coefficient: Complex64,
+        omega: f64,
+        solve: impl FnOnce(Complex64) -> FirstBranch<Root>,
+    ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError> {
+        check_finite("angular frequency [rad/s]", omega)?;
+        check_positive("magnitude of the angular frequency [rad/s]", omega.abs())?;
+        check_positive(
+            "magnitude of the propagation coefficient [1/m]",
+            propagation_coefficient.norm(),
+        )?;
+        let wave_number = -(propagation_coefficient * self.length).powu(2);
+        check_positive("magnitude of gamma^2 l^2", wave_number.norm())?;
+        let velocity = Complex64::new(0.0, omega) / propagation_coefficient;
+        let apparent_modulus = self.density * velocity * velocity;
+        Ok(solve(wave_number).map(|root| {
+            let modulus = apparent_modulus * (wave_number / root.value);
+            CorrectedModulus {
+                modulus,
+                apparent_modulus,
+                by_poisson_ratio: -modulus * (root.by_poisson_ratio / root.value),
+            }
+        }))
+    }
+}

@@ -1,0 +1,98 @@
+//! From the frequency domain to time.
+//!
+//! Two ways, for two kinds of bodies.
+//!
+//! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The history it gives is periodic; it is right
+//!    where the history dies out within a period, and wrong without warning where it does not.
+//! 2. [`DampedSynthesis`]: the same transform of e^{-at} times the history, that is of its Laplace transform on the line
+//!    Re s = a. What comes around from the next period is damped by e^{-aT_p}. It is right for any causal history, for two
+//!    finite elastic bodies that ring for ever too, and needs laws that are analytic in the right half plane.
+//!
+//! Both have the kernel e^{+iωt} of the conventions and carry their scaling, so that a transform \[q s\] becomes a history
+//! \[q\].
+//!
+//! ```
+//! use num_complex::Complex64;
+//! use rodwave::synthesis::DampedSynthesis;
+//!
+//! // 2/(s² + 4) is sin 2t, which never dies out
+//! let synthesis = DampedSynthesis::new(10.0, 1e-3)?;
+//! let transform: Vec<Complex64> = synthesis.arguments().map(|s| 2.0 / (s * s + 4.0)).collect();
+//! let history = synthesis.history(&transform)?;
+//! assert!((history.samples[3000] - 6.0_f64.sin()).abs() < 2e-6);
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+
+mod damped;
+mod fourier;
+
+pub use damped::DampedSynthesis;
+pub use fourier::FourierSynthesis;
+
+use num_complex::Complex64;
+use realfft::RealFftPlanner;
+
+use crate::RodwaveError;
+
+/// A history at equal intervals.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct SynthesizedHistory {
+    /// Time of the first sample \[s\].
+    pub start: f64,
+    /// Interval between samples \[s\].
+    pub interval: f64,
+    /// The samples, in the unit of the transform divided by s.
+    pub samples: Vec<f64>,
+}
+
+impl SynthesizedHistory {
+    /// Time \[s\] of the sample of this `index`.
+    #[must_use]
+    pub fn time(&self, index: usize) -> f64 {
+        self.start + index as f64 * self.interval
+    }
+}
+
+/// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real history; unscaled.
+///
+/// The lines at 0 and N/2 keep their real parts, all that real samples can show of them.
+#[expect(
+    clippy::expect_used,
+    reason = "the transform fails only on wrong buffer lengths, which are made here, and on imaginary parts of the \
+              first and the last line, which are removed here"
+)]
+fn to_samples(mut lines: Vec<Complex64>) -> Vec<f64> {
+    let plan = RealFftPlanner::new().plan_fft_inverse(2 * (lines.len() - 1));
+    if let [first, .., last] = lines.as_mut_slice() {
+        first.im = 0.0;
+        last.im = 0.0;
+    }
+    let mut samples = plan.make_output_vec();
+    plan.process(&mut lines, &mut samples)
+        .expect("buffers of the plan");
+    samples
+}
+
+/// Accepts lines that are finite and as many as `expected`.
+fn check_lines(
+    name: &'static str,
+    lines: &[Complex64],
+    expected: usize,
+) -> Result<(), RodwaveError> {
+    if lines.len() != expected {
+        return Err(RodwaveError::LengthMismatch {
+            what: name,
+            found: lines.len(),
+            expected,
+        });
+    }
+    match lines.iter().position(|line| !line.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(RodwaveError::NonFiniteSample {
+            history: name,
+            index,
+            value: lines[index].norm(),
+        }),
+    }
+}

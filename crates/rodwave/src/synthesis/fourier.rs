@@ -1,0 +1,68 @@
+//! The discrete Fourier transform, with its scaling.
+
+use num_complex::Complex64;
+
+use super::{SynthesizedHistory, check_lines, to_samples};
+use crate::RodwaveError;
+use crate::error::check_positive;
+
+/// Histories from one-sided spectra.
+///
+/// ```text
+/// q(t_n) = Δf Σ_k q̂(2πkΔf) e^{2πikn/N} ,   |k| <= N/2 ,   N = 2 (n_lines - 1) ,   t_n = n/(NΔf)
+/// ```
+///
+/// # Validity
+/// The history repeats itself with the period 1/Δf: q dies out within it, or what is computed is the sum of all
+/// repetitions. A pole on the frequency axis, as of an elastic body with free or fixed ends, excludes the method.
+/// Nothing above the last line is known, and a jump rings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FourierSynthesis {
+    frequency_step_hz: f64,
+    n_lines: usize,
+}
+
+impl FourierSynthesis {
+    /// For spectra of `n_lines` lines from 0 Hz, `frequency_step_hz` Δf apart.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0; [`RodwaveError::TooFewSamples`] for less than
+    /// two lines.
+    pub fn new(frequency_step_hz: f64, n_lines: usize) -> Result<Self, RodwaveError> {
+        if n_lines < 2 {
+            return Err(RodwaveError::TooFewSamples {
+                history: "the spectrum",
+                found: n_lines,
+                expected: 2,
+            });
+        }
+        Ok(Self {
+            frequency_step_hz: check_positive("frequency step [Hz]", frequency_step_hz)?,
+            n_lines,
+        })
+    }
+
+    /// The frequencies ω [rad/s] at which the spectrum is needed, from 0.
+    #[must_use]
+    pub fn omegas(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
+        let step = std::f64::consts::TAU * self.frequency_step_hz;
+        (0..self.n_lines).map(move |k| step * k as f64)
+    }
+
+    /// The history that has this `spectrum` q̂ \[q s\], one-sided and not doubled.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, as a pole that is hit.
+    pub fn history(&self, spectrum: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
+        check_lines("spectrum", spectrum, self.n_lines)?;
+        let mut samples = to_samples(spectrum.to_vec());
+        for sample in &mut samples {
+            *sample *= self.frequency_step_hz;
+        }
+        Ok(SynthesizedHistory {
+            start: 0.0,
+            interval: 1.0 / (self.frequency_step_hz * samples.len() as f64),
+            samples,
+        })
+    }
+}

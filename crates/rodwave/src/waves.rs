@@ -1,0 +1,348 @@
+//! The two waves of which the motion of a uniform rod consists.
+//!
+//! Strain, velocity, normal force, any quantity that obeys the wave equation, is (Ödeen 1993, paper B, eq. 4)
+//!
+//! ```text
+//! q(x) = P e^{-γx} + N e^{γx}
+//! ```
+//!
+//! P travels and decays along +x, N along -x. They follow from the state (N, v) of one section or from q at two or more
+//! sections, wherever these are and whatever bounds the rod.
+//!
+//! ```
+//! use num_complex::Complex64;
+//! use rodwave::waves::TravellingWaves;
+//!
+//! // strains of 1 and i at two sections a quarter wave apart: one wave, along -x
+//! let gamma = Complex64::new(0.0, 1.0);
+//! let strain = [Complex64::ONE, Complex64::I];
+//! let found = TravellingWaves::from_sections(gamma, &[0.0, std::f64::consts::FRAC_PI_2], &strain)?;
+//! assert!(found.waves.forward_at(0.0).norm() < 1e-15);
+//! assert!((found.waves.backward_at(0.0) - 1.0).norm() < 1e-15);
+//! # Ok::<(), rodwave::RodwaveError>(())
+//! ```
+//!
+//! # Singular frequencies
+//! Where the distances between all sections are multiples of half a wavelength, the sections see both waves alike:
+//! q(x) tells P + N (or P - N) and nothing more. At zero frequency this is so for any sections. With damping the
+//! problem stays solvable but magnifies errors, by the condition number that comes with every result. Sections at unequal
+//! distances move the singular frequencies apart.
+
+use num_complex::Complex64;
+
+use crate::RodwaveError;
+use crate::error::check_finite;
+use crate::transition::State;
+
+/// A pair of waves in a uniform rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TravellingWaves {
+    propagation_coefficient: Complex64,
+    /// Amplitude and place of either wave, each where it enters the sections, so that neither is a growing exponential.
+    forward: Amplitude,
+    backward: Amplitude,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Amplitude {
+    value: Complex64,
+    position: f64,
+}
+
+/// Waves found from several sections.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct WaveSeparation {
+    /// The waves. Of sections that cannot tell them apart, the smallest two that explain what was seen.
+    pub waves: TravellingWaves,
+    /// Largest over smallest singular value of the problem with columns of unit length: by so much relative errors of the
+    /// values can appear magnified. 1 is the best, infinity means that the sections cannot tell the waves apart.
+    pub condition_number: f64,
+    /// Root of the sum of squares of what the two waves leave unexplained, over that of the values; 0 for two sections.
+    pub misfit: f64,
+}
+
+impl TravellingWaves {
+    /// The waves of the normal force at a section of the given `state`, with x = 0 there (paper E, eq. A15), from the
+    /// `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z [kg/s].
+    ///
+    /// ```text
+    /// N̂ = P + N ,    v̂ = (N - P)/Z
+    /// ```
+    #[must_use]
+    pub fn of_normal_force(
+        state: State,
+        propagation_coefficient: Complex64,
+        characteristic_impedance: Complex64,
+    ) -> Self {
+        let from_velocity = characteristic_impedance * state.velocity;
+        let wave = |twice: Complex64| Amplitude {
+            value: 0.5 * twice,
+            position: 0.0,
+        };
+        Self {
+            propagation_coefficient,
+            forward: wave(state.normal_force - from_velocity),
+            backward: wave(state.normal_force + from_velocity),
+        }
+    }
+
+    /// The waves that explain the `values` of a quantity at `positions` \[m\] best, in the sense of least squares, from the
+    /// `propagation_coefficient` γ [1/m], Re γ >= 0 (paper B, eqs. 4-5).
+    ///
+    /// | argument | shape |
+    /// |---|---|
+    /// | `positions`, `values` | `(n_sections)`, in any order |
+    ///
+    /// # Errors
+    /// [`RodwaveError::TooFewSamples`] for less than two sections, [`RodwaveError::LengthMismatch`],
+    /// [`RodwaveError::NonFiniteSample`] for a position or a value (its magnitude is given),
+    /// [`RodwaveError::NonPhysical`] for γ.
+    pub fn from_sections(
+        propagation_coefficient: Complex64,
+        positions: &[f64],
+        values: &[Complex64],
+    ) -> Result<WaveSeparation, RodwaveError> {
+        let gamma = propagation_coefficient;
+        check_finite("wave number [rad/m]", gamma.im)?;
+        if !(gamma.re.is_finite() && gamma.re >= 0.0) {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "damping coefficient [1/m]",
+                value: gamma.re,
+                expected: "a finite value, 0 or above",
+            });
+        }
+        check_sections(positions, values)?;
+        let first = positions.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+
+        // values = p·forward + n·backward; both columns at most 1 in magnitude
+        let rows = || {
+            positions.iter().zip(values).map(|(x, value)| {
+                let forward = (-gamma * (x - first)).exp();
+                let backward = (-gamma * (last - x)).exp();
+                (forward, backward, *value)
+            })
+        };
+        let forward_squared: f64 = rows().map(|(f, _, _)| f.norm_sqr()).sum();
+        let backward_squared: f64 = rows().map(|(_, b, _)| b.norm_sqr()).sum();
+        let shared: Complex64 =
+            rows().map(|(f, b, _)| f.conj() * b).sum::<Complex64>() / forward_squared;
+        let independent_squared: f64 = rows().map(|(f, b, _)| (b - shared * f).norm_sqr()).sum();
+        let onto_forward: Complex64 =
+            rows().map(|(f, _, q)| f.conj() * q).sum::<Complex64>() / forward_squared;
+
+        let sine = (independent_squared / backward_squared).sqrt();
+        let cosine = shared.norm() * (forward_squared / backward_squared).sqrt();
+        let indistinguishable = sine <= f64::EPSILON * positions.len() as f64;
+        let (forward, backward) = if indistinguishable {
+            let forward = onto_forward / (1.0 + shared.norm_sqr());
+            (forward, shared.conj() * forward)
+        } else {
+            let backward: Complex64 = rows()
+                .map(|(f, b, q)| (b - shared * f).conj() * (q - onto_forward * f))
+                .sum::<Complex64>()
+                / independent_squared;
+            (onto_forward - shared * backward, backward)
+        };
+        let unexplained: f64 = rows()
+            .map(|(f, b, q)| (q - forward * f - backward * b).norm_sqr())
+            .sum();
+        let total: f64 = values.iter().map(Complex64::norm_sqr).sum();
+        Ok(WaveSeparation {
+            waves: Self {
+                propagation_coefficient,
+                forward: Amplitude {
+                    value: forward,
+                    position: first,
+                },
+                backward: Amplitude {
+                    value: backward,
+                    position: last,
+                },
+            },
+            condition_number: if indistinguishable {
+                f64::INFINITY
+            } else {
+                (1.0 + cosine) / sine
+            },
+            misfit: if total > 0.0 {
+                (unexplained / total).sqrt()
+            } else {
+                0.0
+            },
+        })
+    }
+
+    /// The wave along +x at `position` x \[m\]: P e^{-γx}.
+    #[must_use]
+    pub fn forward_at(&self, position: f64) -> Complex64 {
+        let way = position - self.forward.position;
+        self.forward.value * (-self.propagation_coefficient * way).exp()
+    }
+
+    /// The wave along -x at `position` x \[m\]: N e^{γx}.
+    #[must_use]
+    pub fn backward_at(&self, position: f64) -> Complex64 {
+        let way = self.backward.position - position;
+        self.backward.value * (-self.propagation_coefficient * way).exp()
+    }
+
+    /// The sum of both at `position` x \[m\].
+    #[must_use]
+    pub fn at(&self, position: f64) -> Complex64 {
+        self.forward_at(position) + self.backward_at(position)
+    }
+}
+
+/// Accepts two or more sections of finite position and value.
+fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
+    if positions.len() < 2 {
+        return Err(RodwaveError::TooFewSamples {
+            history: "the row of sections",
+            found: positions.len(),
+            expected: 2,
+        });
+    }
+    if values.len() != positions.len() {
+        return Err(RodwaveError::LengthMismatch {
+            what: "the row of values at the sections",
+            found: values.len(),
+            expected: positions.len(),
+        });
+    }
+    crate::error::check_samples("the row of positions", positions)?;
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(RodwaveError::NonFiniteSample {
+            history: "the row of values at the sections",
+            index,
+            value: values[index].norm(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAMMA: Complex64 = Complex64::new(0.7, 12.0);
+
+    /// P = 2 - i and N = 0.3i at x = 0.
+    fn known(x: f64) -> Complex64 {
+        Complex64::new(2.0, -1.0) * (-GAMMA * x).exp()
+            + Complex64::new(0.0, 0.3) * (GAMMA * x).exp()
+    }
+
+    #[test]
+    fn known_waves_are_found_from_any_number_of_sections() {
+        for positions in [
+            vec![0.1, 0.2],
+            vec![0.5, -0.3, 0.13],
+            vec![-1.0, -0.2, 0.03, 0.4, 0.9],
+        ] {
+            let values: Vec<Complex64> = positions.iter().map(|x| known(*x)).collect();
+            let found = TravellingWaves::from_sections(GAMMA, &positions, &values).unwrap();
+            for x in [-1.0, 0.0, 0.37] {
+                // a few dozen roundings
+                assert!((found.waves.at(x) - known(x)).norm() < 1e-13);
+            }
+            assert!((found.waves.forward_at(0.0) - Complex64::new(2.0, -1.0)).norm() < 1e-13);
+            assert!(found.misfit < 1e-14 && found.condition_number < 5.0);
+        }
+    }
+
+    /// The fit is the projection: what it leaves is orthogonal to both waves, and changing either wave makes it worse.
+    #[test]
+    fn the_misfit_is_smallest() {
+        let positions = [0.0, 0.11, 0.27, 0.31];
+        let values: Vec<Complex64> = positions
+            .iter()
+            .map(|x| known(*x) + Complex64::new(0.0, 5.0 * x * x))
+            .collect();
+        let found = TravellingWaves::from_sections(GAMMA, &positions, &values).unwrap();
+        assert!(found.misfit > 0.01);
+        for wave in [-GAMMA, GAMMA] {
+            let product: Complex64 = positions
+                .iter()
+                .zip(&values)
+                .map(|(x, value)| (wave * x).exp().conj() * (value - found.waves.at(*x)))
+                .sum();
+            assert!(product.norm() < 1e-13);
+        }
+    }
+
+    /// Half a wavelength between undamped sections: only the sum of the waves is seen, and the result says so.
+    #[test]
+    fn sections_that_see_both_waves_alike() {
+        let gamma = Complex64::new(0.0, std::f64::consts::PI);
+        let one = Complex64::ONE;
+        let found = TravellingWaves::from_sections(gamma, &[0.0, 1.0], &[one, -one]).unwrap();
+        assert!(found.condition_number.is_infinite());
+        assert!((found.waves.forward_at(0.0) - 0.5).norm() < 1e-15);
+        assert!((found.waves.at(1.0) + 1.0).norm() < 1e-15);
+        let at_rest = TravellingWaves::from_sections(Complex64::ZERO, &[0.0, 1.0], &[one, one]);
+        assert!(at_rest.unwrap().condition_number.is_infinite());
+        // next to it, the condition number is the inverse of the distance: |sin kΔx| = 1e-6, twice over
+        let near = Complex64::new(0.0, std::f64::consts::PI - 1e-6);
+        let found = TravellingWaves::from_sections(near, &[0.0, 1.0], &[one, -one]).unwrap();
+        assert!((found.condition_number * 0.5e-6 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn strong_damping_does_not_overflow() {
+        let gamma = Complex64::new(2000.0, 1e4);
+        let values = [Complex64::ONE, Complex64::I];
+        let found = TravellingWaves::from_sections(gamma, &[0.0, 1.0], &values).unwrap();
+        // either section sees the wave that enters there
+        assert!((found.waves.forward_at(0.0) - 1.0).norm() < 1e-15);
+        assert!((found.waves.backward_at(1.0) - Complex64::I).norm() < 1e-15);
+    }
+
+    #[test]
+    fn waves_and_state_are_the_same() {
+        let state = State {
+            normal_force: Complex64::new(3.0, 1.0),
+            velocity: Complex64::new(-0.01, 0.02),
+        };
+        let z = Complex64::new(200.0, 15.0);
+        let waves = TravellingWaves::of_normal_force(state, GAMMA, z);
+        let (p, n) = (waves.forward_at(0.0), waves.backward_at(0.0));
+        assert!((p + n - state.normal_force).norm() < 1e-14);
+        assert!(((n - p) / z - state.velocity).norm() < 1e-16);
+    }
+
+    #[test]
+    fn impossible_sections_are_refused() {
+        let one = Complex64::ONE;
+        let text = |gamma, positions: &[f64], values: &[Complex64]| {
+            TravellingWaves::from_sections(gamma, positions, values)
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(
+            text(GAMMA, &[0.0], &[one]),
+            "the row of sections has 1 samples, expected at least 2"
+        );
+        assert_eq!(
+            text(GAMMA, &[0.0, 1.0], &[one]),
+            "the row of values at the sections has 1 entries, expected 2"
+        );
+        assert_eq!(
+            text(GAMMA, &[0.0, f64::NAN], &[one, one]),
+            "sample 1 of the row of positions is NaN, expected a finite value"
+        );
+        assert_eq!(
+            text(
+                GAMMA,
+                &[0.0, 1.0],
+                &[one, Complex64::new(0.0, f64::NEG_INFINITY)]
+            ),
+            "sample 1 of the row of values at the sections is inf, expected a finite value"
+        );
+        assert_eq!(
+            text(-GAMMA, &[0.0, 1.0], &[one, one]),
+            "damping coefficient [1/m] is -0.7, expected a finite value, 0 or above"
+        );
+    }
+}

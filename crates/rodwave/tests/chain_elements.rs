@@ -1,0 +1,325 @@
+//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and what every element must obey.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+
+use num_complex::Complex64;
+use proptest::prelude::*;
+use rodwave::element::{CrossSection, Segment};
+use rodwave::medium::Medium;
+use rodwave::modulus::Zener;
+use rodwave::transition::{State, TransitionMatrix};
+
+type Entries = [[Complex64; 2]; 2];
+
+fn polymer() -> Medium<Zener> {
+    Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap()
+}
+
+fn section(area: f64) -> CrossSection {
+    CrossSection::of_area(area).unwrap()
+}
+
+/// Impedance of the polymer per m² and second, to bring all entries to one size.
+const SPECIFIC_IMPEDANCE: f64 = 1.4e6;
+
+/// Largest difference of entries in units in which the impedance of a rod of 1 cm² is 1.
+fn distance(a: &Entries, b: &Entries) -> f64 {
+    let z = SPECIFIC_IMPEDANCE * 1e-4;
+    let unit = [[1.0, z], [1.0 / z, 1.0]];
+    let mut largest: f64 = 0.0;
+    for row in 0..2 {
+        for column in 0..2 {
+            largest = largest.max((a[row][column] - b[row][column]).norm() / unit[row][column]);
+        }
+    }
+    largest
+}
+
+fn size(a: &Entries) -> f64 {
+    distance(a, &[[Complex64::ZERO; 2]; 2])
+}
+
+/// (A2) with the cross-section A(x) by the classical fourth-order Runge-Kutta method.
+fn integrated(segment: &Segment, omega: f64, left: State) -> State {
+    let medium = polymer();
+    let iomega = Complex64::new(0.0, omega);
+    let steps = 4000;
+    let h = segment.length() / f64::from(steps);
+    let derivative = |half_steps: i32, (n, v): (Complex64, Complex64)| {
+        let x = (f64::from(half_steps) * h / 2.0).min(segment.length());
+        let area = segment.area_at(x).unwrap();
+        (
+            iomega * medium.density() * area * v,
+            iomega / (medium.modulus(omega) * area) * n,
+        )
+    };
+    let mut y = (left.normal_force, left.velocity);
+    for step in 0..steps {
+        let k1 = derivative(2 * step, y);
+        let k2 = derivative(
+            2 * step + 1,
+            (y.0 + k1.0 * (h / 2.0), y.1 + k1.1 * (h / 2.0)),
+        );
+        let k3 = derivative(
+            2 * step + 1,
+            (y.0 + k2.0 * (h / 2.0), y.1 + k2.1 * (h / 2.0)),
+        );
+        let k4 = derivative(2 * step + 2, (y.0 + k3.0 * h, y.1 + k3.1 * h));
+        y.0 += (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0) * (h / 6.0);
+        y.1 += (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1) * (h / 6.0);
+    }
+    State {
+        normal_force: y.0,
+        velocity: y.1,
+    }
+}
+
+#[test]
+fn segments_solve_the_equations_of_motion() {
+    let (thin, thick) = (section(0.7e-4), section(4.5e-4));
+    let segments = [
+        ("rod", Segment::rod(thin, 0.4).unwrap()),
+        ("diverging cone", Segment::cone(thin, thick, 0.4).unwrap()),
+        ("converging cone", Segment::cone(thick, thin, 0.4).unwrap()),
+        ("diverging horn", Segment::horn(thin, thick, 0.4).unwrap()),
+        ("converging horn", Segment::horn(thick, thin, 0.4).unwrap()),
+    ];
+    let left = State {
+        normal_force: Complex64::new(3.0, -1.0),
+        velocity: Complex64::new(0.01, 0.02),
+    };
+    for (name, segment) in segments {
+        for frequency_hz in [0.01, 50.0, 700.0, 5000.0, 20_000.0] {
+            let omega = std::f64::consts::TAU * frequency_hz;
+            let expected = integrated(&segment, omega, left);
+            let found = segment
+                .transition_matrix(&polymer(), omega)
+                .unwrap()
+                .transfer(left);
+            // |γ|L < 32 over 4000 steps: error |γL| (|γ|h)⁴/120 < 1e-9 of the larger of N and Zv
+            let z = SPECIFIC_IMPEDANCE * 4.5e-4;
+            let scale = expected.normal_force.norm() + z * expected.velocity.norm();
+            let error = (found.normal_force - expected.normal_force).norm()
+                + z * (found.velocity - expected.velocity).norm();
+            assert!(
+                error < 2e-9 * scale,
+                "{name} at {frequency_hz} Hz: {}",
+                error / scale
+            );
+        }
+    }
+}
+
+/// At s = iω the matrices are those of ω, and for real s they are real: nothing travels, everything decays.
+#[test]
+fn matrices_at_complex_s() {
+    let (thin, thick) = (section(0.7e-4), section(4.5e-4));
+    for segment in [
+        Segment::rod(thin, 0.4),
+        Segment::cone(thin, thick, 0.4),
+        Segment::horn(thick, thin, 0.4),
+    ] {
+        let segment = segment.unwrap();
+        for omega in [0.0, 3e3, 8e4] {
+            let on_axis = segment
+                .transition_matrix(&polymer(), omega)
+                .unwrap()
+                .entries();
+            let s = Complex64::new(0.0, omega);
+            let at_s = segment
+                .transition_matrix_at_s(&polymer(), s)
+                .unwrap()
+                .entries();
+            assert!(distance(&at_s, &on_axis) < 1e-12 * size(&on_axis)); // rounding of kL up to 20
+        }
+        let real = segment
+            .transition_matrix_at_s(&polymer(), Complex64::new(5e3, 0.0))
+            .unwrap();
+        assert!(
+            real.entries()
+                .iter()
+                .flatten()
+                .all(|entry| entry.re > 0.0 && entry.im.abs() < 1e-15 * entry.re)
+        );
+        assert!((real.determinant() - 1.0).norm() < 1e-13); // entries up to 5
+        let left = Complex64::new(-1.0, 0.0);
+        assert!(segment.transition_matrix_at_s(&polymer(), left).is_err());
+    }
+}
+
+/// A cone and a horn whose ends are equal are a rod.
+#[test]
+fn tapered_segments_without_taper_are_rods() {
+    let (face, omega) = (section(1e-4), 2e4);
+    let rod = Segment::rod(face, 0.3)
+        .unwrap()
+        .transition_matrix(&polymer(), omega)
+        .unwrap();
+    for segment in [
+        Segment::cone(face, face, 0.3),
+        Segment::horn(face, face, 0.3),
+    ] {
+        let found = segment
+            .unwrap()
+            .transition_matrix(&polymer(), omega)
+            .unwrap();
+        assert!(distance(&found.entries(), &rod.entries()) < 1e-14 * size(&rod.entries())); // rounding
+    }
+}
+
+/// A row of short cones between the sections of a horn becomes the horn, with the square of the length of the parts.
+#[test]
+fn a_horn_is_the_limit_of_short_cones() {
+    let horn = Segment::horn(section(0.5e-4), section(4e-4), 0.2).unwrap();
+    let (medium, omega) = (polymer(), 3e4);
+    let expected = horn.transition_matrix(&medium, omega).unwrap().entries();
+    let error = |parts: i32| {
+        let step = horn.length() / f64::from(parts);
+        let mut product = TransitionMatrix::identity();
+        for part in 0..parts {
+            let area = |k: i32| {
+                horn.area_at((f64::from(k) * step).min(horn.length()))
+                    .unwrap()
+            };
+            let cone = Segment::cone(section(area(part)), section(area(part + 1)), step).unwrap();
+            product = cone.transition_matrix(&medium, omega).unwrap() * product;
+        }
+        distance(&product.entries(), &expected) / size(&expected)
+    };
+    let (coarse, fine) = (error(20), error(40));
+    assert!(fine < 1e-3);
+    // second order: a factor 4, with a little of the next order
+    assert!((coarse / fine - 4.0).abs() < 0.1, "{coarse} {fine}");
+}
+
+#[test]
+fn volumes_are_those_of_the_shapes() {
+    let (near, far, length) = (section(1e-4), section(9e-4), 0.3);
+    let steps = 20_000;
+    for segment in [
+        Segment::rod(near, length),
+        Segment::cone(near, far, length),
+        Segment::cone(far, near, length),
+        Segment::horn(near, far, length),
+        Segment::horn(near, near, length),
+    ] {
+        let segment = segment.unwrap();
+        let h = length / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|k| segment.area_at((f64::from(k) + 0.5) * h).unwrap() * h)
+            .sum();
+        // midpoint rule: h²/24 (A'(L) - A'(0)), relative 1e-9 (ln 9)²
+        assert!((segment.volume() / sum - 1.0).abs() < 1e-8);
+    }
+}
+
+/// Every kind of element, with the number of the kind, at a frequency.
+fn element(kind: usize, near: f64, far: f64, length: f64, omega: f64) -> TransitionMatrix {
+    let medium = polymer();
+    let segment = |segment: Segment| segment.transition_matrix(&medium, omega).unwrap();
+    match kind {
+        0 => segment(Segment::rod(section(near), length).unwrap()),
+        1 => segment(Segment::cone(section(near), section(far), length).unwrap()),
+        2 => segment(Segment::horn(section(near), section(far), length).unwrap()),
+        3 => TransitionMatrix::lumped_mass(near * 1e3, omega).unwrap(),
+        4 => TransitionMatrix::spring(near * 1e10, omega).unwrap(),
+        _ => TransitionMatrix::dashpot(near * 1e7).unwrap(),
+    }
+}
+
+fn mirrored(entries: &Entries) -> Entries {
+    let [[a, b], [c, d]] = *entries;
+    [[d, b], [c, a]]
+}
+
+fn any_area() -> impl Strategy<Value = f64> {
+    (-5.0..-2.5f64).prop_map(|exponent| 10f64.powf(exponent))
+}
+
+fn any_omega() -> impl Strategy<Value = f64> {
+    (-3.0..5.2f64).prop_map(|exponent| 10f64.powf(exponent))
+}
+
+proptest! {
+    /// det P = 1, which is reciprocity, and P P⁻¹ = 1.
+    #[test]
+    fn determinant_and_inverse(
+        kind in 0..6usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
+    ) {
+        let p = element(kind, near, far, length, omega);
+        let [[a, b], [c, d]] = p.entries();
+        // rounding of the products of which the determinant is the difference
+        let scale = 1.0 + (a * d).norm() + (b * c).norm();
+        prop_assert!((p.determinant() - 1.0).norm() < 2e-14 * scale);
+        let unity = (p * p.inverse()).entries();
+        let bound = 2e-14 * size(&p.entries()) * size(&p.inverse().entries()) + 1e-14;
+        let one = TransitionMatrix::identity().entries();
+        prop_assert!(distance(&unity, &one) < bound);
+    }
+
+    /// Seen from the other end, P₁₁ and P₂₂ change places: v changes its sign twice.
+    #[test]
+    fn mirror_image(
+        kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
+    ) {
+        let there = element(kind, near, far, length, omega).entries();
+        let far = if kind == 0 { near } else { far };
+        let back = element(kind, far, near, length, omega).entries();
+        prop_assert!(distance(&mirrored(&there), &back) < 1e-12 * size(&there)); // rounding of kL up to 50
+        let segment = match kind {
+            0 => Segment::rod(section(near), length),
+            1 => Segment::cone(section(near), section(far), length),
+            _ => Segment::horn(section(near), section(far), length),
+        };
+        let turned = segment.unwrap().turned().transition_matrix(&polymer(), omega).unwrap().entries();
+        prop_assert!(distance(&turned, &back) < 1e-12 * size(&back));
+    }
+
+    /// Cut anywhere, the parts in a row are the whole.
+    #[test]
+    fn composition(
+        kind in 0..3usize,
+        near in any_area(),
+        far in any_area(),
+        length in 0.01..0.5f64,
+        fraction in 0.001..0.999f64,
+        omega in any_omega(),
+    ) {
+        let medium = polymer();
+        let whole = match kind {
+            0 => Segment::rod(section(near), length),
+            1 => Segment::cone(section(near), section(far), length),
+            _ => Segment::horn(section(near), section(far), length),
+        }.unwrap();
+        let cut = whole.cut(fraction * length).unwrap();
+        let first = cut.near.transition_matrix(&medium, omega).unwrap();
+        let second = cut.far.transition_matrix(&medium, omega).unwrap();
+        let found = (second * first).entries();
+        let expected = whole.transition_matrix(&medium, omega).unwrap().entries();
+        // rounding of the sums in the product, of terms that may be larger than what they sum to
+        let terms = size(&first.entries()) * size(&second.entries());
+        prop_assert!(distance(&found, &expected) < 2e-12 * (terms + size(&expected)));
+        let volumes = cut.near.volume() + cut.far.volume();
+        prop_assert!((volumes / whole.volume() - 1.0).abs() < 1e-12);
+    }
+
+    /// As ω → 0 every segment is a rigid mass and a spring, to the last digits: P₁₁ = P₂₂ = 1, P₁₂ = iωm.
+    #[test]
+    fn low_frequency(
+        kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64,
+    ) {
+        let omega = 1e-6;
+        let [[a, b], [_, d]] = element(kind, near, far, length, omega).entries();
+        let volume = match kind {
+            0 => Segment::rod(section(near), length),
+            1 => Segment::cone(section(near), section(far), length),
+            _ => Segment::horn(section(near), section(far), length),
+        }.unwrap().volume();
+        let mass = Complex64::new(0.0, omega * 910.0 * volume);
+        // (γL)² times a ratio of areas up to 300 is below 1e-15; ln and exp of that ratio leave a few more roundings
+        prop_assert!((a - 1.0).norm() < 1e-14 && (d - 1.0).norm() < 1e-14);
+        prop_assert!((b / mass - 1.0).norm() < 1e-14);
+    }
+}

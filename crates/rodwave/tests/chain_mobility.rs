@@ -1,0 +1,386 @@
+//! Mobility of chains: limits of frequency and damping, terminations, energy, complex frequencies.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use num_complex::Complex64;
+use proptest::prelude::*;
+use rodwave::chain::{AnalyticChain, Argument, ChainBuilder, WaveMedium};
+use rodwave::element::{Circle, CrossSection};
+use rodwave::medium::Medium;
+use rodwave::modulus::{Elastic, PowerLawPropagation, Zener};
+use rodwave::{Chain, Termination};
+
+fn nylon() -> Medium<PowerLawPropagation> {
+    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    Medium::new(1150.0, law).unwrap()
+}
+
+fn aluminium() -> Medium<Elastic> {
+    Medium::new(2700.0, Elastic::new(69e9).unwrap()).unwrap()
+}
+
+fn circle(diameter: f64) -> Circle {
+    Circle::of_diameter(diameter).unwrap()
+}
+
+fn cone(end: Termination) -> Chain {
+    Chain::from_impact_face()
+        .cone(&nylon(), circle(0.030), circle(0.075), 0.400)
+        .end(end)
+        .unwrap()
+}
+
+fn cylinder(end: Termination) -> Chain {
+    let (nylon, aluminium, face) = (nylon(), aluminium(), circle(0.032));
+    Chain::from_impact_face()
+        .rod(&nylon, face, 0.125)
+        .rod(&aluminium, face, 0.125)
+        .rod(&nylon, face, 0.125)
+        .rod(&aluminium, face, 0.125)
+        .end(end)
+        .unwrap()
+}
+
+fn relative(a: Complex64, b: Complex64) -> f64 {
+    (a - b).norm() / b.norm()
+}
+
+/// Ĝ iωM → 1 for a free body, at both faces, for every kind of element.
+#[test]
+fn free_bodies_are_rigid_at_low_frequency() {
+    let (nylon, aluminium) = (nylon(), aluminium());
+    let bodies = [
+        cone(Termination::Free),
+        cylinder(Termination::Mass(0.0029)),
+        Chain::from_impact_face()
+            .mass(0.010)
+            .horn(&aluminium, circle(0.050), circle(0.0005), 0.2)
+            .spring(1e7)
+            .cone(&nylon, circle(0.002), circle(0.100), 0.1)
+            .dashpot(1e6)
+            .rod(&aluminium, circle(0.020), 1.0)
+            .horn(&aluminium, circle(0.001), circle(0.100), 0.2)
+            .end(Termination::Mass(0.25))
+            .unwrap(),
+    ];
+    for (case, body) in bodies.iter().enumerate() {
+        let mass = body.free_mass().unwrap();
+        for frequency_hz in [1e-6, 1e-3] {
+            let omega = TAU * frequency_hz;
+            let rigid = Complex64::new(0.0, omega * mass);
+            // At 1 mHz a dashpot of 1e6 kg/s gives way by ωM/q = 1e-8; all else by (|γ|L)² < 1e-10 or ω²M/k < 1e-11.
+            let compliance = if case == 2 { omega * mass / 1e6 } else { 1e-10 };
+            for mobility in [body.mobility(omega), body.far_face_mobility(omega)] {
+                let deviation = (mobility.unwrap() * rigid - 1.0).norm();
+                assert!(
+                    deviation < 1e-13 + compliance,
+                    "body {case}, {frequency_hz} Hz: {deviation}"
+                );
+            }
+        }
+    }
+}
+
+/// The first correction to rigidity too: x coth x = 1 + x²/3 of a free rod, far below where 1 + x²/3 is 1 in double precision.
+#[test]
+fn free_rod_at_low_frequency_keeps_its_digits() {
+    let law = Zener::new(2.2e9, 2.6e9, 3e-5).unwrap();
+    let medium = Medium::new(910.0, law).unwrap();
+    let rod = Chain::from_impact_face()
+        .rod(&medium, circle(0.016), 0.4)
+        .rod(&medium, circle(0.016), 0.4)
+        .end(Termination::Free)
+        .unwrap();
+    for frequency_hz in [1e-9, 1e-6, 1e-3, 1.0] {
+        let omega = TAU * frequency_hz;
+        let x = medium.propagation_coefficient(omega) * 0.8;
+        let scaled =
+            rod.mobility(omega).unwrap() * Complex64::new(0.0, omega * rod.free_mass().unwrap());
+        // x⁴/45 < 1e-12 at 1 Hz, rounding below
+        assert!((scaled - 1.0 - x * x / 3.0).norm() < 1e-15 * 4.0 + x.norm_sqr().powi(2) / 40.0);
+    }
+    // fixed at its end it is a spring AE/L: Ĝ = iω L/(AE), with x²/3 < 1e-15 in the way
+    let fixed = Chain::from_impact_face()
+        .rod(&medium, circle(0.016), 0.8)
+        .end(Termination::Fixed)
+        .unwrap();
+    let omega = TAU * 1e-6;
+    let stiffness = medium.modulus(omega) * CrossSection::from(circle(0.016)).area() / 0.8;
+    let compliance = Complex64::new(0.0, omega) / stiffness;
+    assert!(relative(fixed.mobility(omega).unwrap(), compliance) < 1e-14); // a dozen roundings
+}
+
+/// αL = 1e4 and kL = 1e5: nothing overflows, and the closed forms hold.
+#[test]
+fn strong_damping_and_many_waves() {
+    let face = circle(0.02);
+    let lossy = Medium::new(
+        1150.0,
+        PowerLawPropagation::new(1e-1, 1.0, 1.0, 1.0).unwrap(),
+    )
+    .unwrap();
+    let omega = 1e5;
+    // one element of αL = 1e4, kL = 1e5, and a hundred of them in a row with jumps of impedance between
+    let long = Chain::from_impact_face()
+        .rod(&lossy, face, 1.0)
+        .end(Termination::Free)
+        .unwrap();
+    let z = lossy.specific_characteristic_impedance(omega) * CrossSection::from(face).area();
+    assert!(relative(long.mobility(omega).unwrap(), 1.0 / z) < 1e-14); // coth = 1; a dozen roundings
+    let mut row = Chain::from_impact_face();
+    for _ in 0..50 {
+        row = row
+            .rod(&lossy, face, 1.0)
+            .cone(&lossy, circle(0.04), circle(0.01), 1.0);
+    }
+    let row = row
+        .horn(&lossy, face, circle(0.03), 1.0)
+        .end(Termination::Fixed)
+        .unwrap();
+    assert!(relative(row.mobility(omega).unwrap(), 1.0 / z) < 1e-14);
+    assert!(row.far_face_mobility(omega).unwrap() == Complex64::ZERO); // it is fixed
+    let inside = row.section(60, 0.5).unwrap().state(omega).unwrap();
+    assert!(inside.velocity == Complex64::ZERO); // e^{-6e5}
+
+    // undamped, kL = 1e5: Ĝ = -i cot(kL)/Z, of which the phase is known to 1e5 roundings
+    let (aluminium, length) = (aluminium(), 100.0);
+    let omega = 1e5 / length * aluminium.phase_velocity(1.0);
+    let rod = Chain::from_impact_face()
+        .rod(&aluminium, face, length)
+        .end(Termination::Free)
+        .unwrap();
+    let z = aluminium.specific_characteristic_impedance(omega).re * CrossSection::from(face).area();
+    let phase = aluminium.wave_number(omega) * length;
+    let expected = Complex64::new(0.0, -1.0 / (z * phase.tan()));
+    assert!(relative(rod.mobility(omega).unwrap(), expected) < 1e-10);
+}
+
+/// Closed forms of a uniform rod for each termination, Z_end in A(10): Z_in = Z (Z_end + Z t)/(Z + Z_end t), t = tanh γL.
+#[test]
+fn terminations_of_a_uniform_rod() {
+    let (nylon, aluminium) = (nylon(), aluminium());
+    let (face, other) = (circle(0.030), circle(0.010));
+    let omega = TAU * 1234.0;
+    let area = CrossSection::from(face).area();
+    let z = nylon.specific_characteristic_impedance(omega) * area;
+    let z_other =
+        aluminium.specific_characteristic_impedance(omega) * CrossSection::from(other).area();
+    let t = (nylon.propagation_coefficient(omega) * 0.3).tanh();
+    let measured = Complex64::new(250.0, -80.0);
+    let cases: [(Termination, Complex64); 5] = [
+        (Termination::Free, Complex64::ZERO),
+        (Termination::Mass(0.05), Complex64::new(0.0, omega * 0.05)),
+        (Termination::Dashpot(700.0), 700.0.into()),
+        (
+            Termination::impedance(move |omega| {
+                if omega < 0.0 {
+                    measured.conj()
+                } else {
+                    measured
+                }
+            }),
+            measured,
+        ),
+        (Termination::semi_infinite(&aluminium, other), z_other),
+    ];
+    for (termination, z_end) in cases {
+        let name = format!("{termination:?}");
+        let chain = Chain::from_impact_face()
+            .rod(&nylon, face, 0.3)
+            .end(termination)
+            .unwrap();
+        let expected = (z + z_end * t) / (z * (z_end + z * t));
+        assert!(
+            relative(chain.mobility(omega).unwrap(), expected) < 1e-13,
+            "{name}"
+        ); // a few dozen roundings
+        // at the far face both sides add up
+        let expected = 1.0 / (z * t + z_end);
+        assert!(
+            relative(chain.far_face_mobility(omega).unwrap(), expected) < 1e-13,
+            "{name}"
+        );
+        assert_eq!(
+            chain.mobility(-omega).unwrap(),
+            chain.mobility(omega).unwrap().conj(),
+            "{name}"
+        );
+    }
+    let fixed = Chain::from_impact_face()
+        .rod(&nylon, face, 0.3)
+        .end(Termination::Fixed)
+        .unwrap();
+    assert!(relative(fixed.mobility(omega).unwrap(), t / z) < 1e-13);
+    assert_eq!(fixed.far_face_mobility(omega).unwrap(), Complex64::ZERO);
+    // the long rod of paper E (eq. 10), without any element
+    let long = Chain::from_impact_face()
+        .end(Termination::semi_infinite(&aluminium, other))
+        .unwrap();
+    assert!(relative(long.mobility(omega).unwrap(), 1.0 / z_other) < 1e-14);
+}
+
+/// The recursion against the plain product of matrices.
+#[test]
+fn recursion_agrees_with_the_product() {
+    let chain = Chain::from_impact_face()
+        .mass(0.003)
+        .cone(&nylon(), circle(0.030), circle(0.060), 0.1)
+        .spring(3e7)
+        .rod(&aluminium(), circle(0.040), 0.2)
+        .dashpot(5e4)
+        .horn(&nylon(), circle(0.050), circle(0.020), 0.15)
+        .end(Termination::Free)
+        .unwrap();
+    for frequency_hz in [0.01, 3.0, 400.0, 2900.0, 7700.0, 15_000.0] {
+        let omega = TAU * frequency_hz;
+        let product = chain.transition_matrix(omega).unwrap();
+        let found = chain.mobility(omega).unwrap();
+        assert!(
+            relative(found, product.mobility_free_end().unwrap()) < 1e-12,
+            "{frequency_hz}"
+        ); // rounding, αL < 3
+        let [[_, p12], [_, p22]] = product.entries();
+        let far = chain.far_face_mobility(omega).unwrap();
+        assert!(relative(far, p22 / p12) < 1e-12, "{frequency_hz}");
+    }
+}
+
+/// One body in both domains, from the same description.
+fn body<V: Argument>(builder: ChainBuilder<V>, end: Termination<V>) -> Chain<V>
+where
+    Medium<Zener>: WaveMedium<V>,
+{
+    let medium = Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap();
+    builder
+        .rod(&medium, circle(0.016), 0.3)
+        .horn(&medium, circle(0.016), circle(0.03), 0.2)
+        .cone(&medium, circle(0.03), circle(0.02), 0.1)
+        .mass(0.01)
+        .spring(2e7)
+        .dashpot(1e4)
+        .rod(&medium, circle(0.02), 0.2)
+        .end(end)
+        .unwrap()
+}
+
+#[test]
+fn analytic_chain_continues_the_other() {
+    let on_axis = body(Chain::from_impact_face(), Termination::Dashpot(20.0));
+    let analytic = body(
+        AnalyticChain::analytic_from_impact_face(),
+        Termination::Dashpot(20.0),
+    );
+    for omega in [0.0, 1e-3, 10.0, 1e4, -2e4] {
+        let (found, expected) = (
+            analytic.mobility(omega).unwrap(),
+            on_axis.mobility(omega).unwrap(),
+        );
+        assert!(relative(found, expected) < 1e-12, "{omega}"); // the laws are evaluated by different roundings
+        let at_s = analytic.mobility_at_s(Complex64::new(0.0, omega)).unwrap();
+        assert_eq!(at_s, found);
+    }
+    // On the circle around s₀, an analytic function has its value at the centre as mean.
+    let (centre, radius, points) = (Complex64::new(3e3, 8e3), 2.5e3, 64);
+    let mean = (0..points)
+        .map(|k| {
+            let s = centre + Complex64::from_polar(radius, TAU * f64::from(k) / f64::from(points));
+            analytic.mobility_at_s(s).unwrap()
+        })
+        .sum::<Complex64>()
+        / f64::from(points);
+    let at_centre = analytic.mobility_at_s(centre).unwrap();
+    // the nearest pole is more than 3000/s away: the remainder is below (2500/3000)^64 = 1e-5 of a residue, and
+    // convergence shows that there is none inside
+    assert!(relative(mean, at_centre) < 1e-5);
+    // a positive real function: real for real s, Re G >= 0 in the right half plane
+    let real = analytic.mobility_at_s(Complex64::new(2e3, 0.0)).unwrap();
+    assert!(real.re > 0.0 && real.im.abs() < 1e-15 * real.re);
+    // the first answer is that of the struck rod alone: G → 1/Z(∞), and e^{-2αL} with αL > 100 of the next section
+    let first = analytic.mobility_at_s(Complex64::new(1e9, 0.0)).unwrap();
+    let z = (2.6e9_f64 * 910.0).sqrt() * CrossSection::from(circle(0.016)).area();
+    assert!((first.re * z - 1.0).abs() < 1e-5); // (E₁ - E₀)/E₁/(2sτ) = 2.6e-6
+    let far = analytic
+        .far_face_mobility_at_s(Complex64::new(1e3, 1e3))
+        .unwrap();
+    assert!(far.re > 0.0);
+    let wall = Termination::impedance_at_s(|s| 1e4 + 0.1 * s);
+    assert!(
+        body(AnalyticChain::analytic_from_impact_face(), wall)
+            .mobility_at_s(centre)
+            .unwrap()
+            .re
+            > 0.0
+    );
+}
+
+/// No energy comes from a passive body, and what an elastic one takes goes into the dashpot at its end: Re Ĝ = q |v_end/F|².
+#[test]
+fn energy_balance_of_an_elastic_body() {
+    let aluminium = aluminium();
+    let chain = Chain::from_impact_face()
+        .cone(&aluminium, circle(0.03), circle(0.06), 0.3)
+        .mass(0.2)
+        .spring(1e8)
+        .horn(&aluminium, circle(0.05), circle(0.02), 0.4)
+        .rod(&aluminium, circle(0.02), 0.5)
+        .end(Termination::Dashpot(2e3))
+        .unwrap();
+    let end = chain.section(4, 0.5).unwrap();
+    for frequency_hz in [1.0, 500.0, 2600.0, 9000.0, 30_000.0] {
+        let omega = TAU * frequency_hz;
+        let taken = chain.mobility(omega).unwrap().re;
+        let dissipated = 2e3 * end.state(omega).unwrap().velocity.norm_sqr();
+        // rounding magnified by |Ĝ|/Re Ĝ where almost nothing is dissipated
+        let tolerance = 1e-12 * chain.mobility(omega).unwrap().norm();
+        assert!(
+            (taken - dissipated).abs() < tolerance,
+            "{frequency_hz} Hz: {taken} {dissipated}"
+        );
+    }
+}
+
+/// An antiresonance of an undamped rod: kL = π/2 is not a number, so nothing is refused and the mobility is just small.
+#[test]
+fn undamped_resonances_do_not_break() {
+    let aluminium = aluminium();
+    let rod = Chain::from_impact_face()
+        .rod(&aluminium, circle(0.02), 1.0)
+        .end(Termination::Free)
+        .unwrap();
+    let quarter = FRAC_PI_2 * aluminium.phase_velocity(1.0);
+    assert!(rod.mobility(quarter).unwrap().norm() < 1e-15);
+    assert!(rod.mobility(2.0 * quarter).unwrap().norm() > 1e10);
+}
+
+proptest! {
+    /// A body of passive elements takes energy at any frequency, and its mobility is a number.
+    #[test]
+    fn passive_bodies_take_energy(
+        exponent in -6.0..8.0f64,
+        parts in prop::collection::vec((0..6usize, 0.002..0.1f64, 0.002..0.1f64, 0.001..2.0f64), 1..12),
+        resistance in 0.0..1e5f64,
+    ) {
+        let omega = 10f64.powf(exponent);
+        let medium = Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap();
+        let chain = parts
+            .iter()
+            .fold(Chain::from_impact_face(), |row, (kind, near, far, length)| match kind {
+                0 => row.rod(&medium, circle(*near), *length),
+                1 => row.cone(&medium, circle(*near), circle(*far), *length),
+                2 => row.horn(&medium, circle(*near), circle(*far), *length),
+                3 => row.mass(*near),
+                4 => row.spring(1e9 * near),
+                _ => row.dashpot(1e6 * near),
+            })
+            .end(Termination::Dashpot(resistance))
+            .unwrap();
+        for mobility in [chain.mobility(omega).unwrap(), chain.far_face_mobility(omega).unwrap()] {
+            // 1e-13: rounding of a mobility that may be as good as imaginary
+            prop_assert!(mobility.re >= -1e-13 * mobility.norm(), "{}", mobility);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Tables: what they return between their lines, and what they refuse.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+#![allow(
+    clippy::float_cmp,
+    reason = "a table returns its own lines to the last bit"
+)]
+
+use num_complex::Complex64;
+use rodwave::RodwaveError;
+use rodwave::modulus::{ComplexModulus, FractionalZener, Tabulated};
+
+fn law() -> FractionalZener {
+    FractionalZener::new(2.0e9, 3.0e9, 1e-4, 0.5).unwrap()
+}
+
+fn lines(number: u32) -> (Vec<f64>, Vec<Complex64>) {
+    let omega: Vec<f64> = (0..number)
+        .map(|j| 1e3 * 100f64.powf(f64::from(j) / f64::from(number - 1)))
+        .collect();
+    let modulus = omega.iter().map(|&omega| law().at(omega)).collect();
+    (omega, modulus)
+}
+
+#[test]
+fn lines_come_back_and_their_conjugates_at_negative_frequencies() {
+    let (omega, modulus) = lines(15);
+    let table = Tabulated::new(&omega, &modulus).unwrap();
+    for (&omega, &modulus) in omega.iter().zip(&modulus) {
+        assert_eq!(table.lookup(omega), Ok(modulus));
+        assert_eq!(table.lookup(-omega), Ok(modulus.conj()));
+    }
+}
+
+/// The law changes over some decades; ten lines a decade are 0.23 apart in ln ω.
+#[test]
+fn interpolation_is_of_third_order_between_the_lines() {
+    let worst = |number: u32| {
+        let (omega, modulus) = lines(number);
+        let table = Tabulated::new(&omega, &modulus).unwrap();
+        (0..=500)
+            .map(|j| 1.1e3 * 80f64.powf(f64::from(j) / 500.0))
+            .map(|omega| (table.lookup(omega).unwrap() / law().at(omega) - 1.0).norm())
+            .fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (worst(21), worst(41));
+    // h³/24 times third derivatives in ln ω of a few per cent: 1e-5. Halving h: a factor 8, but 4 near the maximum of E''.
+    assert!(coarse < 1e-4, "{coarse:e}");
+    assert!(fine < coarse / 3.5, "{coarse:e} {fine:e}");
+}
+
+#[test]
+fn outside_the_table_nothing_is_known_unless_asked_for() {
+    let (omega, modulus) = lines(15);
+    let table = Tabulated::new(&omega, &modulus).unwrap();
+    for outside in [0.0, 999.0, 1.1e5, f64::INFINITY, f64::NAN] {
+        assert!(!table.covers(outside));
+        match table.lookup(-outside) {
+            Err(RodwaveError::OutsideTable { lower, upper, .. }) => {
+                assert_eq!(lower, 1e3);
+                assert_eq!(upper, omega[14]);
+            }
+            other => panic!("unexpected {other:?}"),
+        }
+    }
+    assert_eq!(
+        table.lookup(2e5).unwrap_err().to_string(),
+        "magnitude of the angular frequency [rad/s] is 200000, expected a value from 1000 to 100000, where the table ends"
+    );
+    let held = table.held();
+    assert_eq!(held.at(1.0), modulus[0]);
+    assert_eq!(held.at(-1.0), modulus[0].conj());
+    assert_eq!(held.at(0.0), Complex64::from(modulus[0].re));
+    assert_eq!(held.at(1e9), modulus[14]);
+    assert_eq!(held.slope(1e9), Complex64::ZERO);
+    assert_eq!(held.at(2e3), held.table().lookup(2e3).unwrap());
+    assert!(held.at(f64::NAN).re.is_nan());
+}
+
+#[test]
+fn impossible_tables_are_refused() {
+    let (omega, modulus) = lines(3);
+    let with = |index: usize, value: Complex64| {
+        let mut modulus = modulus.clone();
+        modulus[index] = value;
+        Tabulated::new(&omega, &modulus).unwrap_err().to_string()
+    };
+    assert_eq!(
+        with(1, Complex64::new(2e9, -1e6)),
+        "loss modulus of a line [Pa] is -1000000, expected a finite value, 0 or above"
+    );
+    assert_eq!(
+        with(2, Complex64::new(f64::NAN, 1e6)),
+        "storage modulus of a line [Pa] is NaN, expected a finite value above 0"
+    );
+    assert_eq!(
+        Tabulated::new(&omega[..2], &modulus)
+            .unwrap_err()
+            .to_string(),
+        "table of moduli has 3 entries, expected 2"
+    );
+    assert_eq!(
+        Tabulated::new(&omega[..1], &modulus[..1])
+            .unwrap_err()
+            .to_string(),
+        "table of moduli has 1 samples, expected at least 2"
+    );
+    assert_eq!(
+        Tabulated::new(&[1.0, 2.0, 2.0], &modulus)
+            .unwrap_err()
+            .to_string(),
+        "angular frequency of a line [rad/s] is 2, expected more than that of the line before"
+    );
+    assert!(Tabulated::new(&[0.0, 2.0, 3.0], &modulus).is_err());
+}
