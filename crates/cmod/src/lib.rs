@@ -78,7 +78,7 @@
 //!
 //! # What this does not do
 //! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance.
-//! - No correction for lateral inertia: lines with λ <= 5D are marked.
+//! - No correction for lateral inertia: lines with λ <= 5D are marked. [`rodwave::slenderness`] corrects a modulus afterwards.
 //! - The errors are of first order. Where the amplification is large, near kL = nπ at low losses, the distribution of E''
 //!   is not normal and can be half on the wrong side of 0.
 //! - The uncertainty of length, density and masses is not part of the errors.
