@@ -11,7 +11,11 @@
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
-use rodwave::modulus::{Elastic, KelvinVoigt, LaplaceModulus, Maxwell, PowerLawPropagation, Zener};
+use rodwave::modulus::{
+    ComplexModulus, ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, HavriliakNegami,
+    KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation, SpringPot, Tabulated,
+    Zener,
+};
 
 const DENSITY: f64 = 1150.0;
 
@@ -20,29 +24,63 @@ fn frequencies() -> impl Iterator<Item = f64> {
     (0..=60).map(|j| 10f64.powf(-1.0 + 0.15 * f64::from(j)))
 }
 
-fn laplace_laws() -> [(&'static str, Box<dyn LaplaceModulus>, f64); 4] {
-    [
-        ("elastic", Box::new(Elastic::new(2.7e9).unwrap()), 2.7e9),
-        (
-            "Maxwell",
-            Box::new(Maxwell::new(2.7e9, 2.7e5).unwrap()),
-            0.0,
-        ),
-        (
-            "Kelvin-Voigt",
-            Box::new(KelvinVoigt::new(2.7e9, 2.7e4).unwrap()),
-            2.7e9,
-        ),
-        (
-            "Zener",
-            Box::new(Zener::new(2.5e9, 2.9e9, 1e-4).unwrap()),
-            2.5e9,
-        ),
-    ]
+/// A law with its limits: E(0), and E(∞) where that is finite.
+struct Case {
+    name: &'static str,
+    law: Box<dyn LaplaceModulus>,
+    static_modulus: f64,
+    unrelaxed_modulus: Option<f64>,
+}
+
+fn prony() -> GeneralisedMaxwell {
+    let branches = [(0.1e9, 1e-2), (0.2e9, 1e-3), (0.2e9, 1e-4)];
+    let branches = branches.map(|(modulus, relaxation_time)| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    });
+    GeneralisedMaxwell::new(2.4e9, branches.to_vec()).unwrap()
+}
+
+fn laplace_laws() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut add = |name, law: Box<dyn LaplaceModulus>, static_modulus, unrelaxed_modulus| {
+        cases.push(Case {
+            name,
+            law,
+            static_modulus,
+            unrelaxed_modulus,
+        });
+    };
+    let elastic = Elastic::new(2.7e9).unwrap();
+    add("elastic", Box::new(elastic), 2.7e9, Some(2.7e9));
+    let maxwell = Maxwell::new(2.7e9, 2.7e5).unwrap();
+    add("Maxwell", Box::new(maxwell), 0.0, Some(2.7e9));
+    let kelvin_voigt = KelvinVoigt::new(2.7e9, 2.7e4).unwrap();
+    add("Kelvin-Voigt", Box::new(kelvin_voigt), 2.7e9, None);
+    let zener = Zener::new(2.5e9, 2.9e9, 1e-4).unwrap();
+    add("Zener", Box::new(zener), 2.5e9, Some(2.9e9));
+    add("Prony series", Box::new(prony()), 2.4e9, Some(2.9e9));
+    let spring_pot = SpringPot::new(2.7e9, 0.4, 1e4).unwrap();
+    add("spring-pot", Box::new(spring_pot), 0.0, None);
+    let constant_q = ConstantQ::new(2.7e9, 0.1, 1e4).unwrap();
+    add("constant Q", Box::new(constant_q), 0.0, None);
+    let fractional = FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap();
+    add("fractional Zener", Box::new(fractional), 2.5e9, Some(2.9e9));
+    let negami = HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap();
+    add("Havriliak-Negami", Box::new(negami), 2.5e9, Some(2.9e9));
+    cases
 }
 
 fn nylon() -> PowerLawPropagation {
     PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap()
+}
+
+/// A table of paper E's Nylon-6, narrower than the frequencies of the battery.
+fn table() -> Tabulated {
+    let medium = Medium::new(DENSITY, nylon()).unwrap();
+    let omega: Vec<f64> = (0..20).map(|j| 1e3 * 1.3f64.powi(j)).collect();
+    let modulus: Vec<_> = omega.iter().map(|&omega| medium.modulus(omega)).collect();
+    Tabulated::new(&omega, &modulus).unwrap()
 }
 
 fn close(a: Complex64, b: Complex64, relative: f64) -> bool {
@@ -50,26 +88,111 @@ fn close(a: Complex64, b: Complex64, relative: f64) -> bool {
 }
 
 #[test]
-fn moduli_are_conjugate_symmetric_passive_and_reach_their_static_limit() {
-    for (name, law, static_modulus) in laplace_laws() {
+fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
+    for case in laplace_laws() {
+        let Case { name, law, .. } = &case;
         for omega in frequencies() {
             let modulus = law.at(omega);
             assert_eq!(law.at(-omega), modulus.conj(), "{name} at {omega}");
             assert!(modulus.im >= 0.0 && modulus.re > 0.0, "{name} at {omega}");
+            assert_eq!(law.slope(-omega), law.slope(omega).conj(), "{name}");
         }
-        assert_eq!(law.at(0.0), Complex64::new(static_modulus, 0.0), "{name}");
-        // The slowest of the laws relaxes with τ = 0.1 ms: at 1e-6 rad/s the rest is 1e-10 of 2.7 GPa.
+        let static_modulus = Complex64::from(case.static_modulus);
+        assert_eq!(law.at(0.0), static_modulus, "{name}");
+        assert_eq!(law.slope(0.0), Complex64::ZERO, "{name}");
+        // The law that approaches its limit slowest, as ω^0.06, is within (1e-304)^0.06 = 1e-18 of it.
         assert!(
-            (law.at(1e-6) - static_modulus).norm() < 1e-9 * 2.7e9,
+            (law.at(1e-300) - static_modulus).norm() < 1e-9 * 2.7e9,
             "{name}"
         );
+        // Here it is ω^-0.5: (1e96)^-0.5.
+        if let Some(unrelaxed_modulus) = case.unrelaxed_modulus {
+            assert!(
+                (law.at(1e100) - unrelaxed_modulus).norm() < 1e-9 * 2.7e9,
+                "{name}"
+            );
+        } else {
+            assert!(law.at(1e100).norm() > 1e5 * 2.7e9, "{name}");
+        }
+    }
+}
+
+/// Where a law contains another, both have the same values; rounding of some ten operations.
+#[test]
+fn laws_contain_each_other() {
+    let zener = Zener::new(2.5e9, 2.9e9, 1e-4).unwrap();
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    type Law = Box<dyn LaplaceModulus>;
+    let pairs: [(&str, Law, Law); 6] = [
+        (
+            "Prony series of one branch",
+            Box::new(GeneralisedMaxwell::new(2.5e9, vec![branch(0.4e9, 1e-4)]).unwrap()),
+            Box::new(zener),
+        ),
+        (
+            "Prony series without a spring",
+            Box::new(GeneralisedMaxwell::new(0.0, vec![branch(2.7e9, 1e-4)]).unwrap()),
+            Box::new(Maxwell::new(2.7e9, 2.7e5).unwrap()),
+        ),
+        (
+            "fractional Zener with α = 1",
+            Box::new(FractionalZener::new(2.5e9, 2.9e9, 1e-4, 1.0).unwrap()),
+            Box::new(zener),
+        ),
+        (
+            "Havriliak-Negami with α = β = 1",
+            Box::new(HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 1.0, 1.0).unwrap()),
+            Box::new(zener),
+        ),
+        (
+            "Havriliak-Negami with β = 1",
+            Box::new(HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.3, 1.0).unwrap()),
+            Box::new(FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.3).unwrap()),
+        ),
+        (
+            "constant Q",
+            Box::new(ConstantQ::new(2.7e9, 0.2, 1e4).unwrap()),
+            Box::new(
+                SpringPot::new(2.7e9, 2.0 / std::f64::consts::PI * 0.2_f64.atan(), 1e4).unwrap(),
+            ),
+        ),
+    ];
+    for (name, special, general) in pairs {
+        for omega in frequencies() {
+            for s in [
+                Complex64::new(0.0, omega),
+                Complex64::new(0.3 * omega, omega),
+            ] {
+                assert!(
+                    close(special.at_s(s), general.at_s(s), 1e-14),
+                    "{name} at {s}"
+                );
+            }
+        }
+    }
+}
+
+/// tan δ = E''/E' over eight decades, and |E| = E₀ at ω₀ (Kjartansson's definition).
+#[test]
+fn constant_q_has_one_loss_factor() {
+    for loss_factor in [1e-3, 0.07, 0.5, 10.0] {
+        let law = ConstantQ::new(2.6e9, loss_factor, 6283.0).unwrap();
+        for omega in frequencies() {
+            let modulus = law.at(omega);
+            // The rounding 1e-16 of the exponent, near 1 for tan δ = 10, is multiplied by 1 + tan² δ = 101.
+            assert!((modulus.im / modulus.re / loss_factor - 1.0).abs() < 1e-13);
+        }
+        assert!((law.at(6283.0).norm() / 2.6e9 - 1.0).abs() < 1e-15);
     }
 }
 
 /// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann equations.
 #[test]
 fn laplace_laws_are_analytic_in_the_right_half_plane() {
-    for (name, law, _) in laplace_laws() {
+    for Case { name, law, .. } in laplace_laws() {
         for omega in frequencies() {
             assert_eq!(
                 law.at_s(Complex64::new(0.0, omega)),
@@ -114,6 +237,17 @@ fn waves_decay_along_x_in_the_right_half_plane() {
     check("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
     check("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
     check("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
+    check("Prony series", prony());
+    check("spring-pot", SpringPot::new(2.7e9, 0.4, 1e4).unwrap());
+    check("constant Q", ConstantQ::new(2.7e9, 0.1, 1e4).unwrap());
+    check(
+        "fractional Zener",
+        FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap(),
+    );
+    check(
+        "Havriliak-Negami",
+        HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap(),
+    );
 }
 
 /// Paper E, eqs. 4-6 and what is said below them, for every law a medium can have.
@@ -161,6 +295,9 @@ fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
         assert_eq!(medium.damping_coefficient(-omega), gamma.re, "{name}");
         assert_eq!(medium.wave_number(-omega), -gamma.im, "{name}");
         assert_eq!(medium.phase_velocity(-omega), omega / gamma.im, "{name}");
+        let group_velocity = medium.group_velocity(omega);
+        assert!(group_velocity > 0.0, "{name} at {omega}");
+        assert_eq!(medium.group_velocity(-omega), group_velocity, "{name}");
 
         let back = modulus_from_propagation(gamma, omega, DENSITY).unwrap();
         assert!(close(back, modulus, 1e-14), "{name} at {omega}");
@@ -175,6 +312,18 @@ fn every_medium_obeys_the_relations_of_paper_e() {
     medium_battery("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
     medium_battery("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
     medium_battery("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
+    medium_battery("Prony series", prony());
+    medium_battery("spring-pot", SpringPot::new(2.7e9, 0.4, 1e4).unwrap());
+    medium_battery("constant Q", ConstantQ::new(2.7e9, 0.1, 1e4).unwrap());
+    medium_battery(
+        "fractional Zener",
+        FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap(),
+    );
+    medium_battery(
+        "Havriliak-Negami",
+        HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap(),
+    );
+    medium_battery("table", table().held());
     medium_battery("power laws of Nylon-6", nylon());
     medium_battery(
         "power laws without losses",
@@ -230,6 +379,10 @@ fn impossible_materials_are_refused() {
         RodwaveError::NonPhysical { quantity, .. } => quantity,
         other => panic!("unexpected {other}"),
     };
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
     let cases = [
         (Elastic::new(0.0).unwrap_err(), "Young's modulus [Pa]"),
         (Elastic::new(f64::NAN).unwrap_err(), "Young's modulus [Pa]"),
@@ -249,6 +402,35 @@ fn impossible_materials_are_refused() {
         (
             PowerLawPropagation::new(1e-5, 0.9, 9e-4, 1.01).unwrap_err(),
             "exponent of the wave number",
+        ),
+        (
+            GeneralisedMaxwell::new(-1.0, Vec::new()).unwrap_err(),
+            "equilibrium modulus [Pa]",
+        ),
+        (
+            GeneralisedMaxwell::new(0.0, Vec::new()).unwrap_err(),
+            "unrelaxed modulus [Pa]",
+        ),
+        (
+            GeneralisedMaxwell::new(1e9, vec![branch(-1.0, 1.0)]).unwrap_err(),
+            "modulus of a branch [Pa]",
+        ),
+        (
+            GeneralisedMaxwell::new(1e9, vec![branch(1.0, f64::NAN)]).unwrap_err(),
+            "relaxation time of a branch [s]",
+        ),
+        (
+            SpringPot::new(1e9, 1.0, 1.0).unwrap_err(),
+            "exponent of the modulus",
+        ),
+        (ConstantQ::new(1e9, -0.1, 1.0).unwrap_err(), "loss factor"),
+        (
+            FractionalZener::new(1e9, 2e9, 1.0, 1.1).unwrap_err(),
+            "exponent of the relaxation",
+        ),
+        (
+            HavriliakNegami::new(1e9, 2e9, 1.0, 0.6, 1.7).unwrap_err(),
+            "product of breadth and skewness exponents",
         ),
         (Medium::new(-1.0, nylon()).unwrap_err(), "density [kg/m^3]"),
         (
