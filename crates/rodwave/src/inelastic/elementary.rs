@@ -47,7 +47,7 @@ const EXPONENTIAL: [f64; 13] = [
 
 /// Σ cₖ xᵏ by Horner's rule.
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 

@@ -375,7 +375,7 @@ fn short_exp_m1(x: f64) -> f64 {
         1.0 / 720.0,
         1.0 / 5040.0,
     ];
-    x * COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * x + c)
+    x * elementary::polynomial(&COEFFICIENTS, x)
 }
 
 /// exp(x), by its series for the small decrements of a solver's steps.

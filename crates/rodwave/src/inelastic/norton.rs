@@ -148,7 +148,7 @@ impl NortonFlow {
     /// 1 - (1 + n a)^(-1/n) by its series.
     #[inline(always)]
     fn short_decrement(&self, a: f64) -> f64 {
-        a * self.series.iter().rev().fold(0.0, |sum, c| sum * a + c)
+        a * elementary::polynomial(&self.series, a)
     }
 
     /// ln(|σ|/σ_ref) and a of several cells.

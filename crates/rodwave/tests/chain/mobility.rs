@@ -1,53 +1,15 @@
 //! Mobility of chains: limits of frequency and damping, terminations, energy, complex frequencies.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
+use super::bodies::{aluminium, circle, cone, cylinder, nylon, relative};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use num_complex::Complex64;
 use proptest::prelude::*;
 use rodwave::chain::{AnalyticChain, Argument, ChainBuilder, WaveMedium};
-use rodwave::element::{Circle, CrossSection};
+use rodwave::element::CrossSection;
 use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, PowerLawPropagation, Zener};
+use rodwave::modulus::{PowerLawPropagation, Zener};
 use rodwave::{Chain, Termination};
-
-fn nylon() -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(1150.0, law).unwrap()
-}
-
-fn aluminium() -> Medium<Elastic> {
-    Medium::new(2700.0, Elastic::new(69e9).unwrap()).unwrap()
-}
-
-fn circle(diameter: f64) -> Circle {
-    Circle::of_diameter(diameter).unwrap()
-}
-
-fn cone(end: Termination) -> Chain {
-    Chain::from_impact_face()
-        .cone(&nylon(), circle(0.030), circle(0.075), 0.400)
-        .end(end)
-        .unwrap()
-}
-
-fn cylinder(end: Termination) -> Chain {
-    let (nylon, aluminium, face) = (nylon(), aluminium(), circle(0.032));
-    Chain::from_impact_face()
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .end(end)
-        .unwrap()
-}
-
-fn relative(a: Complex64, b: Complex64) -> f64 {
-    (a - b).norm() / b.norm()
-}
 
 /// Ĝ iωM → 1 for a free body, at both faces, for every kind of element.
 #[test]

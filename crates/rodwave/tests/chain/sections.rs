@@ -1,32 +1,14 @@
 //! What happens inside a chain: transfer functions, reciprocity, and the waves that several sections see.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
+use super::bodies::{aluminium, circle, nylon, relative};
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 use rodwave::chain::AnalyticChain;
-use rodwave::element::{Circle, Segment};
-use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, PowerLawPropagation};
+use rodwave::element::Segment;
 use rodwave::transition::{State, TransitionMatrix};
 use rodwave::waves::TravellingWaves;
 use rodwave::{Chain, RodwaveError, Termination};
-
-fn nylon() -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(1150.0, law).unwrap()
-}
-
-fn aluminium() -> Medium<Elastic> {
-    Medium::new(2700.0, Elastic::new(69e9).unwrap()).unwrap()
-}
-
-fn circle(diameter: f64) -> Circle {
-    Circle::of_diameter(diameter).unwrap()
-}
 
 fn body() -> Chain {
     Chain::from_impact_face()
@@ -37,10 +19,6 @@ fn body() -> Chain {
         .horn(&nylon(), circle(0.050), circle(0.020), 0.1)
         .end(Termination::Dashpot(300.0))
         .unwrap()
-}
-
-fn relative(a: Complex64, b: Complex64) -> f64 {
-    (a - b).norm() / b.norm()
 }
 
 /// The state at a section is that of the impact face, carried there by the matrices of what lies between.

@@ -1,8 +1,4 @@
 //! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and what every element must obey.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use num_complex::Complex64;
 use proptest::prelude::*;

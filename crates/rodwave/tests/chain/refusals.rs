@@ -1,46 +1,12 @@
 //! What chains refuse, and what they answer at zero frequency.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
+use super::bodies::{aluminium, circle, cone, cylinder, nylon};
 use num_complex::Complex64;
 use rodwave::chain::AnalyticChain;
 use rodwave::element::{Circle, CrossSection};
 use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, Maxwell, PowerLawPropagation};
+use rodwave::modulus::{Maxwell, PowerLawPropagation};
 use rodwave::{Chain, RodwaveError, Termination};
-
-fn nylon() -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(1150.0, law).unwrap()
-}
-
-fn aluminium() -> Medium<Elastic> {
-    Medium::new(2700.0, Elastic::new(69e9).unwrap()).unwrap()
-}
-
-fn circle(diameter: f64) -> Circle {
-    Circle::of_diameter(diameter).unwrap()
-}
-
-fn cone(end: Termination) -> Chain {
-    Chain::from_impact_face()
-        .cone(&nylon(), circle(0.030), circle(0.075), 0.400)
-        .end(end)
-        .unwrap()
-}
-
-fn cylinder(end: Termination) -> Chain {
-    let (nylon, aluminium, face) = (nylon(), aluminium(), circle(0.032));
-    Chain::from_impact_face()
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .end(end)
-        .unwrap()
-}
 
 #[test]
 fn static_limits() {
