@@ -5,6 +5,7 @@
 
 use crate::RodwaveError;
 use crate::error::{check_positive, check_samples};
+use crate::interpolation::cubic;
 
 /// A velocity prescribed as function of time.
 pub trait VelocityHistory: Sync {
@@ -196,24 +197,6 @@ impl VelocityHistory for SampledHistory {
 
     fn end(&self) -> f64 {
         self.end
-    }
-}
-
-/// Value and derivative of an interpolating polynomial.
-struct Interpolated {
-    value: f64,
-    slope: f64,
-}
-
-/// Cubic through four equidistant points at -1, 0, 1, 2.
-#[inline]
-fn cubic([a, b, c, d]: [f64; 4], u: f64) -> Interpolated {
-    let third = (d - a) / 6.0 + (b - c) / 2.0;
-    let second = (a + c) / 2.0 - b;
-    let first = c - b / 2.0 - a / 3.0 - d / 6.0;
-    Interpolated {
-        value: b + u * (first + u * (second + u * third)),
-        slope: first + u * (2.0 * second + 3.0 * u * third),
     }
 }
 

@@ -20,6 +20,7 @@
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
 use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
+use crate::interpolation::{Interpolated, quintic_at};
 use crate::rod::InelasticRod;
 
 /// Name of this solver in the provenance of virtual records.
@@ -123,7 +124,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         }
         Ok(times
             .iter()
-            .map(|time| quintic(&history, time / step).value)
+            .map(|time| quintic_at(&history, time / step).value)
             .collect())
     }
 
@@ -158,7 +159,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         let at_times = |history: &[f64]| -> Vec<Interpolated> {
             times
                 .iter()
-                .map(|time| quintic(history, time / step))
+                .map(|time| quintic_at(history, time / step))
                 .collect()
         };
         let velocity = at_times(&history);
@@ -598,45 +599,4 @@ impl SlidingWindow {
             self.start += 1;
         }
     }
-}
-
-/// Value and slope per step of an interpolating polynomial.
-struct Interpolated {
-    value: f64,
-    slope: f64,
-}
-
-/// Polynomial of degree five through the six grid values around `position`; zero before the start (the rod is at rest).
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "positions lie on the grid, far below 2^52"
-)]
-fn quintic(history: &[f64], position: f64) -> Interpolated {
-    let base = position.floor();
-    let u = position - base;
-    let first = base as isize - 2;
-    let points: [f64; 6] = std::array::from_fn(|k| {
-        usize::try_from(first + k.cast_signed())
-            .ok()
-            .and_then(|index| history.get(index))
-            .copied()
-            .unwrap_or(0.0)
-    });
-    // Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3
-    let mut value = 0.0;
-    let mut slope = 0.0;
-    for (j, point) in points.iter().enumerate() {
-        let node_j = j as f64 - 2.0;
-        let (mut product, mut derivative) = (1.0, 0.0);
-        for i in (0..6).filter(|i| *i != j) {
-            let node_i = i as f64 - 2.0;
-            let gap = node_j - node_i;
-            derivative = derivative * (u - node_i) / gap + product / gap;
-            product *= (u - node_i) / gap;
-        }
-        value += point * product;
-        slope += point * derivative;
-    }
-    Interpolated { value, slope }
 }

@@ -54,6 +54,7 @@ mod error;
 pub mod experiment;
 pub mod impact;
 pub mod inelastic;
+mod interpolation;
 pub mod kramers_kronig;
 pub mod lumped;
 pub mod medium;

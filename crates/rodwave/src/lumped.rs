@@ -9,6 +9,7 @@
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
 use crate::inelastic::InelasticLaw;
+use crate::interpolation::{cubic, cubic_at};
 use crate::rod::InelasticRod;
 
 /// Name of this solver in the provenance of virtual records.
@@ -126,11 +127,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        let u = position - base;
-        let [a, b, c, d] = std::array::from_fn(|k| self.velocity[base as usize + k - 1]);
-        b + u
-            * ((c - b / 2.0 - a / 3.0 - d / 6.0)
-                + u * (((a + c) / 2.0 - b) + u * ((d - a) / 6.0 + (b - c) / 2.0)))
+        let around = std::array::from_fn(|k| self.velocity[base as usize + k - 1]);
+        cubic(around, position - base).value
     }
 
     /// Stress \[Pa\] in the cell next to node 0.
@@ -241,27 +239,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         }
         Ok(times
             .iter()
-            .map(|t| cubic_at(&history, t / self.dt - 0.5))
+            .map(|t| cubic_at(&history, t / self.dt - 0.5).value)
             .collect())
     }
-}
-
-/// Cubic interpolation of a history at a fractional index; zero before its start.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "positions lie on the history, far below 2^52"
-)]
-fn cubic_at(history: &[f64], position: f64) -> f64 {
-    let base = position.floor();
-    let u = position - base;
-    let [a, b, c, d] = std::array::from_fn(|k| {
-        usize::try_from(base as isize + k.cast_signed() - 1)
-            .ok()
-            .and_then(|index| history.get(index))
-            .copied()
-            .unwrap_or(0.0)
-    });
-    b + u
-        * ((c - b / 2.0 - a / 3.0 - d / 6.0)
-            + u * (((a + c) / 2.0 - b) + u * ((d - a) / 6.0 + (b - c) / 2.0)))
 }
