@@ -316,3 +316,24 @@ fn bad_tests_are_refused_with_the_name_and_the_value() {
         "test `virtual rod`: no arrival was found in the response"
     );
 }
+
+#[test]
+fn a_report_says_what_was_learnt_and_what_was_not() {
+    // the words; the digits are proved elsewhere
+    let words = |text: String| text.replace(|c: char| c.is_ascii_digit(), "0");
+    let damped = independent_test(3.209e9, &Maxwell::new(4e6).unwrap());
+    let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[damped]).unwrap();
+    insta::assert_snapshot!(words(fit.report(Noise::Known(0.02)).to_string()), @r"
+    Maxwell law, converged: no reduction of the sum of squares left after 0 iterations; residual 0.000 % of V0
+      E = 0.0000e0 Pa ± 0.00 % (identified)
+      eta = 0.0000e0 Pa s ± 0.00 % (identified)
+    ");
+    let undamped = independent_test(3.209e9, &Maxwell::new(40.85e9).unwrap());
+    let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[undamped]).unwrap();
+    let text = fit.report(Noise::Known(0.02)).to_string();
+    let damping = text.lines().last().unwrap();
+    assert!(
+        damping.ends_with("(not identifiable from these data)"),
+        "{text}"
+    );
+}
