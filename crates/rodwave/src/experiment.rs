@@ -1,5 +1,9 @@
 //! Virtual experiments: what the instruments of a test would have recorded.
 
+pub mod end_accelerations;
+pub mod impact_of_two_bodies;
+pub mod strains_in_a_frame;
+
 use crate::band_limited::{Recorder, SampledHistory};
 use crate::error::RodwaveError;
 use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
