@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::LabioError;
+use crate::{Dimension, LabioError};
 
 /// The physical quantity of a channel, which fixes its SI unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -46,6 +46,26 @@ impl Quantity {
             Self::Acceleration => "m/s^2",
             Self::Strain => "1",
             Self::Voltage => "V",
+        }
+    }
+
+    /// Exponents of the base units of its unit.
+    #[must_use]
+    pub fn dimension(self) -> Dimension {
+        let (length, mass, time, current) = match self {
+            Self::Force => (1, 1, -2, 0),
+            Self::Displacement => (1, 0, 0, 0),
+            Self::Velocity => (1, 0, -1, 0),
+            Self::Acceleration => (1, 0, -2, 0),
+            Self::Strain => (0, 0, 0, 0),
+            Self::Voltage => (2, 1, -3, -1),
+        };
+        Dimension {
+            length,
+            mass,
+            time,
+            current,
+            temperature: 0,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What can be wrong with a record, a file or a request for a spectrum.
 
+use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
@@ -173,6 +174,40 @@ pub enum LabioError {
         /// Number of bytes too many.
         extra_bytes: usize,
     },
+    /// A part of a file is not what the format wants there.
+    #[error("{format}, {place}: {field} is {found}, expected {expected}")]
+    Malformed {
+        /// Name of the format.
+        format: &'static str,
+        /// Where in the file.
+        place: Place,
+        /// The field, as the format's description calls it.
+        field: String,
+        /// What stands there (shortened if long).
+        found: String,
+        /// What should.
+        expected: String,
+    },
+    /// The format has no place for what is to be written.
+    #[error("{format} cannot hold {what}")]
+    NotRepresentable {
+        /// Name of the format.
+        format: &'static str,
+        /// What it cannot hold.
+        what: String,
+    },
+    /// A text is no unit that is known.
+    #[error("`{found}` is no known unit")]
+    UnknownUnit {
+        /// The text.
+        found: String,
+    },
+    /// The bytes could not be written.
+    #[error("the bytes could not be written")]
+    Write {
+        /// What the system said.
+        source: io::Error,
+    },
     /// The operating system could not deliver the bytes.
     #[error("the bytes could not be read")]
     Read {
@@ -187,6 +222,33 @@ pub enum LabioError {
         /// What is wrong with it.
         source: Box<Self>,
     },
+}
+
+/// A place in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// Offset in bytes, from 0.
+    Byte(u64),
+    /// Line, from 1.
+    Line(u64),
+    /// Line and column of a table, both from 1.
+    Cell {
+        /// Line, from 1.
+        line: u64,
+        /// Column of the table, from 1.
+        column: u64,
+    },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Cell { line, column } => write!(f, "line {line}, column {column}"),
+        }
+    }
 }
 
 fn quoted(names: &[String]) -> String {

@@ -1,0 +1,134 @@
+//! What a file holds, before it becomes a [`Record`](crate::Record): one-dimensional data sets with their axes.
+
+use num_complex::Complex64;
+
+use crate::{LabioError, Unit};
+
+/// What the numbers of a [`Series`] are. The names are those of the function types of universal data set 58.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SeriesKind {
+    /// General or unknown.
+    General,
+    /// A history.
+    TimeResponse,
+    /// Auto-spectrum.
+    AutoSpectrum,
+    /// Cross-spectrum.
+    CrossSpectrum,
+    /// Frequency response function.
+    FrequencyResponse,
+    /// Transmissibility.
+    Transmissibility,
+    /// Ordinary coherence.
+    Coherence,
+    /// Auto-correlation.
+    AutoCorrelation,
+    /// Cross-correlation.
+    CrossCorrelation,
+    /// Power spectral density.
+    PowerSpectralDensity,
+    /// Energy spectral density.
+    EnergySpectralDensity,
+    /// Spectrum.
+    Spectrum,
+    /// Another function type of data set 58, by its number.
+    Other(u8),
+}
+
+/// Where the values of a [`Series`] lie, in the unit of its abscissa axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Abscissa {
+    /// Equally spaced: `start`, `start + step`, ...
+    Even {
+        /// First value.
+        start: f64,
+        /// Distance of consecutive values.
+        step: f64,
+    },
+    /// One value for each ordinate.
+    Uneven(Vec<f64>),
+}
+
+/// The values of a [`Series`], in the unit of its ordinate axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ordinate {
+    /// Real numbers.
+    Real(Vec<f64>),
+    /// Complex numbers.
+    Complex(Vec<Complex64>),
+}
+
+impl Ordinate {
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(values) => values.len(),
+            Self::Complex(values) => values.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// What one axis of a [`Series`] means, as the file says it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SeriesAxis {
+    /// The label, as `Time` or `Acceleration`; empty if the file gives none.
+    pub label: String,
+    /// The text of the unit as written; empty if the file gives none.
+    pub unit_text: String,
+    /// The unit, if the text is one that is known.
+    pub unit: Option<Unit>,
+}
+
+/// One data set of a file: values over an abscissa, in the file's units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name of the channel or of the data set; may be empty.
+    pub name: String,
+    /// What the values are.
+    pub kind: SeriesKind,
+    /// Where they lie.
+    pub abscissa: Abscissa,
+    /// The values.
+    pub ordinate: Ordinate,
+    /// Meaning and unit of the abscissa.
+    pub abscissa_axis: SeriesAxis,
+    /// Meaning and unit of the ordinate.
+    pub ordinate_axis: SeriesAxis,
+    /// Everything else the file says of this data set, in its order.
+    pub properties: Vec<(String, String)>,
+}
+
+/// All that could be read of a file.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Contents {
+    /// Name of the format.
+    pub format: &'static str,
+    /// What the file says of itself as a whole.
+    pub properties: Vec<(String, String)>,
+    /// The data sets, in the order of the file.
+    pub series: Vec<Series>,
+    /// What could not be read and was passed over: always empty when the file was read strictly.
+    pub defects: Vec<LabioError>,
+}
+
+impl Contents {
+    /// Contents of the format called `format`, with nothing in them yet.
+    #[must_use]
+    pub fn of_format(format: &'static str) -> Self {
+        Self {
+            format,
+            properties: Vec::new(),
+            series: Vec::new(),
+            defects: Vec::new(),
+        }
+    }
+}
