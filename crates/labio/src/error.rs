@@ -188,6 +188,16 @@ pub enum LabioError {
         /// What should.
         expected: String,
     },
+    /// The bytes are of none of the formats that are known.
+    #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({})", head.escape_default(), known.join(", "))]
+    UnknownFormat {
+        /// The first bytes, each as a character of Latin-1.
+        head: String,
+        /// Number of bytes.
+        n_bytes: usize,
+        /// Names of the formats that are known.
+        known: Vec<&'static str>,
+    },
     /// The format has no place for what is to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {

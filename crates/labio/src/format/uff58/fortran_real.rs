@@ -1,0 +1,475 @@
+//! Real numbers as Fortran's `E` edit descriptor reads and writes them: `E13.5` and `E20.12`.
+
+/// The powers of ten that a double holds exactly.
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// The number in `field`, correctly rounded; blanks around it do not matter, a field of blanks is `None` like anything
+/// else that is no number.
+///
+/// The exponent may be written with `E`, `D` or `Q` of either case, or, as Fortran does when it has three digits, with its
+/// sign alone (`1.5-101`).
+pub(super) fn parse(field: &[u8]) -> Option<f64> {
+    let text = field.trim_ascii();
+    let (negative, digits) = match text.split_first()? {
+        (b'-', rest) => (true, rest),
+        (b'+', rest) => (false, rest),
+        _ => (false, text),
+    };
+    let mut mantissa: u64 = 0;
+    let mut n_digits = 0_usize;
+    let mut decimals: i32 = 0;
+    let mut after_point = false;
+    let mut rest = digits;
+    while let Some((&byte, tail)) = rest.split_first() {
+        match byte {
+            b'0'..=b'9' => {
+                n_digits += 1;
+                // 19 digits fit; numbers with more are left to the standard library below
+                mantissa = mantissa
+                    .wrapping_mul(10)
+                    .wrapping_add(u64::from(byte - b'0'));
+                decimals += i32::from(after_point);
+            }
+            b'.' if !after_point => after_point = true,
+            _ => break,
+        }
+        rest = tail;
+    }
+    if n_digits == 0 {
+        return word(text);
+    }
+    let written_exponent = exponent(rest)?;
+    let power = written_exponent - decimals;
+    let exact_power = usize::try_from(power.unsigned_abs())
+        .ok()
+        .and_then(|p| POWERS_OF_TEN.get(p));
+    if let (true, Some(scale)) = (n_digits <= 19 && mantissa < (1 << 53), exact_power) {
+        // both factors are exact doubles, so that one rounding remains
+        let mantissa = mantissa as f64;
+        let magnitude = if power < 0 {
+            mantissa / scale
+        } else {
+            mantissa * scale
+        };
+        return Some(if negative { -magnitude } else { magnitude });
+    }
+    let digits = digits.get(..digits.len() - rest.len())?;
+    by_standard_library(negative, digits, written_exponent)
+}
+
+/// The exponent that `rest` spells; nothing is 0.
+fn exponent(rest: &[u8]) -> Option<i32> {
+    let (&first, tail) = match rest.split_first() {
+        None => return Some(0),
+        Some(split) => split,
+    };
+    let signed = match first {
+        b'E' | b'e' | b'D' | b'd' | b'Q' | b'q' => tail,
+        b'+' | b'-' => rest,
+        _ => return None,
+    };
+    let (negative, digits) = match signed.split_first()? {
+        (b'-', digits) => (true, digits),
+        (b'+', digits) => (false, digits),
+        _ => (false, signed),
+    };
+    if digits.is_empty() || digits.len() > 5 {
+        return None;
+    }
+    let mut value = 0_i32;
+    for byte in digits {
+        if !byte.is_ascii_digit() {
+            return None;
+        }
+        value = value * 10 + i32::from(byte - b'0');
+    }
+    Some(if negative { -value } else { value })
+}
+
+/// The numbers with many digits or a large exponent; what is too large for a double is `None`.
+fn by_standard_library(negative: bool, digits: &[u8], exponent: i32) -> Option<f64> {
+    let mut text = Vec::with_capacity(digits.len() + 8);
+    if negative {
+        text.push(b'-');
+    }
+    text.extend(digits);
+    text.push(b'e');
+    if exponent < 0 {
+        text.push(b'-');
+    }
+    let mut place = 10_000;
+    while place > 0 {
+        text.push(digit(u64::from(exponent.unsigned_abs() / place % 10)));
+        place /= 10;
+    }
+    let value: f64 = std::str::from_utf8(&text).ok()?.parse().ok()?;
+    value.is_finite().then_some(value)
+}
+
+/// What Fortran writes for values that are no finite numbers.
+fn word(text: &[u8]) -> Option<f64> {
+    let is = |word: &str| text.eq_ignore_ascii_case(word.as_bytes());
+    if is("nan") {
+        Some(f64::NAN)
+    } else if is("inf") || is("+inf") || is("infinity") || is("+infinity") {
+        Some(f64::INFINITY)
+    } else if is("-inf") || is("-infinity") {
+        Some(f64::NEG_INFINITY)
+    } else {
+        None
+    }
+}
+
+/// Appends `value` right-aligned in `WIDTH` columns with `DIGITS` significant digits, as `-1.23456E+00`; a tie between two
+/// decimal numbers goes to the even one, as in C and in the standard library.
+///
+/// `WIDTH` must be at least `DIGITS + 7`, so that a sign and three digits of exponent have room.
+pub(super) fn push<const WIDTH: usize, const DIGITS: u32>(output: &mut Vec<u8>, value: f64) {
+    const { assert!(WIDTH - 7 >= DIGITS as usize && DIGITS >= 2 && DIGITS <= 17) };
+    let mut field = [b' '; WIDTH];
+    let (mut digits, exponent) = match decimal::<DIGITS>(value) {
+        Some(decimal) => decimal,
+        None => {
+            let text = if value.is_finite() {
+                by_formatter(value, DIGITS)
+            } else if value.is_nan() {
+                "NaN".to_owned()
+            } else if value > 0.0 {
+                "Inf".to_owned()
+            } else {
+                "-Inf".to_owned()
+            };
+            output.extend(std::iter::repeat_n(b' ', WIDTH.saturating_sub(text.len())));
+            output.extend(text.as_bytes());
+            return;
+        }
+    };
+    let mut columns = field.iter_mut().rev();
+    let mut put = |byte: u8| {
+        if let Some(column) = columns.next() {
+            *column = byte;
+        }
+    };
+    let mut rest = exponent.unsigned_abs();
+    let mut n_written = 0;
+    while n_written < 2 || rest > 0 {
+        put(digit(u64::from(rest % 10)));
+        rest /= 10;
+        n_written += 1;
+    }
+    put(if exponent < 0 { b'-' } else { b'+' });
+    put(b'E');
+    for _ in 1..DIGITS {
+        put(digit(digits % 10));
+        digits /= 10;
+    }
+    put(b'.');
+    put(digit(digits));
+    if value.is_sign_negative() {
+        put(b'-');
+    }
+    output.extend(field);
+}
+
+fn digit(value: u64) -> u8 {
+    // a remainder of ten
+    b"0123456789"
+        .get(usize::try_from(value).unwrap_or(0))
+        .copied()
+        .unwrap_or(b'0')
+}
+
+/// The standard library's exact conversion, with the exponent in Fortran's shape.
+fn by_formatter(value: f64, n_digits: u32) -> String {
+    let decimals = usize::try_from(n_digits.saturating_sub(1)).unwrap_or(0);
+    let text = format!("{value:.decimals$e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let (sign, exponent) = match exponent.strip_prefix('-') {
+        Some(digits) => ('-', digits),
+        None => ('+', exponent),
+    };
+    format!("{mantissa}E{sign}{exponent:0>2}")
+}
+
+/// Powers of ten as `significand * 2^exponent` with the significand's top bit set, each smaller than the power by less than
+/// one part in 2^63.
+struct ScaledPowers {
+    significand: [u64; Self::N],
+    exponent: [i32; Self::N],
+}
+
+#[expect(
+    clippy::cast_sign_loss,
+    reason = "a table made by the compiler, from numbers that are in range"
+)]
+impl ScaledPowers {
+    const FIRST: i32 = -330;
+    const LAST: i32 = 350;
+    const N: usize = (Self::LAST - Self::FIRST) as usize + 1;
+
+    const fn table() -> Self {
+        let mut table = Self {
+            significand: [0; Self::N],
+            exponent: [0; Self::N],
+        };
+        // 128 bits are carried, so that 350 truncations still leave 64 good ones
+        let mut upward = (1_u128 << 127, -127);
+        let mut p = 0;
+        while p <= Self::LAST {
+            let slot = (p - Self::FIRST) as usize;
+            table.significand[slot] = (upward.0 >> 64) as u64;
+            table.exponent[slot] = upward.1 + 64;
+            // times 10 = 5 times 2; room is made before the product can overflow
+            let mut product = (upward.0 >> 3) * 5;
+            let mut shift = 4;
+            while product >> 127 == 0 {
+                product <<= 1;
+                shift -= 1;
+            }
+            upward = (product, upward.1 + shift);
+            p += 1;
+        }
+        let mut downward = (1_u128 << 127, -127);
+        let mut p = -1;
+        while p >= Self::FIRST {
+            let mut quotient = downward.0 / 5;
+            let mut remainder = downward.0 % 5;
+            let mut shift = 1;
+            while quotient >> 127 == 0 {
+                // the division is carried on into the bits that the shift makes free
+                remainder *= 2;
+                quotient = (quotient << 1) | (remainder / 5);
+                remainder %= 5;
+                shift += 1;
+            }
+            downward = (quotient, downward.1 - shift);
+            let slot = (p - Self::FIRST) as usize;
+            table.significand[slot] = (downward.0 >> 64) as u64;
+            table.exponent[slot] = downward.1 + 64;
+            p -= 1;
+        }
+        table
+    }
+
+    fn get(&self, power: i32) -> Option<(u64, i32)> {
+        let slot = usize::try_from(power - Self::FIRST).ok()?;
+        Some((*self.significand.get(slot)?, *self.exponent.get(slot)?))
+    }
+}
+
+static SCALED_POWERS: ScaledPowers = ScaledPowers::table();
+
+/// `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded; `None` where 128 bits do not decide
+/// the rounding (ties, and about one number in 10^5), for numbers near the ends of the range and for what is not finite.
+fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
+    let bits = value.to_bits() & !(1 << 63);
+    if bits == 0 {
+        return Some((0, 0));
+    }
+    let biased = i32::try_from(bits >> 52).ok()?;
+    if biased == 0 || biased == 0x7ff {
+        return None;
+    }
+    let mantissa = ((bits & ((1 << 52) - 1)) | (1 << 52)) << 11;
+    let binary = biased - 1023 - 63; // value = mantissa * 2^binary
+    let limit = const { 10_u64.pow(DIGITS) };
+    // floor of log10(2) times the binary exponent: the first digit's place or one below it
+    let mut place = ((biased - 1023) * 78913) >> 18;
+    for _ in 0..2 {
+        let (significand, exponent) = SCALED_POWERS.get(DIGITS.cast_signed() - 1 - place)?;
+        let product = u128::from(mantissa) * u128::from(significand);
+        let shift = u32::try_from(-(binary + exponent))
+            .ok()
+            .filter(|shift| (66..128).contains(shift))?;
+        let whole = u64::try_from(product >> shift).ok()?;
+        if whole >= limit {
+            place += 1;
+            continue;
+        }
+        let fraction = product & ((1_u128 << shift) - 1);
+        let half = 1_u128 << (shift - 1);
+        // the product is too small by less than 2^66
+        if fraction.abs_diff(half) <= 1 << 66 {
+            return None;
+        }
+        let rounded = whole + u64::from(fraction > half);
+        if rounded < limit / 10 {
+            return None;
+        }
+        return Some(if rounded == limit {
+            (limit / 10, place + 1)
+        } else {
+            (rounded, place)
+        });
+    }
+    None
+}
+
+/// `value` in at most `width` columns with as many digits as have room, shortest first; `None` if not even two digits have.
+/// For the header, whose readers accept any number of digits as long as the point is written.
+pub(super) fn compact(value: f64, width: usize) -> Option<String> {
+    if !value.is_finite() {
+        return None;
+    }
+    let shortest = format!("{value:E}");
+    let with_point = match shortest.split_once('E') {
+        Some((mantissa, exponent)) if !mantissa.contains('.') => format!("{mantissa}.0E{exponent}"),
+        _ => shortest,
+    };
+    if with_point.len() <= width {
+        return Some(with_point);
+    }
+    (1..=16)
+        .rev()
+        .map(|decimals| format!("{value:.decimals$E}"))
+        .find(|text| text.len() <= width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn written<const WIDTH: usize, const DIGITS: u32>(value: f64) -> String {
+        let mut output = Vec::new();
+        push::<WIDTH, DIGITS>(&mut output, value);
+        String::from_utf8(output).unwrap()
+    }
+
+    fn agrees<const WIDTH: usize, const DIGITS: u32>(value: f64) -> Result<(), TestCaseError> {
+        let ours = written::<WIDTH, DIGITS>(value);
+        prop_assert_eq!(ours.len(), WIDTH);
+        prop_assert_eq!(ours.trim(), by_formatter(value, DIGITS));
+        Ok(())
+    }
+
+    #[test]
+    fn every_spelling_of_an_exponent_is_read() {
+        let cases: [(&str, f64); 12] = [
+            (" -1.47553E-02", -1.47553e-2),
+            ("1.5D+03", 1500.0),
+            ("1.5d3", 1500.0),
+            ("1.5Q-3", 0.0015),
+            ("1.5-101", 1.5e-101),
+            ("1.5+101", 1.5e101),
+            ("5.00000E-005", 5e-5),
+            ("  17", 17.0),
+            (".5", 0.5),
+            ("-5.E1 ", -50.0),
+            (
+                "0.0000000000000000000000001234567890123456789",
+                1.234567890123456789e-25,
+            ),
+            ("1.234567890123E-15", 1.234567890123e-15),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(
+                parse(text.as_bytes()).map(f64::to_bits),
+                Some(expected.to_bits()),
+                "{text}"
+            );
+        }
+        assert!(parse(b" NaN ").unwrap().is_nan());
+        assert_eq!(parse(b"-Infinity"), Some(f64::NEG_INFINITY));
+    }
+
+    #[test]
+    fn what_is_no_number_is_none() {
+        for text in [
+            "", "    ", "1.5E", "1.5E+", "1 5", "1.5.0", "*****", "E5", "-", "1.5F3", "1.5E3 2",
+            "0x10", "1e999999",
+        ] {
+            assert_eq!(parse(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_written_as_fortran_does() {
+        let fields = [
+            written::<13, 6>(0.0),
+            written::<13, 6>(-0.0),
+            written::<13, 6>(-1.47553e-2),
+            written::<13, 6>(9.999996e9),
+            written::<13, 6>(-1.5e-101),
+            written::<13, 6>(f64::NAN),
+            written::<13, 6>(f64::NEG_INFINITY),
+            written::<20, 13>(1.0 / 3.0),
+            written::<20, 13>(-f64::MAX),
+            written::<20, 13>(5e-324),
+        ]
+        .map(|field| field + "|")
+        .join("\n");
+        // a bar closes each field, since blanks at the end of a line could not be seen
+        insta::assert_snapshot!(fields, @r"
+          0.00000E+00|
+         -0.00000E+00|
+         -1.47553E-02|
+          1.00000E+10|
+        -1.50000E-101|
+                  NaN|
+                 -Inf|
+          3.333333333333E-01|
+        -1.797693134862E+308|
+         4.940656458412E-324|
+        ");
+    }
+
+    #[test]
+    fn the_exact_conversion_is_needed_for_ties_alone() {
+        assert_eq!(decimal::<6>(0.1), Some((100_000, -1)));
+        assert_eq!(
+            decimal::<13>(-9.99999999999999e22),
+            Some((1_000_000_000_000, 23))
+        );
+        assert_eq!(decimal::<6>(1_234_565.0), None);
+    }
+
+    #[test]
+    fn ties_go_to_the_even_digit() {
+        // 1234565 and 1234575 are exact doubles halfway between two numbers of six digits
+        assert_eq!(written::<13, 6>(1_234_565.0).trim(), "1.23456E+06");
+        assert_eq!(written::<13, 6>(1_234_575.0).trim(), "1.23458E+06");
+    }
+
+    #[test]
+    fn the_header_keeps_as_many_digits_as_have_room() {
+        assert_eq!(compact(1.953125e-5, 12).unwrap(), "1.953125E-5");
+        assert_eq!(compact(1.0, 12).unwrap(), "1.0E0");
+        assert_eq!(compact(1.0 / 30_000.0, 12).unwrap(), "3.3333333E-5");
+        assert_eq!(compact(-1.0 / 3e150, 12).unwrap(), "-3.3333E-151");
+        assert_eq!(compact(f64::NAN, 12), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn any_double_is_read_as_the_standard_library_reads_it(bits: u64) {
+            let value = f64::from_bits(bits);
+            prop_assume!(value.is_finite());
+            for text in [format!("{value:e}"), format!("{value:.12E}"), format!("{value:.5E}")] {
+                let expected: f64 = text.parse().unwrap();
+                prop_assert_eq!(parse(text.as_bytes()).map(f64::to_bits), Some(expected.to_bits()));
+                prop_assert_eq!(parse(text.replace(['e', 'E'], "D").as_bytes()).map(f64::to_bits), Some(expected.to_bits()));
+            }
+        }
+
+        #[test]
+        fn any_double_is_written_as_the_standard_library_rounds_it(bits: u64) {
+            let value = f64::from_bits(bits);
+            prop_assume!(value.is_finite());
+            agrees::<20, 13>(value)?;
+            agrees::<13, 6>(value)?;
+        }
+
+        #[test]
+        fn numbers_of_a_laboratory_are_written_as_the_standard_library_rounds_them(mantissa in -99_999_999_i32..99_999_999, power in -18_i32..6) {
+            let value = f64::from(mantissa) * 10_f64.powi(power);
+            agrees::<20, 13>(value)?;
+            agrees::<13, 6>(value)?;
+        }
+    }
+}
