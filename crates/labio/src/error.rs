@@ -197,10 +197,14 @@ pub enum LabioError {
         what: String,
     },
     /// A text is no unit that is known.
-    #[error("`{found}` is no known unit")]
+    #[error("`{found}` is no known unit: `{token}` {reason}")]
     UnknownUnit {
         /// The text.
         found: String,
+        /// The part of it that is not understood.
+        token: String,
+        /// What is wrong with that part.
+        reason: &'static str,
     },
     /// The bytes could not be written.
     #[error("the bytes could not be written")]
