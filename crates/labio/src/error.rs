@@ -206,6 +206,22 @@ pub enum LabioError {
         /// What is wrong with that part.
         reason: &'static str,
     },
+    /// A value is in a unit that does not fit.
+    #[error("{what} is in {found}, expected {expected}")]
+    UnitMismatch {
+        /// What has the unit.
+        what: String,
+        /// The unit found.
+        found: String,
+        /// What it should be.
+        expected: String,
+    },
+    /// A text is no day of the calendar.
+    #[error("`{found}` is no date, expected a day as 2026-11-21")]
+    NoDate {
+        /// The text.
+        found: String,
+    },
     /// The bytes could not be written.
     #[error("the bytes could not be written")]
     Write {
@@ -269,6 +285,32 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
             quantity,
             value,
             expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts a finite value.
+pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(LabioError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value",
+        })
+    }
+}
+
+/// Accepts a finite value that is zero or above.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(LabioError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value of at least 0",
         })
     }
 }

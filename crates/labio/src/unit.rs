@@ -97,6 +97,8 @@ impl fmt::Display for Dimension {
 
 /// A unit that was read: its text, its dimension and the SI value of one of it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "String", into = "String"))]
 pub struct Unit {
     symbol: String,
     dimension: Dimension,
@@ -243,6 +245,20 @@ impl FromStr for Unit {
 
     fn from_str(text: &str) -> Result<Self, LabioError> {
         Self::parse(text)
+    }
+}
+
+impl TryFrom<String> for Unit {
+    type Error = LabioError;
+
+    fn try_from(text: String) -> Result<Self, LabioError> {
+        Self::parse(&text)
+    }
+}
+
+impl From<Unit> for String {
+    fn from(unit: Unit) -> Self {
+        unit.symbol
     }
 }
 
