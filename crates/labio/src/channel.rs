@@ -20,9 +20,31 @@ pub enum Quantity {
     Strain,
     /// Voltage \[V\]: a sensor's signal before calibration.
     Voltage,
+    /// Charge \[C\]: the signal of a piezoelectric sensor without electronics.
+    Charge,
+    /// Pressure or stress \[Pa\].
+    Pressure,
 }
 
 impl Quantity {
+    /// Every quantity there is.
+    pub const ALL: [Self; 8] = [
+        Self::Force,
+        Self::Displacement,
+        Self::Velocity,
+        Self::Acceleration,
+        Self::Strain,
+        Self::Voltage,
+        Self::Charge,
+        Self::Pressure,
+    ];
+
+    /// The quantity of this dimension, if there is one; a pure number counts as strain.
+    #[must_use]
+    pub fn of_dimension(dimension: Dimension) -> Option<Self> {
+        Self::ALL.into_iter().find(|q| q.dimension() == dimension)
+    }
+
     /// The quantity in words.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -33,6 +55,8 @@ impl Quantity {
             Self::Acceleration => "acceleration",
             Self::Strain => "strain",
             Self::Voltage => "voltage",
+            Self::Charge => "charge",
+            Self::Pressure => "pressure",
         }
     }
 
@@ -46,6 +70,8 @@ impl Quantity {
             Self::Acceleration => "m/s^2",
             Self::Strain => "1",
             Self::Voltage => "V",
+            Self::Charge => "C",
+            Self::Pressure => "Pa",
         }
     }
 
@@ -59,6 +85,8 @@ impl Quantity {
             Self::Acceleration => (1, 0, -2, 0),
             Self::Strain => (0, 0, 0, 0),
             Self::Voltage => (2, 1, -3, -1),
+            Self::Charge => (0, 0, 1, 1),
+            Self::Pressure => (-1, 1, -2, 0),
         };
         Dimension {
             length,

@@ -57,10 +57,13 @@
 
 pub mod format;
 
+mod calibration;
 mod channel;
 mod dft;
 mod error;
+mod filter;
 mod frf;
+mod provenance;
 mod record;
 mod series;
 mod spectra;
@@ -68,10 +71,15 @@ mod stream;
 mod unit;
 mod window;
 
+pub use calibration::{
+    BridgeLayout, Date, Direction, Polarity, Position, Rating, SensorChain, StrainBridge,
+    Transducer,
+};
 pub use channel::{Channel, Quantity};
 pub use error::{LabioError, Place};
 pub use frf::{Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
-pub use record::{Provenance, Record};
+pub use provenance::{ContentHash, Provenance};
+pub use record::Record;
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
 pub use spectra::{AveragedSpectra, SpectrumAverager};
 pub use stream::BlockSource;
