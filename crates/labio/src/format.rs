@@ -25,6 +25,7 @@ use std::path::Path;
 use crate::{Contents, LabioError};
 
 pub mod npy;
+pub mod tdms;
 pub mod uff58;
 
 mod replace_file;
@@ -72,7 +73,7 @@ pub trait Writer: Debug + Sync {
 const HEAD: usize = 4096;
 
 /// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
-static READERS: [&dyn Reader; 1] = [&uff58::Uff58];
+static READERS: [&dyn Reader; 2] = [&tdms::Tdms, &uff58::Uff58];
 
 /// The readers of all formats that are recognised, in the order in which they are asked.
 #[must_use]

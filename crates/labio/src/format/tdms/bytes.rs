@@ -34,12 +34,13 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    pub(super) fn place(&self) -> Place {
-        Place::Byte(self.offset as u64)
+    /// The same bytes in another order.
+    pub(super) fn in_order(self, big_endian: bool) -> Self {
+        Self { big_endian, ..self }
     }
 
-    pub(super) fn offset(&self) -> usize {
-        self.offset
+    pub(super) fn place(&self) -> Place {
+        Place::Byte(self.offset as u64)
     }
 
     pub(super) fn is_big_endian(&self) -> bool {

@@ -1,11 +1,7 @@
-//! Lead-in and metadata of a segment: which objects there are, and where their raw data lie.
-
-use std::collections::HashMap;
-use std::rc::Rc;
+//! The lead-in of a segment: what it holds, and where.
 
 use super::bytes::Bytes;
 use super::malformed;
-use super::value::{Sample, Value};
 use crate::LabioError;
 
 const LEAD_IN: usize = 28;
@@ -16,7 +12,7 @@ const TAG: &[u8] = b"TDSm";
 pub(super) struct Contains(u32);
 
 impl Contains {
-    const META_DATA: u32 = 1 << 1;
+    const METADATA: u32 = 1 << 1;
     const NEW_OBJECT_LIST: u32 = 1 << 2;
     const RAW_DATA: u32 = 1 << 3;
     const INTERLEAVED: u32 = 1 << 5;
@@ -26,19 +22,34 @@ impl Contains {
         self.0 & flag != 0
     }
 
+    pub(super) fn metadata(self) -> bool {
+        self.has(Self::METADATA)
+    }
+
+    /// Whether the objects of the segments before are no longer meant.
+    pub(super) fn new_object_list(self) -> bool {
+        self.has(Self::NEW_OBJECT_LIST)
+    }
+
+    pub(super) fn raw_data(self) -> bool {
+        self.has(Self::RAW_DATA)
+    }
+
     pub(super) fn interleaved(self) -> bool {
         self.has(Self::INTERLEAVED)
     }
 }
 
 /// A segment cut out of the file.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Segment<'a> {
     pub(super) contains: Contains,
-    metadata: Bytes<'a>,
+    pub(super) metadata: Bytes<'a>,
     pub(super) raw: Bytes<'a>,
-    /// Whether its length was never written, as it is when the recording was cut off.
+    /// Whether it goes to the end of the file, wherever that is: its length was never written, because the recording was cut off.
     pub(super) open: bool,
+    /// What is wrong if the file ends before the segment does; the segment is then cut there.
+    pub(super) overrun: Option<LabioError>,
     /// Offset of the segment after it.
     pub(super) end: usize,
 }
@@ -48,84 +59,67 @@ impl<'a> Segment<'a> {
     ///
     /// # Errors
     ///
-    /// A lead-in that is none, or offsets that lead out of the file or backwards.
+    /// [`LabioError::Malformed`] for a lead-in that is none, and if the raw data are not in the segment.
     pub(super) fn at(offset: usize, file: &'a [u8]) -> Result<Self, LabioError> {
         let rest = file.get(offset..).unwrap_or_default();
         let mut lead_in = Bytes::new(rest, offset, false);
         let place = lead_in.place();
-        let tag = lead_in.take(TAG.len(), "lead-in")?;
+        let tag = lead_in.take(TAG.len().min(rest.len()), "tag of the lead-in")?;
         if tag != TAG {
-            return Err(malformed(
-                place,
-                "tag of the lead-in",
-                format!("\"{}\"", tag.escape_ascii()),
-                "\"TDSm\"",
-            ));
+            let found = format!("\"{}\"", tag.escape_ascii());
+            return Err(malformed(place, "tag of the lead-in", found, "\"TDSm\""));
         }
-        // written in this order whatever the order of the rest
+        // in this order of bytes whatever that of the rest
         let contains = Contains(lead_in.u32("table of contents")?);
         let big_endian = contains.has(Contains::BIG_ENDIAN);
-        let mut lead_in = Bytes::new(rest.get(8..).unwrap_or_default(), offset + 8, big_endian);
+        let mut lead_in = lead_in.in_order(big_endian);
         let place = lead_in.place();
         match lead_in.u32("version")? {
             4712 | 4713 => {}
-            other => return Err(malformed(place, "version", other.to_string(), "4712 or 4713")),
+            other => {
+                let found = other.to_string();
+                return Err(malformed(place, "version", found, "4712 or 4713"));
+            }
         }
-        let place = lead_in.place();
+        let length_place = lead_in.place();
         let stated = lead_in.u64("offset of the next segment")?;
         let raw_place = lead_in.place();
         let raw_offset = lead_in.u64("offset of the raw data")?;
 
-        let body = rest.get(LEAD_IN..).unwrap_or_default();
+        let body = lead_in.take(lead_in.len(), "segment")?;
         let open = stated == u64::MAX;
-        let length = if open { body.len() } else { usize::try_from(stated).unwrap_or(usize::MAX) };
-        let Some(body) = body.get(..length) else {
-            let available = body.len();
-            return Err(malformed(
-                place,
+        let within = usize::try_from(stated)
+            .ok()
+            .and_then(|length| body.get(..length));
+        let overrun = (within.is_none() && !open).then(|| {
+            malformed(
+                length_place,
                 "offset of the next segment",
                 stated.to_string(),
-                format!("at most the {available} bytes to the end of the file"),
-            ));
-        };
-        let split = usize::try_from(raw_offset).ok().and_then(|at| body.split_at_checked(at));
+                format!("at most {}, the bytes to the end of the file", body.len()),
+            )
+        });
+        let body = within.unwrap_or(body);
+        let split = usize::try_from(raw_offset)
+            .ok()
+            .and_then(|at| body.split_at_checked(at));
         let Some((metadata, raw)) = split else {
             return Err(malformed(
                 raw_place,
                 "offset of the raw data",
                 raw_offset.to_string(),
-                format!("at most the {length} bytes of the segment"),
+                format!("at most {}, the bytes of the segment", body.len()),
             ));
         };
         let start = offset + LEAD_IN;
+        let end_of_metadata = start + metadata.len();
         Ok(Self {
             contains,
             metadata: Bytes::new(metadata, start, big_endian),
-            raw: Bytes::new(raw, start + metadata.len(), big_endian),
+            raw: Bytes::new(raw, end_of_metadata, big_endian),
             open,
-            end: start + length,
-        })
-    }
-
-    /// The same with a length that is cut at the end of the file, for a file that ends too early.
-    pub(super) fn at_cut(offset: usize, file: &'a [u8]) -> Option<Self> {
-        let mut lead_in: [u8; LEAD_IN] = file.get(offset..)?.get(..LEAD_IN)?.try_into().ok()?;
-        if let Some(length) = lead_in.get_mut(12..20) {
-            length.fill(0xff);
-        }
-        // only the offset of the raw data is needed of the lead-in that was made open
-        let opened = Segment::at(0, &lead_in_and(&lead_in, file.len().checked_sub(offset + LEAD_IN)?)).ok().map(|segment| segment.metadata.len())?;
-        let body = file.get(offset + LEAD_IN..)?;
-        let (metadata, raw) = body.split_at_checked(opened)?;
-        let contains = Contains(u32::from_le_bytes(lead_in.get(4..8)?.try_into().ok()?));
-        let big_endian = contains.has(Contains::BIG_ENDIAN);
-        let start = offset + LEAD_IN;
-        Some(Self {
-            contains,
-            metadata: Bytes::new(metadata, start, big_endian),
-            raw: Bytes::new(raw, start + metadata.len(), big_endian),
-            open: true,
-            end: file.len(),
+            overrun,
+            end: end_of_metadata + raw.len(),
         })
     }
 }

@@ -112,7 +112,7 @@ impl Timestamp {
 
     /// Seconds from `earlier` to this.
     pub(super) fn since(self, earlier: Self) -> f64 {
-        const PER_FRACTION: f64 = 1.0 / 18_446_744_073_709_551_616.0;
+        const PER_FRACTION: f64 = 1.0 / (1_u128 << 64) as f64;
         // whole seconds and fractions apart: their difference is small where the times themselves are not
         let seconds = i128::from(self.seconds) - i128::from(earlier.seconds);
         let fractions = i128::from(self.fraction) - i128::from(earlier.fraction);
@@ -141,12 +141,20 @@ fn civil(days: i64) -> (i64, i64, i64) {
     const DAYS_IN_400_YEARS: i64 = 146_097;
     const MARCH_0000_TO_1970: i64 = 719_468;
     let days = days + MARCH_0000_TO_1970;
-    let (era, day_of_era) = (days.div_euclid(DAYS_IN_400_YEARS), days.rem_euclid(DAYS_IN_400_YEARS));
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let (era, day_of_era) = (
+        days.div_euclid(DAYS_IN_400_YEARS),
+        days.rem_euclid(DAYS_IN_400_YEARS),
+    );
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let month_from_march = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let month = if month_from_march < 10 {
+        month_from_march + 3
+    } else {
+        month_from_march - 9
+    };
     let year = 400 * era + year_of_era + i64::from(month <= 2);
     (year, month, day)
 }
@@ -184,8 +192,14 @@ impl Value {
             0x10_000d => Self::Complex(bytes.f64(field)?, bytes.f64(field)?),
             code => {
                 // its size is not known, and so neither is where the next property begins
-                let expected = "an integer, a real or complex number, a truth value, a text or a time";
-                return Err(malformed(place, field, format!("of type 0x{code:x}"), expected));
+                let expected =
+                    "an integer, a real or complex number, a truth value, a text or a time";
+                return Err(malformed(
+                    place,
+                    field,
+                    format!("of type 0x{code:x}"),
+                    expected,
+                ));
             }
         })
     }
