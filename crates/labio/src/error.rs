@@ -226,6 +226,14 @@ pub enum LabioError {
         /// What it should be.
         expected: String,
     },
+    /// A hit that is asked for cannot be had.
+    #[error("hit {number} {reason}")]
+    NoSuchHit {
+        /// Number of the hit, from 1.
+        number: usize,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// A text is no day of the calendar.
     #[error("`{found}` is no date, expected a day as 2026-11-21")]
     NoDate {

@@ -56,6 +56,7 @@
 //! input of H1) are described, not estimated.
 
 pub mod format;
+pub mod hits;
 
 mod calibration;
 mod channel;
