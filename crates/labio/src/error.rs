@@ -198,6 +198,22 @@ pub enum LabioError {
         /// Names of the formats that are known.
         known: Vec<&'static str>,
     },
+    /// A series of a file is no channel of a record.
+    #[error(
+        "series {index} (`{name}`) is no channel of a record: its {part} is {found}, expected {expected}"
+    )]
+    NoChannel {
+        /// Position of the series among those of the file, from 0.
+        index: usize,
+        /// Name of the series.
+        name: String,
+        /// The part of the series that does not suit.
+        part: &'static str,
+        /// What it is.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
     /// The format has no place for what is to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {

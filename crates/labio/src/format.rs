@@ -22,13 +22,16 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::{Contents, LabioError};
+use crate::{Contents, LabioError, Provenance};
 
 pub mod npy;
 pub mod tdms;
 pub mod uff58;
 
 mod replace_file;
+mod sampled_together;
+
+pub use sampled_together::SampledTogether;
 
 /// What to do with a part of a file that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -137,6 +140,19 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
             known: READERS.iter().map(|reader| reader.name()).collect(),
         }),
     }
+}
+
+/// Reads the file at `path`, and refuses it if any part of it cannot be read; then makes records of what was sampled together.
+/// The records know the file and the hash of its bytes.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioError> {
+    let path = path.as_ref();
+    let bytes = fs::read(path).map_err(|source| in_file(path, LabioError::Read { source }))?;
+    let contents = read_bytes(&bytes).map_err(|source| in_file(path, source))?;
+    Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
 }
 
 /// Writes `contents` to the file at `path`, which is replaced only when all has been written: an error leaves what was there.

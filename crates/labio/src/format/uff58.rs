@@ -16,6 +16,7 @@
 //! | abscissa | record 7 if evenly spaced, else the data |
 //! | labels and texts of units of the axes | records 8 and 9 |
 //! | unit of the ordinate | record 9, divided by that of record 10 if there is one |
+//! | unit of the abscissa | record 8, or s and Hz if it has no text but the specific type of a time or a frequency |
 //!
 //! The rest is in the properties, from which it is written again: `uff58.id2` to `uff58.id5`, `uff58.function_id`,
 //! `uff58.version`, `uff58.load_case`, `uff58.response_entity`, `.._node`, `.._direction`, the same of `uff58.reference`,
@@ -83,6 +84,8 @@ mod fortran_real;
 mod header;
 mod lines;
 mod series_header;
+
+pub(super) use series_header::response;
 
 const FORMAT: &str = "uff58";
 

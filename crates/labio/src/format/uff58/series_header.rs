@@ -84,18 +84,18 @@ pub(super) fn numbers_per_point(header: &Header) -> usize {
 pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64>) -> Series {
     let properties = properties(&header, binary);
     let [abscissa, ordinate, denominator, _] = header.axes;
-    let ordinate_unit = if denominator.unit.is_empty() {
-        Unit::parse(&ordinate.unit)
-    } else {
-        Unit::parse(&format!("({})/({})", ordinate.unit, denominator.unit))
+    let ordinate_unit = match (unit_of(&ordinate), unit_of(&denominator)) {
+        (Some(unit), None) if denominator.unit.is_empty() => Some(unit),
+        (Some(numerator), Some(denominator)) => numerator.per(&denominator).ok(),
+        _ => None,
     };
     let abscissa_axis = SeriesAxis {
-        unit: Unit::parse(&abscissa.unit).ok(),
+        unit: unit_of(&abscissa),
         label: abscissa.label,
         unit_text: abscissa.unit,
     };
     let ordinate_axis = SeriesAxis {
-        unit: ordinate_unit.ok(),
+        unit: ordinate_unit,
         label: ordinate.label,
         unit_text: ordinate.unit,
     };
@@ -144,6 +144,40 @@ pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64
         ordinate_axis,
         properties,
     }
+}
+
+/// The unit of an axis. Times and frequencies need no text: they are in seconds and hertz in every system of units that
+/// universal files know.
+fn unit_of(axis: &AxisRecord) -> Option<Unit> {
+    let text = match (axis.unit.as_str(), axis.data_type) {
+        ("", TIME) => "s",
+        ("", FREQUENCY) => "Hz",
+        (text, _) => text,
+    };
+    if text.is_empty() {
+        return None;
+    }
+    Unit::parse(text).ok()
+}
+
+/// The degree of freedom of the response of a series that was read, as `rig:1+X`; `None` if it says none.
+pub(in crate::format) fn response(series: &Series) -> Option<String> {
+    const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
+    let said = Properties(&series.properties);
+    let dof = said.degree_of_freedom("response").ok()?;
+    if dof == DegreeOfFreedom::default() {
+        return None;
+    }
+    let axis = usize::try_from(dof.direction.unsigned_abs())
+        .ok()
+        .and_then(|axis| DIRECTIONS.get(axis));
+    let direction = match axis {
+        Some(&"") => String::new(),
+        Some(axis) => format!("{}{axis}", if dof.direction < 0 { '-' } else { '+' }),
+        None => format!("({})", dof.direction),
+    };
+    let separator = if dof.entity.is_empty() { "" } else { ":" };
+    Some(format!("{}{separator}{}{direction}", dof.entity, dof.node))
 }
 
 fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, String)> {
