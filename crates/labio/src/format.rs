@@ -8,7 +8,14 @@ use std::io::Write;
 
 use crate::{Contents, LabioError};
 
+pub mod lvm;
 pub mod npy;
+
+mod rounding;
+mod text;
+
+pub use rounding::{CustomaryRate, RateFamily, customary_rate};
+pub use text::DecimalMark;
 
 /// What to do with a part of a file that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
