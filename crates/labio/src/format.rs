@@ -10,6 +10,7 @@ use crate::{Contents, LabioError};
 
 pub mod lvm;
 pub mod npy;
+pub mod wav;
 
 mod rounding;
 mod text;

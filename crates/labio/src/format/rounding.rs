@@ -74,8 +74,8 @@ impl WrittenValues {
                     + start.half_unit
                     + i as f64 * step.half_unit
                     + ARITHMETIC * (start.value.abs() + expected.abs());
-                // so written that a NaN is off
-                !((value - expected).abs() <= allowed)
+                let off = (value - expected).abs();
+                off > allowed || off.is_nan()
             })
     }
 

@@ -454,12 +454,12 @@ impl Rows {
             channel
                 .values
                 .push(value.map_or(f64::NAN, |value| value.value));
-            if channel.column == 1 || self.x_columns == XColumns::Multi {
-                if let Some((column, text)) = x {
-                    let x = self.number(line, column, "X_Value", text, defect)?;
-                    let (value, half_unit) = x.map_or((f64::NAN, 0.0), |x| (x.value, x.half_unit));
-                    channel.x.push(value, half_unit);
-                }
+            if (channel.column == 1 || self.x_columns == XColumns::Multi)
+                && let Some((column, text)) = x
+            {
+                let x = self.number(line, column, "X_Value", text, defect)?;
+                let (value, half_unit) = x.map_or((f64::NAN, 0.0), |x| (x.value, x.half_unit));
+                channel.x.push(value, half_unit);
             }
         }
         while column < self.width {
