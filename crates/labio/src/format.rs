@@ -8,6 +8,7 @@ use std::io::Write;
 
 use crate::{Contents, LabioError};
 
+pub mod csv;
 pub mod lvm;
 pub mod npy;
 pub mod wav;

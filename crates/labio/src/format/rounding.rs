@@ -79,6 +79,14 @@ impl WrittenValues {
             })
     }
 
+    /// The first index at which a value is not to the last bit `start + index * step`.
+    pub(crate) fn first_not_exactly(&self, start: f64, step: f64) -> Option<usize> {
+        self.values
+            .iter()
+            .enumerate()
+            .position(|(i, value)| (start + i as f64 * step).to_bits() != value.to_bits())
+    }
+
     /// Start and step of the even spacing that the values are roundings of, the step with the uncertainty that the rounding of first
     /// and last value leaves; `None` if they are not.
     pub(crate) fn even_spacing(&self) -> Option<(f64, Written)> {
@@ -90,7 +98,7 @@ impl WrittenValues {
         let steps = (n - 1) as f64;
         let step = (last.value - first.value) / steps;
         let half_unit = (last.half_unit + first.half_unit) / steps;
-        if !step.is_finite() || step.abs() <= half_unit {
+        if !step.is_finite() || step.abs() < f64::MIN_POSITIVE {
             return None;
         }
         // a line within the roundings is nowhere farther from the chord than at one of its ends
@@ -110,16 +118,19 @@ impl WrittenValues {
         ))
     }
 
-    /// The step that reproduces every value to the last bit with the fewest digits, or `step` if none does.
+    /// Whether the values are `start + index * step` but for the rounding of the arithmetic.
+    pub(crate) fn is_even(&self, start: f64, step: f64) -> bool {
+        self.values.iter().enumerate().all(|(i, value)| {
+            let expected = start + i as f64 * step;
+            (value - expected).abs() <= ARITHMETIC * (start.abs() + expected.abs())
+        })
+    }
+
+    /// The number of fewest digits that gives every value but for the rounding of the arithmetic, or `step` if none does.
     fn plain(&self, start: f64, step: f64) -> f64 {
         (0..17)
             .filter_map(|digits| format!("{step:.digits$e}").parse::<f64>().ok())
-            .find(|candidate| {
-                self.values
-                    .iter()
-                    .enumerate()
-                    .all(|(i, value)| (start + i as f64 * candidate).to_bits() == value.to_bits())
-            })
+            .find(|candidate| self.is_even(start, *candidate))
             .unwrap_or(step)
     }
 }

@@ -151,6 +151,20 @@ fn special(text: &str) -> Option<f64> {
 
 /// The complex number that `text` is: `1.5e-3-2j`, with `i` or `j`, in parentheses or not.
 pub(crate) fn complex(text: &str, mark: DecimalMark) -> Option<Complex64> {
+    let (re, im) = parts(text)?;
+    // NumPy writes 1+-2j
+    let im = im
+        .strip_prefix("+-")
+        .map_or(Cow::Borrowed(im), |digits| Cow::Owned(format!("-{digits}")));
+    Some(Complex64::new(real(re, mark)?, real(&im, mark)?))
+}
+
+/// The text of the real part of a complex number.
+pub(crate) fn real_part(text: &str) -> Option<&str> {
+    parts(text).map(|(re, _)| re)
+}
+
+fn parts(text: &str) -> Option<(&str, &str)> {
     let text = text.trim();
     let text = text
         .strip_prefix('(')
@@ -165,18 +179,17 @@ pub(crate) fn complex(text: &str, mark: DecimalMark) -> Option<Complex64> {
                 Some(b'e' | b'E' | b'+' | b'-')
             )
     })?;
-    let (re, im) = (body.get(..split)?, body.get(split..)?);
-    // NumPy writes 1+-2j
-    let im = im
-        .strip_prefix("+-")
-        .map_or(Cow::Borrowed(im), |digits| Cow::Owned(format!("-{digits}")));
-    Some(Complex64::new(real(re, mark)?, real(&im, mark)?))
+    Some((body.get(..split)?, body.get(split..)?))
 }
 
-/// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it.
+/// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it. A zero with an exponent stands
+/// for itself, as any other number would be written with another first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
     let text = text.trim();
     let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+        Some((mantissa, _)) if mantissa.bytes().all(|b| !b.is_ascii_digit() || b == b'0') => {
+            return 0.0;
+        }
         Some((mantissa, exponent)) => (mantissa, exponent.parse().unwrap_or(0)),
         None => (text, 0_i32),
     };
@@ -259,6 +272,7 @@ mod tests {
         close("0.000117", 0.5e-6);
         close("-1.98E-04", 0.5e-6);
         close("12", 0.5);
+        assert_eq!(half_unit("-0.00E+0", DecimalMark::Point).to_bits(), 0);
         assert!((half_unit("3,906250E-5", DecimalMark::Comma) / 0.5e-11 - 1.0).abs() < 1e-15);
     }
 }
