@@ -24,14 +24,21 @@ use std::path::Path;
 
 use crate::{Contents, LabioError, Provenance};
 
+pub mod csv;
+pub mod lvm;
 pub mod npy;
 pub mod tdms;
 pub mod uff58;
+pub mod wav;
 
 mod replace_file;
+mod rounding;
 mod sampled_together;
+mod text;
 
+pub use rounding::{CustomaryRate, RateFamily, customary_rate};
 pub use sampled_together::SampledTogether;
+pub use text::DecimalMark;
 
 /// What to do with a part of a file that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -76,7 +83,7 @@ pub trait Writer: Debug + Sync {
 const HEAD: usize = 4096;
 
 /// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
-static READERS: [&dyn Reader; 2] = [&tdms::Tdms, &uff58::Uff58];
+static READERS: [&dyn Reader; 5] = [&tdms::Tdms, &wav::Wav, &uff58::Uff58, &lvm::Lvm, &csv::Csv];
 
 /// The readers of all formats that are recognised, in the order in which they are asked.
 #[must_use]

@@ -100,32 +100,19 @@ fn the_header_is_told_in_full() {
         .map(|(key, value)| format!("{key} `{value}`\n"))
         .collect();
     insta::assert_snapshot!(rest, @r"
-    uff58.id2 ``
     uff58.id3 `21-Nov-26 12:00:00`
-    uff58.id4 ``
-    uff58.id5 ``
     uff58.function_id `7`
-    uff58.version `0`
-    uff58.load_case `0`
-    uff58.response_entity ``
     uff58.response_node `1`
     uff58.response_direction `1`
     uff58.reference_entity `rig`
     uff58.reference_node `2`
     uff58.reference_direction `-3`
-    uff58.z_value `0.0`
+    uff58.step_half_unit `5e-7`
     uff58.abscissa_type `17`
-    uff58.abscissa_exponents `0 0 0`
     uff58.ordinate_type `12`
-    uff58.ordinate_exponents `0 0 0`
     uff58.denominator_type `13`
-    uff58.denominator_exponents `0 0 0`
     uff58.denominator_label `Force`
     uff58.denominator_unit `N`
-    uff58.z_type `0`
-    uff58.z_exponents `0 0 0`
-    uff58.z_label ``
-    uff58.z_unit ``
     uff58.encoding `ascii`
     uff58.precision `single`
     ");

@@ -22,7 +22,7 @@
 //! `uff58.version`, `uff58.load_case`, `uff58.response_entity`, `.._node`, `.._direction`, the same of `uff58.reference`,
 //! `uff58.z_value`, for each of `abscissa`, `ordinate`, `denominator` and `z` its `.._type` (specific data type) and
 //! `.._exponents` (of length, force and temperature), `uff58.denominator_label`, `.._unit`, the same of `z`, `uff58.encoding`
-//! and `uff58.precision`. Properties under other names are not written: the format has no place for them.
+//! and `uff58.precision`. A field that says nothing (0, `NONE`) is no property. Properties under other names are not written: the format has no place for them.
 //!
 //! # What the reader bears with
 //!
@@ -37,7 +37,8 @@
 //!
 //! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double precision too). Text keeps 13 digits in double and 6 in
 //! single precision. Start and step of an even abscissa, and the z value, have 12 columns in the header of either: about
-//! 8 digits.
+//! 8 digits. Steps in files of other programs have 6; how well they are known is the property [`STEP_HALF_UNIT`], which is
+//! not written.
 //!
 //! ```
 //! use labio::format::{Reader, Strictness, Writer, uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer}};
@@ -91,6 +92,9 @@ const FORMAT: &str = "uff58";
 
 /// Property of the file: the number of a data set that was passed over; there is one for each.
 pub const SKIPPED: &str = "uff58.skipped_data_set";
+/// Property of a series that is evenly spaced: half a unit of the last digit in which the step is written. Step and this
+/// are what [`customary_rate`](crate::format::customary_rate) needs to tell the sampling rate that was meant.
+pub const STEP_HALF_UNIT: &str = "uff58.step_half_unit";
 /// Property of the file: how many data sets 58 it holds, said only when there is none.
 pub const N_DATA_SETS: &str = "uff58.n_data_sets_58";
 

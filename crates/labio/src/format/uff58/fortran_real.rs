@@ -60,6 +60,23 @@ pub(super) fn parse(field: &[u8]) -> Option<f64> {
     by_standard_library(negative, digits, written_exponent)
 }
 
+/// Half a unit of the last digit of the number in `field`: how far the number that was meant may be from it.
+pub(super) fn half_unit(field: &[u8]) -> Option<f64> {
+    let text = field.trim_ascii();
+    let unsigned = text
+        .strip_prefix(b"-")
+        .or(text.strip_prefix(b"+"))
+        .unwrap_or(text);
+    let end = unsigned
+        .iter()
+        .position(|byte| !matches!(byte, b'0'..=b'9' | b'.'));
+    let (digits, rest) = unsigned.split_at(end.unwrap_or(unsigned.len()));
+    let point = digits.iter().position(|byte| *byte == b'.');
+    let decimals = point.map_or(0, |point| digits.len() - point - 1);
+    let power = exponent(rest)?.checked_sub(i32::try_from(decimals).ok()?)?;
+    by_standard_library(false, b"0.5", power)
+}
+
 /// The exponent that `rest` spells; nothing is 0.
 fn exponent(rest: &[u8]) -> Option<i32> {
     let (&first, tail) = match rest.split_first() {
@@ -374,6 +391,13 @@ mod tests {
         }
         assert!(parse(b" NaN ").unwrap().is_nan());
         assert_eq!(parse(b"-Infinity"), Some(f64::NEG_INFINITY));
+    }
+
+    #[test]
+    fn the_last_digit_tells_the_rounding() {
+        assert_eq!(half_unit(b" 1.52588E-05"), Some(0.5e-10));
+        assert_eq!(half_unit(b"-1.0D0"), Some(0.05));
+        assert_eq!(half_unit(b"2"), Some(0.5));
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub(super) struct Header {
     pub(super) even: bool,
     pub(super) start: f64,
     pub(super) step: f64,
+    /// Half a unit of the last digit of the step, as it was written; 0 for one that was not read.
+    pub(super) step_half_unit: f64,
     pub(super) z_value: f64,
     /// Abscissa, ordinate, denominator of the ordinate, z axis.
     pub(super) axes: [AxisRecord; 4],
@@ -302,6 +304,7 @@ impl Header {
             even,
             start: form.real(30, 13, "field 4 (abscissa minimum)")?,
             step: form.real(43, 13, "field 5 (abscissa increment)")?,
+            step_half_unit: fortran_real::half_unit(form.text(43, 13).as_bytes()).unwrap_or(0.0),
             z_value: form.real(56, 13, "field 6 (z-axis value)")?,
             axes: [axis(8)?, axis(9)?, axis(10)?, axis(11)?],
         })

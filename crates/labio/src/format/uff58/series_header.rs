@@ -9,8 +9,6 @@ use super::{ByteOrder, Encoding, FORMAT, Precision, binary_block};
 use crate::{Abscissa, Dimension, LabioError, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
 
 const PREFIX: &str = "uff58.";
-const ENCODING: &str = "uff58.encoding";
-const PRECISION: &str = "uff58.precision";
 const ASCII: &str = "ascii";
 const LITTLE_ENDIAN: &str = "binary, little-endian";
 const BIG_ENDIAN: &str = "binary, big-endian";
@@ -180,35 +178,50 @@ pub(in crate::format) fn response(series: &Series) -> Option<String> {
     Some(format!("{}{separator}{}{direction}", dof.entity, dof.node))
 }
 
+/// What a series has no place for. Fields that say nothing (0 or no text) are left out, but not the specific data types: one
+/// that is missing would be filled in from the unit when the series is written.
 fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, String)> {
-    let mut list = Vec::with_capacity(32);
-    let mut say = |key: String, value: String| list.push((format!("{PREFIX}{key}"), value));
-    for (number, line) in (1..).zip(&header.id_lines).skip(1) {
-        say(format!("id{number}"), line.clone());
+    let exponents =
+        |[length, force, temperature]: [i64; 3]| format!("{length} {force} {temperature}");
+    let number = |value: i64| (value != 0).then(|| value.to_string());
+    let text = |value: &String| (!value.is_empty()).then(|| value.clone());
+    let mut fields: Vec<(String, Option<String>)> = Vec::with_capacity(32);
+    for (index, line) in (1..).zip(&header.id_lines).skip(1) {
+        fields.push((format!("id{index}"), text(line)));
     }
-    say("function_id".into(), header.function_id.to_string());
-    say("version".into(), header.version.to_string());
-    say("load_case".into(), header.load_case.to_string());
+    fields.push(("function_id".to_owned(), number(header.function_id)));
+    fields.push(("version".to_owned(), number(header.version)));
+    fields.push(("load_case".to_owned(), number(header.load_case)));
     for (what, dof) in [
         ("response", &header.response),
         ("reference", &header.reference),
     ] {
-        say(format!("{what}_entity"), dof.entity.clone());
-        say(format!("{what}_node"), dof.node.to_string());
-        say(format!("{what}_direction"), dof.direction.to_string());
+        fields.push((format!("{what}_entity"), text(&dof.entity)));
+        fields.push((format!("{what}_node"), number(dof.node)));
+        fields.push((format!("{what}_direction"), number(dof.direction)));
     }
-    say("z_value".into(), format!("{:?}", header.z_value));
+    let half_unit = header.even.then(|| format!("{:?}", header.step_half_unit));
+    fields.push(("step_half_unit".to_owned(), half_unit));
+    // compared by bits: minus zero is written again as it was
+    let z_value = (header.z_value.to_bits() != 0).then(|| format!("{:?}", header.z_value));
+    fields.push(("z_value".to_owned(), z_value));
     for (index, (axis, name)) in header.axes.iter().zip(AXES).enumerate() {
-        say(format!("{name}_type"), axis.data_type.to_string());
-        let [length, force, temperature] = axis.exponents;
-        say(
-            format!("{name}_exponents"),
-            format!("{length} {force} {temperature}"),
-        );
         // the first two are the axes of the series
-        if index > 1 {
-            say(format!("{name}_label"), axis.label.clone());
-            say(format!("{name}_unit"), axis.unit.clone());
+        let of_series = index < 2;
+        let data_type = if of_series {
+            Some(axis.data_type.to_string())
+        } else {
+            number(axis.data_type)
+        };
+        fields.push((format!("{name}_type"), data_type));
+        let has_exponents = axis.exponents != [0; 3];
+        fields.push((
+            format!("{name}_exponents"),
+            has_exponents.then(|| exponents(axis.exponents)),
+        ));
+        if !of_series {
+            fields.push((format!("{name}_label"), text(&axis.label)));
+            fields.push((format!("{name}_unit"), text(&axis.unit)));
         }
     }
     let encoding = match binary.map(|form| form.byte_order) {
@@ -216,10 +229,13 @@ fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, Strin
         Some(ByteOrder::LittleEndian) => LITTLE_ENDIAN,
         Some(ByteOrder::BigEndian) => BIG_ENDIAN,
     };
-    list.push((ENCODING.to_owned(), encoding.to_owned()));
+    fields.push(("encoding".to_owned(), Some(encoding.to_owned())));
     let precision = if header.double { DOUBLE } else { SINGLE };
-    list.push((PRECISION.to_owned(), precision.to_owned()));
-    list
+    fields.push(("precision".to_owned(), Some(precision.to_owned())));
+    let said = fields
+        .into_iter()
+        .filter_map(|(key, value)| Some((format!("{PREFIX}{key}"), value?)));
+    said.collect()
 }
 
 /// The properties that were read, or that somebody set.
@@ -355,6 +371,7 @@ pub(super) fn header(
         even,
         start,
         step,
+        step_half_unit: 0.0,
         z_value: said.number("z_value")?,
         axes,
     };
