@@ -57,6 +57,7 @@
 
 pub mod format;
 pub mod hits;
+pub mod instrument;
 
 mod calibration;
 mod channel;
