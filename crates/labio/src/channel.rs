@@ -24,11 +24,13 @@ pub enum Quantity {
     Charge,
     /// Pressure or stress \[Pa\].
     Pressure,
+    /// Temperature \[K\].
+    Temperature,
 }
 
 impl Quantity {
     /// Every quantity there is.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Force,
         Self::Displacement,
         Self::Velocity,
@@ -37,6 +39,7 @@ impl Quantity {
         Self::Voltage,
         Self::Charge,
         Self::Pressure,
+        Self::Temperature,
     ];
 
     /// The quantity of this dimension, if there is one; a pure number counts as strain.
@@ -57,6 +60,7 @@ impl Quantity {
             Self::Voltage => "voltage",
             Self::Charge => "charge",
             Self::Pressure => "pressure",
+            Self::Temperature => "temperature",
         }
     }
 
@@ -72,6 +76,7 @@ impl Quantity {
             Self::Voltage => "V",
             Self::Charge => "C",
             Self::Pressure => "Pa",
+            Self::Temperature => "K",
         }
     }
 
@@ -79,6 +84,7 @@ impl Quantity {
     #[must_use]
     pub fn dimension(self) -> Dimension {
         let (length, mass, time, current) = match self {
+            Self::Temperature => (0, 0, 0, 0),
             Self::Force => (1, 1, -2, 0),
             Self::Displacement => (1, 0, 0, 0),
             Self::Velocity => (1, 0, -1, 0),
@@ -93,7 +99,7 @@ impl Quantity {
             mass,
             time,
             current,
-            temperature: 0,
+            temperature: i8::from(self == Self::Temperature),
         }
     }
 }

@@ -7,9 +7,10 @@
 //! ordinary coherence, the number of averages and the random error of every line. This is how (Ödeen 1993, paper E,
 //! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
 //!
-//! The walk is: a file ([`mod@format`]) becomes a [`Record`]; records become [`AveragedSpectra`] through a
-//! [`SpectrumAverager`], whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`]
-//! and a [`Coherence`].
+//! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each channel,
+//! and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`], whose memory
+//! does not grow with the number of hits; spectra become a [`FrequencyResponse`] and a [`Coherence`]. An [`instrument`] makes such records for virtual
+//! experiments.
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -50,13 +51,13 @@
 //!
 //! # What this does not do
 //!
-//! No calibration and no conversion of units: what a file holds is taken as SI. No cutting of a long record into hits, no
-//! rejection of double hits, no overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
+//! No repair of double hits or of clipped samples. No overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
 //! number of averages counts hits and assumes them independent. Errors of bias (leakage, finite resolution, noise on the
 //! input of H1) are described, not estimated.
 
 pub mod format;
 pub mod hits;
+pub mod instrument;
 
 mod calibration;
 mod channel;

@@ -19,6 +19,7 @@ use labio::{
     SensorChain, Window,
 };
 use ndarray::Array2;
+use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -512,6 +513,52 @@ fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
     );
 }
 
+/// Records as ugly as they come: levels, runs, spikes and a few very large numbers.
+fn ugly() -> impl Strategy<Value = Vec<f64>> {
+    let piece = prop_oneof![
+        (-5.0..5.0, 1_usize..20).prop_map(|(level, n)| vec![level; n]),
+        proptest::collection::vec(-2.0..2.0, 1..20),
+        prop_oneof![Just(1e308), Just(-1e308), Just(0.0), Just(5e-324)].prop_map(|x| vec![x]),
+    ];
+    proptest::collection::vec(piece, 2..12).prop_map(|pieces| pieces.concat())
+}
+
+proptest! {
+    #[test]
+    fn no_record_panics_and_streams_agree(
+        samples in ugly(),
+        level in -3.0..3.0,
+        length in 2_usize..40,
+        before in 0_usize..12,
+        hold_off in 1_usize..30,
+        hysteresis in 0.0..2.0,
+        most in 1_usize..30,
+    ) {
+        prop_assume!(samples.len() > 1 && before < length);
+        let n = samples.len();
+        let both = Array2::from_shape_fn((2, n), |(channel, k)| {
+            if channel == 0 { samples[k] } else { samples[n - 1 - k] }
+        });
+        let channels = ["force", "response"].map(|name| Channel::new(name, Quantity::Force).unwrap());
+        let record = Record::new(both, 1.0, 0.0, channels.to_vec(), Provenance::computed("test")).unwrap();
+        let trigger = Trigger::new(FORCE, level, Extent::Samples(length))
+            .unwrap()
+            .with_pre_trigger(Extent::Samples(before))
+            .with_slope(Slope::Either)
+            .with_hold_off(Extent::Samples(hold_off))
+            .with_hysteresis(hysteresis)
+            .unwrap();
+        let criteria = Criteria::default().with_full_scale(FORCE, 4.0).unwrap();
+        let whole = find_hits(&record, &trigger, &criteria).unwrap();
+        let mut source = InBlocks { record, at: 0, most, spoil: None };
+        let provenance = Provenance::computed("test");
+        let streamed = find_hits_in_blocks(&mut source, &provenance, &trigger, &criteria).unwrap();
+        if !matches!(whole.hits()[0].reasons(), [Reason::NotTriggered { .. }, ..]) {
+            prop_assert_eq!(whole, streamed);
+        }
+    }
+}
+
 fn measured() -> Option<PathBuf> {
     let folder = std::env::var_os("RODLAB_DATA").map(PathBuf::from);
     if folder.is_none() {
@@ -533,6 +580,43 @@ fn the_measured_hammer_hits_are_accepted() {
     });
     let log = HitLog::of_records(hits, FORCE, &Criteria::default()).unwrap();
     assert_eq!(log.accepted().count(), 5, "{log}");
+}
+
+#[test]
+fn measured_hits_in_one_long_record_are_found_again() {
+    let Some(folder) = measured() else { return };
+    let channels = [
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    let hits: Vec<Record> = (1..=5)
+        .map(|number| {
+            let path = folder.join(format!("hammer/measurements_{number}.npy"));
+            npy::read(path, &channels).unwrap()
+        })
+        .collect();
+    let n = hits[0].n_samples();
+    let samples = Array2::from_shape_fn((2, 5 * n), |(channel, k)| {
+        hits[k / n].samples()[[channel, k % n]]
+    });
+    let rate_hz = hits[0].sampling_rate_hz();
+    let long = Record::new(
+        samples,
+        rate_hz,
+        0.0,
+        channels.to_vec(),
+        Provenance::computed("joined"),
+    );
+    let trigger = Trigger::new(FORCE, 10.0, Extent::Seconds(0.95))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(16));
+    let log = find_hits(&long.unwrap(), &trigger, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
+    // every hit begins 18 to 20 samples into its second
+    for (number, hit) in log.hits().iter().enumerate() {
+        let into = (hit.time() - number as f64) * rate_hz;
+        assert!((17.0..21.0).contains(&into.round()), "{log}");
+    }
 }
 
 /// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column time.

@@ -101,6 +101,10 @@ const TABLE: &[(&str, [i8; 5], f64)] = &[
     ("m/(N s)", [0, -1, 1, 0, 0], 1.0),
     ("m/(N*s)", [0, -1, 1, 0, 0], 1.0),
     ("(m/s)^2", [2, 0, -2, 0, 0], 1.0),
+    ("(1/N)*(m/s²)", [0, -1, 0, 0, 0], 1.0),
+    ("1/MPa", [1, -1, 2, 0, 0], 0.000001),
+    ("Volts", [2, 1, -3, -1, 0], 1.0),
+    ("Newtons", [1, 1, -2, 0, 0], 1.0),
     ("N.m", [2, 1, -2, 0, 0], 1.0),
 ];
 
@@ -137,6 +141,7 @@ fn units_are_what_their_definitions_say() {
 #[test]
 fn temperatures_count_from_their_own_zero() {
     let celsius = Unit::parse("°C").unwrap();
+    assert_eq!(celsius.quantity(), Some(Quantity::Temperature));
     let fahrenheit = Unit::parse("degF").unwrap();
     // 32 °F is 0 °C is 273.15 K; -40 is the same on both; a rounding of a sum near 500
     let close = |a: f64, b: f64| (a - b).abs() < 2e-13;

@@ -63,14 +63,14 @@ impl Contents {
     /// use labio::{format, Provenance, Quantity};
     ///
     /// # fn main() -> Result<(), labio::LabioError> {
-    /// # let time = "    1         0    0         0 NONE               1   1 NONE               0   0\n         2         2         1    0.0E0     5.0E-1     0.0E0\n        17    0    0    0 Time                 s\n        12    0    0    0 Acceleration         g\n         0    0    0    0 NONE                 NONE\n         0    0    0    0 NONE                 NONE\n";
-    /// # let file = format!("    -1\n    58\nend A\nNONE\nNONE\nNONE\nNONE\n{time}  1.00000E+00  2.00000E+00\n    -1\n");
-    /// let contents = format::read_bytes(file.as_bytes())?;
-    /// let found = contents.records(&Provenance::of_bytes(contents.format, file.as_bytes()));
+    /// let file = b"Time (ms);end A (g)\n0;1\n0.5;2\n1;-1\n";
+    /// let contents = format::read_bytes(file)?;
+    /// let found = contents.records(&Provenance::of_bytes(contents.format, file));
     /// assert!(found.left_out.is_empty());
     /// let record = &found.records[0];
     /// assert_eq!(record.channels()[0].quantity(), Quantity::Acceleration);
-    /// assert_eq!(record.channel("end A")?[1], 2.0 * 9.80665); // the file has it in g
+    /// assert_eq!(record.channel("end A")?[1], 2.0 * 9.80665);
+    /// assert_eq!(record.sampling_rate_hz(), 2000.0);
     /// # Ok(())
     /// # }
     /// ```

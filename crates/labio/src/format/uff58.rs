@@ -37,8 +37,7 @@
 //!
 //! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double precision too). Text keeps 13 digits in double and 6 in
 //! single precision. Start and step of an even abscissa, and the z value, have 12 columns in the header of either: about
-//! 8 digits. Steps in files of other programs have 6; how well they are known is the property [`STEP_HALF_UNIT`], which is
-//! not written.
+//! 8 digits. Steps in files of other programs have 6; how well they are known is the property [`STEP_HALF_UNIT`].
 //!
 //! ```
 //! use labio::format::{Reader, Strictness, Writer, uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer}};

@@ -244,6 +244,10 @@ impl Cutter {
         let next = self.pending.front().copied().unwrap_or(self.fed);
         let needed_from = next.saturating_sub(self.timing.before);
         let superfluous = needed_from.saturating_sub(self.first);
+        // dropping moves the rest: half at a time, so that a sample moves twice on average
+        if 2 * superfluous < self.fed - self.first {
+            return;
+        }
         for buffer in &mut self.buffers {
             buffer.drain(..superfluous.min(buffer.len()));
         }

@@ -192,7 +192,7 @@ impl Scanner<'_> {
                 "counts from another zero and cannot be part of a compound",
             ),
             None => match token.as_str() {
-                "lb" | "lbs" => fault(
+                "lb" | "lbs" | "Pounds" => fault(
                     token,
                     "is a mass to some and a force to others, expected lbm or lbf",
                 ),

@@ -40,22 +40,32 @@ const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
 const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
 const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 
-/// Symbols that take an SI prefix: names, dimension, numerator and denominator of the SI value.
+/// Symbols that take an SI prefix, among them the words of acquisition drivers: names, dimension, numerator and denominator of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
-    (&["m"], LENGTH, 1.0, 1.0),
-    (&["s", "sec"], TIME, 1.0, 1.0),
+    (&["m", "Meters"], LENGTH, 1.0, 1.0),
+    (
+        &["s", "sec", "second", "seconds", "Seconds"],
+        TIME,
+        1.0,
+        1.0,
+    ),
     (&["gram"], MASS, 1.0, 1000.0),
-    (&["A"], CURRENT, 1.0, 1.0),
-    (&["K"], TEMPERATURE, 1.0, 1.0),
+    (&["A", "Amps"], CURRENT, 1.0, 1.0),
+    (&["K", "Kelvins"], TEMPERATURE, 1.0, 1.0),
     (&["Hz"], FREQUENCY, 1.0, 1.0),
-    (&["N"], FORCE, 1.0, 1.0),
-    (&["Pa"], PRESSURE, 1.0, 1.0),
-    (&["bar"], PRESSURE, 100_000.0, 1.0),
+    (&["N", "Newtons"], FORCE, 1.0, 1.0),
+    (&["Pa", "Pascals"], PRESSURE, 1.0, 1.0),
+    (&["bar", "Bar"], PRESSURE, 100_000.0, 1.0),
     (&["J"], ENERGY, 1.0, 1.0),
     (&["W"], POWER, 1.0, 1.0),
     (&["C"], CHARGE, 1.0, 1.0),
     (&["V", "volt", "Volt", "volts", "Volts"], VOLTAGE, 1.0, 1.0),
-    (&["ohm", "Ohm", "Ω", "\u{2126}"], RESISTANCE, 1.0, 1.0),
+    (
+        &["ohm", "Ohm", "Ohms", "Ω", "\u{2126}"],
+        RESISTANCE,
+        1.0,
+        1.0,
+    ),
     (&["F"], CAPACITANCE, 1.0, 1.0),
     (&["rad"], NUMBER, 1.0, 1.0),
     (&["strain", "Strain", "ε"], NUMBER, 1.0, 1.0),
@@ -72,7 +82,7 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     (&["min"], TIME, 60.0, 1.0, 0.0),
     (&["h"], TIME, 3600.0, 1.0, 0.0),
     // international yard and pound agreement (1959)
-    (&["in", "inch"], LENGTH, 254.0, 10_000.0, 0.0),
+    (&["in", "inch", "Inches"], LENGTH, 254.0, 10_000.0, 0.0),
     (&["ft"], LENGTH, 3048.0, 10_000.0, 0.0),
     (&["lbm"], MASS, 45_359_237.0, 1e8, 0.0),
     // 0.45359237 kg times 9.80665 m/s^2
@@ -88,9 +98,15 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     ),
     (&["ksi"], PRESSURE, 44_482_216_152_605.0, 6_451_600.0, 0.0),
     (&["deg", "°"], NUMBER, std::f64::consts::PI, 180.0, 0.0),
-    (&["degC", "°C"], TEMPERATURE, 1.0, 1.0, 273.15),
+    (&["degC", "°C", "Deg C"], TEMPERATURE, 1.0, 1.0, 273.15),
     // 0 °F is 459.67 · 5/9 K
-    (&["degF", "°F"], TEMPERATURE, 5.0, 9.0, 2298.35 / 9.0),
+    (
+        &["degF", "°F", "Deg F"],
+        TEMPERATURE,
+        5.0,
+        9.0,
+        2298.35 / 9.0,
+    ),
 ];
 
 /// Prefixes with numerator and denominator; the micro sign of ISO 8859-1 and the Greek letter are both in use.

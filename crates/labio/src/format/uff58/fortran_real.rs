@@ -325,24 +325,23 @@ fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     None
 }
 
-/// `value` in at most `width` columns with as many digits as have room, shortest first; `None` if not even two digits have.
-/// For the header, whose readers accept any number of digits as long as the point is written.
-pub(super) fn compact(value: f64, width: usize) -> Option<String> {
+/// `value` in at most `width` columns: with the digits that say it is known to `half_unit` if that is above 0 and they give
+/// `value` exactly, else with as many as have room. `None` if not even two have. For the header, whose readers accept any
+/// number of digits as long as the point is written.
+pub(super) fn compact(value: f64, half_unit: f64, width: usize) -> Option<String> {
     if !value.is_finite() {
         return None;
     }
-    let shortest = format!("{value:E}");
-    let with_point = match shortest.split_once('E') {
-        Some((mantissa, exponent)) if !mantissa.contains('.') => format!("{mantissa}.0E{exponent}"),
-        _ => shortest,
+    let texts = || {
+        (1..=16_usize)
+            .map(|decimals| format!("{value:.decimals$E}"))
+            .take_while(|text| text.len() <= width)
     };
-    if with_point.len() <= width {
-        return Some(with_point);
-    }
-    (1..=16)
-        .rev()
-        .map(|decimals| format!("{value:.decimals$E}"))
-        .find(|text| text.len() <= width)
+    let as_known = texts().find(|text| {
+        self::half_unit(text.as_bytes()) == Some(half_unit)
+            && parse(text.as_bytes()).map(f64::to_bits) == Some(value.to_bits())
+    });
+    as_known.or_else(|| texts().last())
 }
 
 #[cfg(test)]
@@ -459,12 +458,15 @@ mod tests {
     }
 
     #[test]
-    fn the_header_keeps_as_many_digits_as_have_room() {
-        assert_eq!(compact(1.953125e-5, 12).unwrap(), "1.953125E-5");
-        assert_eq!(compact(1.0, 12).unwrap(), "1.0E0");
-        assert_eq!(compact(1.0 / 30_000.0, 12).unwrap(), "3.3333333E-5");
-        assert_eq!(compact(-1.0 / 3e150, 12).unwrap(), "-3.3333E-151");
-        assert_eq!(compact(f64::NAN, 12), None);
+    fn the_header_keeps_as_many_digits_as_have_room_or_as_are_known() {
+        let text = |value, half_unit| compact(value, half_unit, 12);
+        assert_eq!(text(1.953125e-5, 0.0).unwrap(), "1.9531250E-5");
+        assert_eq!(text(1.0 / 30_000.0, 0.0).unwrap(), "3.3333333E-5");
+        assert_eq!(text(-1.0 / 3e150, 0.0).unwrap(), "-3.3333E-151");
+        assert_eq!(text(1.52588e-5, 5e-11).unwrap(), "1.52588E-5");
+        // what was known of another number is not believed
+        assert_eq!(text(1.953125e-5, 5e-11).unwrap(), "1.9531250E-5");
+        assert_eq!(text(f64::NAN, 0.0), None);
     }
 
     proptest! {

@@ -362,9 +362,9 @@ impl Header {
             "{data_type:10}{}{:10}{}{}{}\n",
             integer(&self.n_points.to_string(), 10, "number of values")?,
             u8::from(self.even),
-            real(self.start, "abscissa minimum")?,
-            real(self.step, "abscissa increment")?,
-            real(self.z_value, "z-axis value")?,
+            real(self.start, 0.0, "abscissa minimum")?,
+            real(self.step, self.step_half_unit, "abscissa increment")?,
+            real(self.z_value, 0.0, "z-axis value")?,
         ));
         for (axis, name) in self.axes.iter().zip(AXES) {
             output.push_str(&integer(
@@ -403,8 +403,9 @@ fn integer(value: &str, width: usize, what: &str) -> Result<String, LabioError> 
 }
 
 /// `value` in 13 columns, the first of which stays blank so that fields do not touch.
-fn real(value: f64, what: &str) -> Result<String, LabioError> {
-    let text = fortran_real::compact(value, 12).ok_or_else(|| cannot(format!("{what} {value}")))?;
+fn real(value: f64, half_unit: f64, what: &str) -> Result<String, LabioError> {
+    let text = fortran_real::compact(value, half_unit, 12)
+        .ok_or_else(|| cannot(format!("{what} {value}")))?;
     Ok(format!("{text:>13}"))
 }
 

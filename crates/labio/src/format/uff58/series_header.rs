@@ -371,7 +371,7 @@ pub(super) fn header(
         even,
         start,
         step,
-        step_half_unit: 0.0,
+        step_half_unit: said.number("step_half_unit")?,
         z_value: said.number("z_value")?,
         axes,
     };
