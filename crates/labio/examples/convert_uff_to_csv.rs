@@ -53,6 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for defect in &contents.defects {
         println!("  not read: {defect}");
     }
+    if contents.series.is_empty() {
+        println!("nothing to write");
+        return Ok(());
+    }
     format::write(&table, &contents, &Csv)?;
     println!("written: {}", table.display());
     Ok(())

@@ -250,7 +250,7 @@ fn raw_data_of_every_type_become_doubles() {
                 .iter()
                 .flat_map(|x| x.to_le_bytes())
                 .collect(),
-            [9_223_372_036_854_775_808.0, 2.0],
+            [2_f64.powi(63), 2.0],
         ),
         (
             9,

@@ -423,7 +423,7 @@ fn a_superscript_survives_in_latin_1_and_utf_8() {
 fn other_data_sets_are_passed_over_and_told() {
     let mut file = b"    -1\n   151\nmodel\n    -1\n\n    -1\n   164\n         1SI: Meter (newton)\n        -1\n    -1\n".to_vec();
     file.extend(ascii(1, 2, 1, 1, "  1.00000E+00\n"));
-    file.extend(b"    -1\n  2411\n    -1\n");
+    file.extend(b"    -1\n  2411\n    -1\n\n\x1a");
     let contents = strict(&file).unwrap();
     assert_eq!(contents.series.len(), 1);
     let skipped = ["151", "164", "2411"].map(|number| (SKIPPED.to_owned(), number.to_owned()));

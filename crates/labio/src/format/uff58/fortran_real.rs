@@ -164,31 +164,71 @@ pub(super) fn push<const WIDTH: usize, const DIGITS: u32>(output: &mut Vec<u8>, 
             return;
         }
     };
-    let mut columns = field.iter_mut().rev();
-    let mut put = |byte: u8| {
-        if let Some(column) = columns.next() {
-            *column = byte;
-        }
-    };
+    let mut end = WIDTH;
     let mut rest = exponent.unsigned_abs();
-    let mut n_written = 0;
-    while n_written < 2 || rest > 0 {
-        put(digit(u64::from(rest % 10)));
+    if rest >= 100 {
+        end -= 1;
+        put(&mut field, end, [digit(u64::from(rest % 10))]);
         rest /= 10;
-        n_written += 1;
+        end -= 2;
+        put(&mut field, end, pair(u64::from(rest)));
+    } else {
+        end -= 2;
+        put(&mut field, end, pair(u64::from(rest)));
     }
-    put(if exponent < 0 { b'-' } else { b'+' });
-    put(b'E');
-    for _ in 1..DIGITS {
-        put(digit(digits % 10));
+    end -= 2;
+    put(
+        &mut field,
+        end,
+        [b'E', if exponent < 0 { b'-' } else { b'+' }],
+    );
+    for _ in 0..(DIGITS - 1) / 2 {
+        end -= 2;
+        put(&mut field, end, pair(digits % 100));
+        digits /= 100;
+    }
+    if DIGITS.is_multiple_of(2) {
+        end -= 1;
+        put(&mut field, end, [digit(digits % 10)]);
         digits /= 10;
     }
-    put(b'.');
-    put(digit(digits));
+    end -= 2;
+    put(&mut field, end, [digit(digits), b'.']);
     if value.is_sign_negative() {
-        put(b'-');
+        end -= 1;
+        put(&mut field, end, [b'-']);
     }
-    output.extend(field);
+    output.extend_from_slice(&field);
+}
+
+/// Writes `bytes` to `field` from column `at`, from 0.
+#[inline]
+fn put<const N: usize>(field: &mut [u8], at: usize, bytes: [u8; N]) {
+    if let Some(columns) = field
+        .get_mut(at..)
+        .and_then(|tail| tail.first_chunk_mut::<N>())
+    {
+        *columns = bytes;
+    }
+}
+
+/// The two digits of a number below 100.
+#[inline]
+fn pair(value: u64) -> [u8; 2] {
+    const PAIRS: [[u8; 2]; 100] = {
+        let mut pairs = [[0; 2]; 100];
+        let mut value = 0_u8;
+        while value < 100 {
+            pairs[value as usize] = [b'0' + value / 10, b'0' + value % 10];
+            value += 1;
+        }
+        pairs
+    };
+    usize::try_from(value)
+        .ok()
+        .and_then(|value| PAIRS.get(value))
+        .copied()
+        .unwrap_or(*b"00")
 }
 
 fn digit(value: u64) -> u8 {

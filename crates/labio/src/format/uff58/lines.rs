@@ -13,7 +13,9 @@ pub(super) struct Line<'a> {
 
 impl Line<'_> {
     pub(super) fn is_blank(&self) -> bool {
-        self.bytes.trim_ascii().is_empty()
+        const END_OF_TEXT_IN_DOS: u8 = 0x1a;
+        let mut bytes = self.bytes.iter();
+        bytes.all(|byte| byte.is_ascii_whitespace() || *byte == END_OF_TEXT_IN_DOS)
     }
 
     /// Whether it is the line `    -1` that stands before and after each data set: -1 in the first six columns, blanks after.
