@@ -1,8 +1,10 @@
 //! From the volts of a channel to what its sensor felt.
 
+mod blocks;
 mod bridge;
 mod date;
 
+pub use blocks::CalibratedBlocks;
 pub use bridge::{BridgeLayout, StrainBridge};
 pub use date::Date;
 
@@ -517,6 +519,7 @@ impl TryFrom<SensorChainSheet> for SensorChain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn rating(value: f64, unit: &str) -> Rating {
         Rating::new(value, unit).unwrap()
@@ -575,5 +578,38 @@ mod tests {
         let chain = chain.with_gain(gain).unwrap();
         // 3 and 4 percent are 5 percent, within roundings
         assert!((chain.relative_uncertainty() - 0.05).abs() < 1e-15);
+    }
+
+    fn chains() -> impl Strategy<Value = SensorChain> {
+        let transducer = prop_oneof![
+            (0.1..1000.0).prop_map(|s| SensorChain::of_sensitivity(rating(s, "mV/g")).unwrap()),
+            (0.0..0.5, 1.0..200.0).prop_map(|(poisson_ratio, factor)| {
+                let layout = BridgeLayout::FullPoisson { poisson_ratio };
+                let bridge = StrainBridge::new(layout, rating(factor, "1"), rating(5.0, "V"));
+                SensorChain::of_bridge(bridge.unwrap())
+            }),
+        ];
+        (transducer, 0.01..1000.0, any::<bool>(), -1.0..1.0).prop_map(
+            |(chain, gain, inverted, offset)| {
+                let polarity = if inverted {
+                    Polarity::Inverted
+                } else {
+                    Polarity::Normal
+                };
+                let chain = chain.with_gain(rating(gain, "1")).unwrap();
+                chain.with_polarity(polarity).with_offset(offset).unwrap()
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_recorded_of_a_quantity_stands_for_it(chain in chains(), y in -1e-3..1e-3) {
+            let back = chain.si_from(chain.recorded_from(y));
+            // one volt of offset costs the digits by which the signal is smaller
+            let signal = (chain.recorded_from(y) - chain.offset()).abs();
+            let lost = 1e-15 * (1.0 + chain.offset().abs() / signal.max(1e-300));
+            prop_assert!((back - y).abs() <= 4.0 * lost * y.abs(), "{back} {y}");
+        }
     }
 }

@@ -107,7 +107,7 @@ pub struct Saturation {
 /// What an instrument gives.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Taken {
+pub struct Acquisition {
     /// The record. Its provenance names the generator of the history and every stage.
     pub record: Record,
     /// Channels that were overloaded; empty if the record is sound.
@@ -269,7 +269,7 @@ impl Instrument {
         &self,
         history: &Record,
         rng: &mut R,
-    ) -> Result<Taken, LabioError> {
+    ) -> Result<Acquisition, LabioError> {
         let mut signals = Signals {
             samples: history.samples().to_owned(),
             rate_hz: history.sampling_rate_hz(),
@@ -296,7 +296,7 @@ impl Instrument {
             signals.channels,
             Provenance::computed(generator),
         )?;
-        Ok(Taken {
+        Ok(Acquisition {
             record,
             saturations: signals.saturations,
         })

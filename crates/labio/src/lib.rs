@@ -74,8 +74,8 @@ mod unit;
 mod window;
 
 pub use calibration::{
-    BridgeLayout, Date, Direction, Polarity, Position, Rating, SensorChain, StrainBridge,
-    Transducer,
+    BridgeLayout, CalibratedBlocks, Date, Direction, Polarity, Position, Rating, SensorChain,
+    StrainBridge, Transducer,
 };
 pub use channel::{Channel, Quantity};
 pub use error::{LabioError, Place};

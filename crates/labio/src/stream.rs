@@ -23,3 +23,21 @@ pub trait BlockSource {
     /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes are not as they should be.
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
+
+impl<S: BlockSource + ?Sized> BlockSource for Box<S> {
+    fn channels(&self) -> &[Channel] {
+        (**self).channels()
+    }
+
+    fn sampling_rate_hz(&self) -> f64 {
+        (**self).sampling_rate_hz()
+    }
+
+    fn n_samples(&self) -> Option<u64> {
+        (**self).n_samples()
+    }
+
+    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        (**self).read_block(block)
+    }
+}
