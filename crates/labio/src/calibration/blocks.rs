@@ -74,6 +74,13 @@ impl<S: BlockSource> BlockSource for CalibratedBlocks<S> {
     }
 
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        if block.nrows() != self.channels.len() {
+            return Err(LabioError::CountMismatch {
+                what: "rows of a block of samples",
+                found: block.nrows(),
+                expected: self.channels.len(),
+            });
+        }
         let n = self.source.read_block(block)?;
         for (row, chain) in &self.chains {
             let mut samples = block.row_mut(*row);
