@@ -17,8 +17,8 @@ const TAIL: usize = 10;
 const FULL: f64 = 0.99;
 
 impl Criteria {
-    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force; `onset`
-    /// the sample at which the hit begins, found from the largest step of that channel if it is not known.
+    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force;
+    /// `onset` the sample at which the hit begins, found from the largest step of that channel if it is not known.
     ///
     /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute
     /// deviation; both bear up to half of odd samples.
@@ -350,7 +350,8 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets and drifts.
+/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets
+/// and drifts.
 fn onset_of(samples: &[f64]) -> usize {
     let steps = samples
         .windows(2)
