@@ -5,9 +5,9 @@ use realfft::RealFftPlanner;
 
 /// The response of the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
 ///
-/// The transform repeats the samples without end. Between two repetitions lies a stretch of at least the length of the samples,
-/// in which the last sample goes over into the first by half a cosine: what a filter draws out of one end does not reach the
-/// other, and a signal at rest at any level stays at rest.
+/// The transform repeats the samples without end. Between two repetitions lies a stretch of at least the length of the
+/// samples, in which the last sample goes over into the first by half a cosine: what a filter draws out of one end does not
+/// reach the other, and a signal at rest at any level stays at rest.
 pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
         return Vec::new();

@@ -1,7 +1,7 @@
 //! Hits: where they are in a long record, and which of them can be trusted.
 //!
-//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] judge each of them; the [`HitLog`] keeps what was found, with the
-//! reason of every rejection and the user's last word. Only [`HitLog::accepted`] goes on to the spectra.
+//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] judge each of them; the [`HitLog`] keeps what was found,
+//! with the reason of every rejection and the user's last word. Only [`HitLog::accepted`] goes on to the spectra.
 
 mod criteria;
 mod double_hit;

@@ -1,7 +1,7 @@
 //! What stands between a history and its record: models of sensors, filters and converters for virtual experiments.
 //!
-//! An [`Instrument`] is a row of stages, applied in the order in which they are named. It starts from a history that is sampled
-//! finely and free of errors, and gives the record that a laboratory would have: band-limited, late, noisy, rounded.
+//! An [`Instrument`] is a row of stages, applied in the order in which they are named. It starts from a history that is
+//! sampled finely and free of errors, and gives the record that a laboratory would have: band-limited, late, noisy, rounded.
 //!
 //! ```
 //! use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
@@ -30,64 +30,18 @@
 mod anti_alias;
 mod converter;
 mod noise;
+mod stage;
 
 pub use anti_alias::AntiAlias;
 pub use converter::Converter;
 pub use noise::NoiseSpectrum;
 
-use ndarray::{Array2, ArrayViewMut1, Axis, Slice};
-use num_complex::Complex64;
+use ndarray::Array2;
 use rand::Rng;
 
 use crate::error::{check_finite, check_not_negative, check_positive};
-use crate::filter::{delayed, filtered};
-use crate::{Channel, LabioError, Provenance, Quantity, Record, SensorChain, channel};
-
-/// How far the ratio of two sampling rates may be from a whole number: rates are written in a few digits.
-const RATIO_TOLERANCE: f64 = 1e-9;
-
-/// One thing that happens to the signals.
-#[derive(Debug, Clone, PartialEq)]
-enum Stage {
-    Sense {
-        channel: String,
-        chain: Box<SensorChain>,
-    },
-    Gain {
-        channel: String,
-        factor: f64,
-    },
-    Offset {
-        channel: String,
-        value: f64,
-    },
-    Delay {
-        channel: String,
-        time: f64,
-    },
-    Resolution {
-        channel: String,
-        step: f64,
-    },
-    Noise {
-        channel: String,
-        spectrum: NoiseSpectrum,
-    },
-    CrossTalk {
-        matrix: Array2<f64>,
-    },
-    AntiAlias {
-        filter: AntiAlias,
-    },
-    Sample {
-        rate_hz: f64,
-        aperture: f64,
-    },
-    Convert {
-        channel: Option<String>,
-        converter: Converter,
-    },
-}
+use crate::{LabioError, Provenance, Record, SensorChain};
+use stage::{Signals, Stage};
 
 /// A row of stages from a history to a record.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -107,7 +61,7 @@ pub struct Saturation {
 /// What an instrument gives.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Taken {
+pub struct Acquisition {
     /// The record. Its provenance names the generator of the history and every stage.
     pub record: Record,
     /// Channels that were overloaded; empty if the record is sound.
@@ -126,8 +80,8 @@ impl Instrument {
         self
     }
 
-    /// Turns a physical quantity into what the sensor chain records of it: $`u = u_0 + p\,G\,S\,y`$. The record then is in volts
-    /// (or coulombs) and can be calibrated by a chain that errs.
+    /// Turns a physical quantity into what the sensor chain records of it: $`u = u_0 + p\,G\,S\,y`$. The record then is in
+    /// volts (or coulombs) and can be calibrated by a chain that errs.
     #[must_use]
     pub fn sense(self, channel: impl Into<String>, chain: SensorChain) -> Self {
         self.then(Stage::Sense {
@@ -201,8 +155,8 @@ impl Instrument {
         })
     }
 
-    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels, n_channels)`, ones on its diagonal for channels that keep
-    /// their own gain.
+    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels, n_channels)`, ones on its diagonal
+    /// for channels that keep their own gain.
     ///
     /// # Errors
     ///
@@ -224,12 +178,14 @@ impl Instrument {
         self.then(Stage::AntiAlias { filter })
     }
 
-    /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0: the value itself). The rate of the history must be
-    /// a whole multiple of it. Nothing keeps high frequencies from folding back: that is the anti-alias filter's part.
+    /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0: the value itself). The
+    /// rate of the history must be a whole multiple of it. Nothing keeps high frequencies from folding back: that is the
+    /// anti-alias filter's part.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture negative, and when recording if the ratio of the rates is not whole.
+    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture negative, and when recording if the ratio of
+    /// the rates is not whole.
     pub fn sample(self, rate_hz: f64, aperture: f64) -> Result<Self, LabioError> {
         let stage = Stage::Sample {
             rate_hz: check_positive("sampling rate [Hz]", rate_hz)?,
@@ -263,13 +219,14 @@ impl Instrument {
     /// - [`LabioError::UnknownChannel`]: a stage names a channel that the history does not have.
     /// - [`LabioError::UnitMismatch`]: a sensor does not feel the quantity of its channel.
     /// - [`LabioError::CountMismatch`]: the matrix of cross-talk is not of the number of channels.
-    /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a delay exceeds its duration.
+    /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a delay exceeds its
+    ///   duration.
     /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: nothing or no number is left.
     pub fn record<R: Rng + ?Sized>(
         &self,
         history: &Record,
         rng: &mut R,
-    ) -> Result<Taken, LabioError> {
+    ) -> Result<Acquisition, LabioError> {
         let mut signals = Signals {
             samples: history.samples().to_owned(),
             rate_hz: history.sampling_rate_hz(),
@@ -296,179 +253,9 @@ impl Instrument {
             signals.channels,
             Provenance::computed(generator),
         )?;
-        Ok(Taken {
+        Ok(Acquisition {
             record,
             saturations: signals.saturations,
         })
-    }
-}
-
-/// The state between two stages.
-struct Signals {
-    samples: Array2<f64>,
-    rate_hz: f64,
-    channels: Vec<Channel>,
-    saturations: Vec<Saturation>,
-}
-
-impl Signals {
-    fn row(&mut self, name: &str) -> Result<ArrayViewMut1<'_, f64>, LabioError> {
-        let (index, _) = channel::find(&self.channels, name)?;
-        Ok(self.samples.row_mut(index))
-    }
-
-    fn pass<R: Rng + ?Sized>(&mut self, stage: &Stage, rng: &mut R) -> Result<(), LabioError> {
-        let rate_hz = self.rate_hz;
-        match stage {
-            Stage::Sense { channel, chain } => self.sense(channel, chain)?,
-            Stage::Gain { channel, factor } => self.row(channel)?.map_inplace(|x| *x *= factor),
-            Stage::Offset { channel, value } => self.row(channel)?.map_inplace(|x| *x += value),
-            Stage::Delay { channel, time } => {
-                let duration = self.samples.ncols() as f64 / rate_hz;
-                if time.abs() >= duration {
-                    return Err(LabioError::NonPhysical {
-                        quantity: "delay of a channel [s]",
-                        value: *time,
-                        expected: "less than the duration of the history",
-                    });
-                }
-                let row = self.row(channel)?;
-                replace(row, |samples| delayed(samples, time * rate_hz));
-            }
-            Stage::Resolution { channel, step } => {
-                self.row(channel)?
-                    .map_inplace(|x| *x = (*x / step).round() * step);
-            }
-            Stage::Noise { channel, spectrum } => {
-                let mut row = self.row(channel)?;
-                let noise = spectrum.draw(row.len(), rate_hz, rng);
-                row.iter_mut().zip(noise).for_each(|(x, noise)| *x += noise);
-            }
-            Stage::CrossTalk { matrix } => self.mix(matrix)?,
-            Stage::AntiAlias { filter } => {
-                let per_radian = rate_hz / std::f64::consts::TAU;
-                for row in self.samples.rows_mut() {
-                    replace(row, |samples| {
-                        filtered(samples, |omega| filter.response(omega * per_radian))
-                    });
-                }
-            }
-            Stage::Sample {
-                rate_hz: wanted_hz,
-                aperture,
-            } => self.sample(*wanted_hz, *aperture)?,
-            Stage::Convert { channel, converter } => {
-                if let Some(name) = channel {
-                    channel::find(&self.channels, name)?;
-                }
-                for (mut row, of) in self.samples.rows_mut().into_iter().zip(&self.channels) {
-                    if channel.as_deref().is_some_and(|name| name != of.name()) {
-                        continue;
-                    }
-                    let n_samples = converter.convert(row.iter_mut(), rng);
-                    if n_samples > 0 {
-                        self.saturations.push(Saturation {
-                            channel: of.name().to_owned(),
-                            n_samples,
-                        });
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn sense(&mut self, name: &str, chain: &SensorChain) -> Result<(), LabioError> {
-        let (index, felt) = channel::find(&self.channels, name)?;
-        let recorded = chain
-            .recorded_dimension(felt.quantity())
-            .and_then(Quantity::of_dimension)
-            .ok_or_else(|| LabioError::UnitMismatch {
-                what: format!("the sensor of `{name}`"),
-                found: "a unit that gives no quantity of a channel".to_owned(),
-                expected: format!("one that feels {}", felt.quantity().unit()),
-            })?;
-        let sensed = Channel::new(name, recorded)?;
-        self.row(name)?
-            .map_inplace(|x| *x = chain.recorded_from(*x));
-        if let Some(slot) = self.channels.get_mut(index) {
-            *slot = sensed;
-        }
-        Ok(())
-    }
-
-    fn mix(&mut self, matrix: &Array2<f64>) -> Result<(), LabioError> {
-        let n = self.channels.len();
-        for found in [matrix.nrows(), matrix.ncols()] {
-            if found != n {
-                return Err(LabioError::CountMismatch {
-                    what: "rows and columns of the cross-talk matrix",
-                    found,
-                    expected: n,
-                });
-            }
-        }
-        self.samples = matrix.dot(&self.samples);
-        Ok(())
-    }
-
-    fn sample(&mut self, wanted_hz: f64, aperture: f64) -> Result<(), LabioError> {
-        let ratio = self.rate_hz / wanted_hz;
-        let every = ratio.round();
-        if (ratio - every).abs() > RATIO_TOLERANCE * ratio || !(1.0..1e9).contains(&every) {
-            return Err(LabioError::NonPhysical {
-                quantity: "sampling rate of the history over that of the recorder",
-                value: ratio,
-                expected: "a whole number of at least 1",
-            });
-        }
-        if aperture > 0.0 {
-            let half = aperture * self.rate_hz / 2.0;
-            for row in self.samples.rows_mut() {
-                replace(row, |samples| {
-                    filtered(samples, |omega| Complex64::from(sinc(omega * half)))
-                });
-            }
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "a whole number from 1 to 1e9"
-        )]
-        let every = every as isize;
-        let kept = Slice::new(0, None, every);
-        self.samples = self.samples.slice_axis(Axis(1), kept).to_owned();
-        self.rate_hz = wanted_hz;
-        Ok(())
-    }
-}
-
-fn replace(mut row: ArrayViewMut1<'_, f64>, by: impl Fn(&[f64]) -> Vec<f64>) {
-    let samples = by(&row.to_vec());
-    row.iter_mut().zip(samples).for_each(|(x, new)| *x = new);
-}
-
-fn sinc(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { x.sin() / x }
-}
-
-impl Stage {
-    fn name(&self) -> String {
-        match self {
-            Self::Sense { channel, .. } => format!("the sensor of `{channel}`"),
-            Self::Gain { channel, factor } => format!("gain {factor} of `{channel}`"),
-            Self::Offset { channel, value } => format!("offset {value} of `{channel}`"),
-            Self::Delay { channel, time } => format!("`{channel}` late by {time} s"),
-            Self::Resolution { channel, step } => format!("`{channel}` in steps of {step}"),
-            Self::Noise { channel, spectrum } => format!("{} in `{channel}`", spectrum.name()),
-            Self::CrossTalk { .. } => "cross-talk".to_owned(),
-            Self::AntiAlias { filter } => filter.name(),
-            Self::Sample { rate_hz, aperture } => {
-                format!("samples at {rate_hz} Hz with an aperture of {aperture} s")
-            }
-            Self::Convert { channel, converter } => match channel {
-                None => converter.name(),
-                Some(channel) => format!("{} for `{channel}`", converter.name()),
-            },
-        }
     }
 }

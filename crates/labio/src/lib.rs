@@ -7,10 +7,10 @@
 //! ordinary coherence, the number of averages and the random error of every line. This is how (Ödeen 1993, paper E,
 //! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
 //!
-//! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each channel,
-//! and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`], whose memory
-//! does not grow with the number of hits; spectra become a [`FrequencyResponse`] and a [`Coherence`]. An [`instrument`] makes such records for virtual
-//! experiments.
+//! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each
+//! channel, and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`],
+//! whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`] and a [`Coherence`]. An
+//! [`instrument`] makes such records for virtual experiments.
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -44,16 +44,16 @@
 //! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
 //! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an even number of samples
 //!   puts a line on the Nyquist frequency, an odd number does not.
-//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it is
-//!   stated there.
+//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it
+//!   is stated there.
 //! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that neither a zero nor a large
 //!   number can pass for a measurement further on.
 //!
 //! # What this does not do
 //!
-//! No repair of double hits or of clipped samples. No overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
-//! number of averages counts hits and assumes them independent. Errors of bias (leakage, finite resolution, noise on the
-//! input of H1) are described, not estimated.
+//! No repair of double hits or of clipped samples. No overlapped segments, no force or exponential window. Time must be
+//! uniform; nothing is resampled. The number of averages counts hits and assumes them independent. Errors of bias (leakage,
+//! finite resolution, noise on the input of H1) are described, not estimated.
 
 pub mod format;
 pub mod hits;
@@ -74,8 +74,8 @@ mod unit;
 mod window;
 
 pub use calibration::{
-    BridgeLayout, Date, Direction, Polarity, Position, Rating, SensorChain, StrainBridge,
-    Transducer,
+    BridgeLayout, CalibratedBlocks, Date, Direction, Polarity, Position, Rating, SensorChain,
+    StrainBridge, Transducer,
 };
 pub use channel::{Channel, Quantity};
 pub use error::{LabioError, Place};

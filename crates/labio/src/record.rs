@@ -18,8 +18,8 @@ use crate::{LabioError, Provenance, SensorChain};
 /// | sampling rate | scalar | Hz |
 /// | start time | scalar | s, time of the first sample |
 ///
-/// A record of volts becomes one of physical quantities by [`Record::calibrated`], which keeps what was recorded: a sensitivity
-/// that turns out wrong is corrected by calibrating again, without the file.
+/// A record of volts becomes one of physical quantities by [`Record::calibrated`], which keeps what was recorded: a
+/// sensitivity that turns out wrong is corrected by calibrating again, without the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     samples: Array2<f64>,
@@ -151,8 +151,8 @@ impl Record {
             .and_then(Option::as_ref))
     }
 
-    /// What was recorded of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples themselves if nothing was
-    /// calibrated.
+    /// What was recorded of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples themselves
+    /// if nothing was calibrated.
     ///
     /// # Errors
     ///
@@ -220,7 +220,8 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonFiniteSample`] if interpolation makes a number that stands for nothing, [`LabioError::NonPhysical`] for a skew longer than the record.
+    /// [`LabioError::NonFiniteSample`] if interpolation makes a number that stands for nothing, [`LabioError::NonPhysical`]
+    /// for a skew longer than the record.
     pub fn aligned(self) -> Result<Self, LabioError> {
         let Some(recorded) = &self.recorded else {
             return Ok(self);

@@ -120,10 +120,10 @@ impl Unit {
 
     /// The unit that `text` says; blanks and one pair of square brackets around it do not count.
     ///
-    /// Known are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity, 9.80665 m/s²),
-    /// `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC` and
-    /// `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`, `s2` or `s^-2`. A pure
-    /// number is `1`, `-` or `dimensionless`.
+    /// Known are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity, 9.80665
+    /// m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC`
+    /// and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`, `s2` or `s^-2`.
+    /// A pure number is `1`, `-` or `dimensionless`.
     ///
     /// # Validity
     ///

@@ -8,8 +8,8 @@
 use labio::{Dimension, Quantity, Unit};
 use proptest::prelude::*;
 
-/// Text, exponents of m, kg, s, A, K, and the SI value of one, from the definitions: 1 in = 0.0254 m and 1 ft = 0.3048 m (1959),
-/// 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (1901), 1 bar = 1e5 Pa.
+/// Text, exponents of m, kg, s, A, K, and the SI value of one, from the definitions: 1 in = 0.0254 m and 1 ft = 0.3048 m
+/// (1959), 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (1901), 1 bar = 1e5 Pa.
 const TABLE: &[(&str, [i8; 5], f64)] = &[
     ("V", [2, 1, -3, -1, 0], 1.0),
     ("mV", [2, 1, -3, -1, 0], 0.001),

@@ -31,7 +31,8 @@ pub enum BridgeLayout {
 
 /// Gauges, their bridge and its excitation.
 ///
-/// With the bridge balanced at rest and $`r = V/V_{\rm ex}`$, the strain $`\varepsilon = x/k`$ follows from the gauge factor $`k`$ and
+/// With the bridge balanced at rest and $`r = V/V_{\rm ex}`$, the strain $`\varepsilon = x/k`$ follows from the gauge factor
+/// $`k`$ and
 ///
 /// | layout | $`x`$ |
 /// |---|---|
@@ -42,8 +43,8 @@ pub enum BridgeLayout {
 /// | full, Poisson | $`2r/(1+\nu-r(1-\nu))`$ |
 /// | full, bending | $`r`$ |
 ///
-/// which is exact: nothing is expanded in small strains. Positive output is tension; wiring that does the opposite is a matter
-/// of [`Polarity`](super::Polarity).
+/// which is exact: nothing is expanded in small strains. Positive output is tension; wiring that does the opposite is a
+/// matter of [`Polarity`](crate::Polarity).
 ///
 /// # Validity
 ///
@@ -120,8 +121,7 @@ impl StrainBridge {
         }
     }
 
-    /// Strain \[-\] at the bridge voltage \[V\]; infinite or of the wrong sign beyond the voltage at which a gauge would have no
-    /// resistance.
+    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite resistance would reach.
     pub(super) fn strain(&self, voltage: f64) -> f64 {
         let [n, a, b] = self.constants();
         let r = voltage / self.excitation.si();

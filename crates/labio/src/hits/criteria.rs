@@ -60,8 +60,8 @@ impl Criteria {
         }
     }
 
-    /// Calls a channel overloaded that reaches 0.99 of `full_scale`, in the SI unit in which it was recorded: the largest number of an
-    /// 8-bit converter is 0.992 of its range.
+    /// Calls a channel overloaded that reaches 0.99 of `full_scale`, in the SI unit in which it was recorded: the largest
+    /// number of an 8-bit converter is 0.992 of its range.
     ///
     /// # Errors
     ///

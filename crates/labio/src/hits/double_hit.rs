@@ -18,17 +18,18 @@ pub(super) struct SecondContact {
     pub(super) separation: usize,
 }
 
-/// How much larger than the opposite swings beside it a contact must be. A decaying oscillation never exceeds the opposite swing
-/// before it, and one that a filter makes before a pulse never that after it; half as much again leaves room for noise.
+/// How much larger than the opposite swings beside it a contact must be. A decaying oscillation never exceeds the opposite
+/// swing before it, and one that a filter makes before a pulse never that after it; half as much again leaves room for
+/// noise.
 const CONTACT_OVER_SWING: f64 = 1.5;
 
-/// The largest contact beside the main one that exceeds `threshold`, in `force` with the rest level taken off and positive in
-/// the main contact.
+/// The largest contact beside the main one that exceeds `threshold`, in `force` with the rest level taken off and positive
+/// in the main contact.
 ///
 /// A contact ends when the force falls below half the threshold, and the next begins when it exceeds the threshold. Ringing
-/// swings to both sides: what is not [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main contact, is
-/// taken for ringing, and so is a weak second contact that hides in it. Beside means within twice its own width and the
-/// duration of the main contact, which is longer than a period of the sensor or it could not measure the contact.
+/// swings to both sides: what is not [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main
+/// contact, is taken for ringing, and so is a weak second contact that hides in it. Beside means within twice its own width
+/// and the duration of the main contact, which is longer than a period of the sensor or it could not measure the contact.
 pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondContact> {
     let contacts = contacts(force, threshold);
     let main = contacts

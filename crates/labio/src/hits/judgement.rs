@@ -17,8 +17,8 @@ const TAIL: usize = 10;
 const FULL: f64 = 0.99;
 
 impl Criteria {
-    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force; `onset`
-    /// the sample at which the hit begins, found from the largest step of that channel if it is not known.
+    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force;
+    /// `onset` the sample at which the hit begins, found from the largest step of that channel if it is not known.
     ///
     /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute
     /// deviation; both bear up to half of odd samples.
@@ -61,7 +61,11 @@ impl Criteria {
         for channel in hit.channels() {
             let name = channel.name();
             let samples = hit.channel(name)?.to_vec();
-            let recorded = hit.recorded(name)?.to_vec();
+            let recorded = match hit.chain(name)? {
+                Some(_) => Some(hit.recorded(name)?.to_vec()),
+                None => None,
+            };
+            let recorded = recorded.as_ref().unwrap_or(&samples);
             let is_force = force_channel == Some(name);
             if let Some(value) = only_value(&samples) {
                 reasons.push(Reason::Dead {
@@ -70,7 +74,7 @@ impl Criteria {
                 });
                 continue;
             }
-            self.check_range(name, &recorded, &mut reasons);
+            self.check_range(name, recorded, &mut reasons);
             let Some(signal) = Signal::of(name, &samples, onset) else {
                 continue;
             };
@@ -79,7 +83,7 @@ impl Criteria {
             if name == reference && !is_offset {
                 self.check_peak(&signal, &mut reasons);
             }
-            if let Some(raw) = Signal::of(name, &recorded, onset) {
+            if let Some(raw) = Signal::of(name, recorded, onset) {
                 self.check_standstill(&raw, is_force, &mut reasons);
             }
             if is_force {
@@ -275,21 +279,33 @@ impl<'a> Signal<'a> {
     fn of(channel: &'a str, samples: &'a [f64], onset: usize) -> Option<Self> {
         let (before, after) = samples.split_at_checked(onset)?;
         let rest = Rest::of(before)?;
-        let excursion = after
-            .iter()
-            .map(|x| x - rest.level)
-            .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let (down, up) = extremes(after)?;
+        let (down, up) = (rest.level - down, up - rest.level);
+        let (least, greatest) = extremes(samples)?;
         Some(Self {
             channel,
             samples,
             onset,
             rest,
-            peak: excursion.abs(),
-            sign: excursion.signum(),
-            least: samples.iter().copied().reduce(f64::min)?,
-            greatest: samples.iter().copied().reduce(f64::max)?,
+            peak: up.max(down).max(0.0),
+            sign: if down > up { -1.0 } else { 1.0 },
+            least,
+            greatest,
         })
     }
+}
+
+/// Smallest and largest sample.
+fn extremes(samples: &[f64]) -> Option<(f64, f64)> {
+    let &first = samples.first()?;
+    Some(
+        samples
+            .iter()
+            .fold((first, first), |(least, greatest), &x| {
+                let least = if x < least { x } else { least };
+                (least, if x > greatest { x } else { greatest })
+            }),
+    )
 }
 
 /// Equal samples in a row.
@@ -334,7 +350,8 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets and drifts.
+/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets
+/// and drifts.
 fn onset_of(samples: &[f64]) -> usize {
     let steps = samples
         .windows(2)

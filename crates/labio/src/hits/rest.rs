@@ -48,15 +48,14 @@ fn median(values: &mut [f64]) -> Option<f64> {
 
 /// The smallest difference of consecutive samples that is not zero: the step of the recorder's numbers, or less.
 pub(super) fn smallest_step(samples: &[f64]) -> f64 {
-    samples
-        .windows(2)
-        .filter_map(|pair| match pair {
-            [a, b] => Some((b - a).abs()),
-            _ => None,
-        })
-        .filter(|step| *step > 0.0)
-        .reduce(f64::min)
-        .unwrap_or(0.0)
+    let mut smallest = f64::INFINITY;
+    for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
+        let step = (b - a).abs();
+        if step > 0.0 && step < smallest {
+            smallest = step;
+        }
+    }
+    if smallest.is_finite() { smallest } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -14,12 +14,13 @@ const BLOCK: usize = 8192;
 
 /// The hits of `record`, judged. Each keeps its place on the time axis, its sensor chains and the provenance of the whole.
 ///
-/// A hit that the record cuts at its beginning or end is listed with that reason. If the trigger never fires, the log has one
-/// entry that says so, with what else is wrong with the record as a whole.
+/// A hit that the record cuts at its beginning or end is listed with that reason. If the trigger never fires, the log has
+/// one entry that says so, with what else is wrong with the record as a whole.
 ///
 /// # Errors
 ///
-/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the channel of force of the criteria, is not in the record.
+/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the channel of force of the criteria, is not in the
+///   record.
 /// - [`LabioError::NonPhysical`], [`LabioError::TooFewSamples`]: the trigger makes no sense at this sampling rate.
 ///
 /// # Examples
@@ -82,11 +83,13 @@ pub fn find_hits(
     Ok(log)
 }
 
-/// The hits of a stream, judged as by [`find_hits`], in memory for the accepted and rejected hits and one block. Time counts from 0 at the first sample.
+/// The hits of a stream, judged as by [`find_hits`], in memory for the accepted and rejected hits and one block. Time counts
+/// from 0 at the first sample.
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and what the source says. A hit with a sample that is no number is rejected with that reason and not an error.
+/// As [`find_hits`], and what the source says. A hit with a sample that is no number is rejected with that reason and not an
+/// error.
 pub fn find_hits_in_blocks(
     source: &mut dyn BlockSource,
     provenance: &Provenance,

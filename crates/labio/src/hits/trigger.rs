@@ -79,7 +79,8 @@ impl Trigger {
     /// Fires when the channel called `channel` rises to `level`, in SI, and takes a hit of `length`.
     ///
     /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, since the ringing after a hit and
-    /// noise stay below it; no pre-trigger; hold-off to the end of the hit, so that a second contact belongs to the first and is found there.
+    /// noise stay below it; no pre-trigger; hold-off to the end of the hit, so that a second contact belongs to the first
+    /// and is found there.
     ///
     /// # Errors
     ///
@@ -113,8 +114,8 @@ impl Trigger {
         Ok(Self { hysteresis, ..self })
     }
 
-    /// With this much of the hit before the sample on which the trigger fires. The rest level and the noise are found there: the
-    /// more, the better they are known.
+    /// With this much of the hit before the sample on which the trigger fires. The rest level and the noise are found there:
+    /// the more, the better they are known.
     #[must_use]
     pub fn with_pre_trigger(self, pre_trigger: Extent) -> Self {
         Self {

@@ -6,10 +6,11 @@ use rand_distr::{Distribution, StandardUniform};
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1} \ldots 2^{b-1}-1`$, rounded to the nearest.
+/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1} \ldots 2^{b-1}-1`$,
+/// rounded to the nearest.
 ///
-/// A busy signal gets noise of the variance $`q^2/12`$ from it. With dither (the difference of two uniform numbers of one step,
-/// added before rounding) the error is $`q^2/4`$ whatever the signal, and independent of it.
+/// A busy signal gets noise of the variance $`q^2/12`$ from it. With dither (the difference of two uniform numbers of one
+/// step, added before rounding) the variance is $`q^2/4`$ whatever the signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     bits: u32,

@@ -66,7 +66,8 @@ impl NoiseSpectrum {
         }))
     }
 
-    /// Densities at frequencies, `[frequency_hz, density]`, joined by power laws and constant below the first and above the last.
+    /// Densities at frequencies, `[frequency_hz, density]`, joined by power laws and constant below the first and above the
+    /// last.
     ///
     /// # Errors
     ///
@@ -113,8 +114,9 @@ impl NoiseSpectrum {
 
     /// `n` samples at `rate_hz`.
     ///
-    /// Lines of a transform of at least twice the length are drawn as complex Gaussian numbers with $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only
-    /// half of the history is used, so that its end knows nothing of its beginning.
+    /// Lines of a transform of at least twice the length are drawn as complex Gaussian numbers with
+    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end knows nothing of its
+    /// beginning.
     pub(super) fn draw<R: Rng + ?Sized>(&self, n: usize, rate_hz: f64, rng: &mut R) -> Vec<f64> {
         let n_total = (2 * n).next_power_of_two();
         let inverse = RealFftPlanner::new().plan_fft_inverse(n_total);

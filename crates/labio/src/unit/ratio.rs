@@ -1,7 +1,7 @@
 //! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times a rounded 0.001.
 
-/// A positive factor, numerator over denominator. Definitions of units are fractions of integers below 2⁵³, which `f64` holds
-/// exactly; only angles bring in a rounded number.
+/// A positive factor, numerator over denominator. Definitions of units are fractions of integers below 2⁵³, which `f64`
+/// holds exactly; only angles bring in a rounded number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ratio {
     numerator: f64,

@@ -40,7 +40,8 @@ const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
 const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
 const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 
-/// Symbols that take an SI prefix, among them the words of acquisition drivers: names, dimension, numerator and denominator of the SI value.
+/// Symbols that take an SI prefix, among them the words of acquisition drivers: names, dimension, numerator and denominator
+/// of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["m", "Meters"], LENGTH, 1.0, 1.0),
     (
