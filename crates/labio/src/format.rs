@@ -11,8 +11,10 @@ use crate::{Contents, LabioError};
 pub mod csv;
 pub mod lvm;
 pub mod npy;
+pub mod npz;
 pub mod wav;
 
+mod kind;
 mod rounding;
 mod text;
 

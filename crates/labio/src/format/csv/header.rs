@@ -244,8 +244,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let known = filled().filter(|cell| is_unit(cell)).count();
     match above {
         Some((names, Some(cells_above)))
-            if (bracketed || 2 * known >= filled().count())
-                && (bracketed || named(&cells_above)) =>
+            if bracketed || (2 * known >= filled().count() && named(&cells_above)) =>
         {
             dialect.name_line = Some(names);
             dialect.unit_line = Some(number);
