@@ -10,6 +10,7 @@ use crate::{Contents, LabioError};
 
 pub mod csv;
 pub mod lvm;
+pub mod mat5;
 pub mod npy;
 pub mod npz;
 pub mod wav;

@@ -1,8 +1,10 @@
 //! Tables in text: dialects as instruments write them, round trips, and the measured files where they are at hand.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
     clippy::float_cmp,
-    reason = "a test fails by a panic; numbers of a text are exact"
+    reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
 use std::path::PathBuf;
@@ -448,7 +450,7 @@ fn what_a_table_cannot_hold_is_refused() {
         with(|c| {
             c.series
                 .iter_mut()
-                .for_each(|s| s.ordinate = Ordinate::Real(Vec::new()))
+                .for_each(|s| s.ordinate = Ordinate::Real(Vec::new()));
         }),
         with(|c| {
             c.series[0].abscissa = Abscissa::Even {
@@ -465,7 +467,7 @@ fn what_a_table_cannot_hold_is_refused() {
         with(|c| {
             c.series
                 .iter_mut()
-                .for_each(|s| s.abscissa_axis.label = "#".to_owned())
+                .for_each(|s| s.abscissa_axis.label = "#".to_owned());
         }),
         with(|c| {
             for (s, name) in c.series.iter_mut().zip(["1", "2", "3"]) {
@@ -479,7 +481,7 @@ fn what_a_table_cannot_hold_is_refused() {
                     start: f64::NAN,
                     step: 0.2,
                 }
-            })
+            });
         }),
     ]
     .join("\n");

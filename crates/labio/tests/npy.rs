@@ -1,6 +1,7 @@
 //! Arrays and archives of NumPy: bytes that NumPy wrote, an independent library, round trips and streams.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::float_cmp,
     reason = "a test fails by a panic; small integers and dyadic numbers are exact"
 )]
@@ -376,7 +377,7 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
         with(|c| {
             c.series[0]
                 .properties
-                .push(("array".to_owned(), "A".to_owned()))
+                .push(("array".to_owned(), "A".to_owned()));
         }),
         with(|c| *c = contents(Vec::new())),
     ]
