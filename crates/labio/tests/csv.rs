@@ -176,9 +176,7 @@ fn times_in_few_digits_are_no_clock() {
     assert!((step * 51200.0 - 1.0).abs() < 5e-5);
     // three digits do not tell it, and say so
     let rough = column(1.0 / 51200.0, 2, 10_000);
-    insta::assert_snapshot!(read(&rough).unwrap_err(), @r"
-    csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 1.9501950195019504e-5 within 5.0e-8, expected a step known to 0.0001 of itself, or one given beforehand
-    ");
+    insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 1.9501950195019504e-5 within 5.0e-8, expected a step known to 0.0001 of itself, or one given beforehand");
     let tolerant = Csv.read(rough.as_bytes(), Strictness::Tolerant).unwrap();
     assert_eq!(tolerant.defects.len(), 1);
     let given = |step| {

@@ -22,7 +22,7 @@
 mod about;
 mod write;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
@@ -94,7 +94,7 @@ impl Reader for Npz {
             }
         }
         let mut beside = HashMap::new();
-        let names: Vec<String> = arrays.iter().map(|(name, _)| name.clone()).collect();
+        let names: HashSet<String> = arrays.iter().map(|(name, _)| name.clone()).collect();
         let mut series: Vec<Series> = Vec::new();
         for (name, array) in arrays {
             if about::belongs_to_another(&name, &names) {

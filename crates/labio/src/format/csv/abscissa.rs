@@ -226,7 +226,7 @@ pub(super) fn assemble(
             },
             properties: Vec::new(),
         };
-        for (_, key, value) in header.of_columns.iter().filter(|(c, ..)| *c == at + 1) {
+        for (key, value) in header.of_columns.get(&(at + 1)).into_iter().flatten() {
             match (key.as_str(), kind_of_name(value)) {
                 ("kind", Some(kind)) => series.kind = kind,
                 ("label", _) => series.ordinate_axis.label.clone_from(value),

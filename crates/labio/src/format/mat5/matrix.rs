@@ -94,6 +94,18 @@ pub(super) fn read(
     } else {
         name.to_owned()
     };
+    if name.len() > LONGEST_NAME {
+        let (found, expected) = (
+            format!("{} bytes", name.len()),
+            format!("at most {LONGEST_NAME}"),
+        );
+        return Err(malformed(
+            Place::Byte(at),
+            "name of an array",
+            found,
+            &expected,
+        ));
+    }
     if name.is_empty() {
         // what belongs to objects and function handles, which are refused where they stand
         let key = format!("array without a name at byte {at}");

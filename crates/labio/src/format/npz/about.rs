@@ -1,6 +1,6 @@
 //! What belongs to a series besides its numbers, in members beside it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::FORMAT;
 use crate::format::kind::{kind_name, kind_of_name};
@@ -12,11 +12,11 @@ pub(super) const ABOUT: &str = "about";
 pub(super) const SUFFIXES: [&str; 3] = [".about", ".abscissa", ".start_step"];
 
 /// Whether a member says something of another, or of all.
-pub(super) fn belongs_to_another(name: &str, names: &[String]) -> bool {
+pub(super) fn belongs_to_another(name: &str, names: &HashSet<String>) -> bool {
     name == ABOUT
         || SUFFIXES.iter().any(|suffix| {
             name.strip_suffix(suffix)
-                .is_some_and(|other| names.iter().any(|name| name == other))
+                .is_some_and(|other| names.contains(other))
         })
 }
 

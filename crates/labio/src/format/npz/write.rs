@@ -1,5 +1,6 @@
 //! Writing an archive of arrays.
 
+use std::collections::HashSet;
 use std::io::{Cursor, Write};
 
 use zip::write::SimpleFileOptions;
@@ -81,10 +82,10 @@ fn members(contents: &Contents) -> Result<Vec<(String, Vec<u8>)>, LabioError> {
     if contents.series.is_empty() && members.is_empty() {
         return Err(cannot_hold("contents without a series"));
     }
-    let names: Vec<String> = members.iter().map(|(name, _)| name.clone()).collect();
-    for (at, name) in names.iter().enumerate() {
+    let mut names = HashSet::new();
+    for (name, _) in &members {
         let odd = name.is_empty() || name.contains(['/', '\\', '\0']) || name.starts_with("..");
-        let twice = names.iter().skip(at + 1).any(|other| other == name);
+        let twice = !names.insert(name);
         if odd || twice {
             let why = if twice {
                 "twice"
