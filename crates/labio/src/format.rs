@@ -26,11 +26,14 @@ use crate::{Contents, LabioError, Provenance};
 
 pub mod csv;
 pub mod lvm;
+pub mod mat5;
 pub mod npy;
+pub mod npz;
 pub mod tdms;
 pub mod uff58;
 pub mod wav;
 
+mod kind;
 mod replace_file;
 mod rounding;
 mod sampled_together;
@@ -193,8 +196,18 @@ mod tests {
 
     #[test]
     fn the_content_tells_the_format() {
-        assert_eq!(recognise(UNIVERSAL).unwrap().name(), "uff58");
-        assert!(recognise(b"time;force\n0;1\n".get(..4).unwrap()).is_none());
+        let beginnings: [(&[u8], &str); 6] = [
+            (b"TDSm\x0e\0\0\0", "tdms"),
+            (b"RIFF\x24\0\0\0WAVEfmt ", "wav"),
+            (b"\x93NUMPY\x01\0\x76\0", "npy"),
+            (UNIVERSAL, "uff58"),
+            (b"LabVIEW Measurement\t\r\nWriter_Version\t2\r\n", "lvm"),
+            (b"time;force\n0;1\n1;2\n2;0\n", "csv"),
+        ];
+        for (bytes, format) in beginnings {
+            assert_eq!(recognise(bytes).unwrap().name(), format);
+        }
+        assert!(recognise(b"").is_none());
     }
 
     #[test]

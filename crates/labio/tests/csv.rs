@@ -1,8 +1,10 @@
 //! Tables in text: dialects as instruments write them, round trips, and the measured files where they are at hand.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
     clippy::float_cmp,
-    reason = "a test fails by a panic; numbers of a text are exact"
+    reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
 use std::path::PathBuf;
@@ -174,9 +176,7 @@ fn times_in_few_digits_are_no_clock() {
     assert!((step * 51200.0 - 1.0).abs() < 5e-5);
     // three digits do not tell it, and say so
     let rough = column(1.0 / 51200.0, 2, 10_000);
-    insta::assert_snapshot!(read(&rough).unwrap_err(), @r"
-    csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 1.9501950195019504e-5 within 5.0e-8, expected a step known to 0.0001 of itself, or one given beforehand
-    ");
+    insta::assert_snapshot!(read(&rough).unwrap_err(), @"csv, line 2, column 1: abscissa is values that repeat; their digits give a step of 1.9501950195019504e-5 within 5.0e-8, expected a step known to 0.0001 of itself, or one given beforehand");
     let tolerant = Csv.read(rough.as_bytes(), Strictness::Tolerant).unwrap();
     assert_eq!(tolerant.defects.len(), 1);
     let given = |step| {
@@ -448,7 +448,7 @@ fn what_a_table_cannot_hold_is_refused() {
         with(|c| {
             c.series
                 .iter_mut()
-                .for_each(|s| s.ordinate = Ordinate::Real(Vec::new()))
+                .for_each(|s| s.ordinate = Ordinate::Real(Vec::new()));
         }),
         with(|c| {
             c.series[0].abscissa = Abscissa::Even {
@@ -465,7 +465,7 @@ fn what_a_table_cannot_hold_is_refused() {
         with(|c| {
             c.series
                 .iter_mut()
-                .for_each(|s| s.abscissa_axis.label = "#".to_owned())
+                .for_each(|s| s.abscissa_axis.label = "#".to_owned());
         }),
         with(|c| {
             for (s, name) in c.series.iter_mut().zip(["1", "2", "3"]) {
@@ -479,7 +479,7 @@ fn what_a_table_cannot_hold_is_refused() {
                     start: f64::NAN,
                     step: 0.2,
                 }
-            })
+            });
         }),
     ]
     .join("\n");

@@ -1,8 +1,10 @@
 //! LabVIEW measurement files: dialects written out by hand, and the measured files where they are at hand.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
     clippy::float_cmp,
-    reason = "a test fails by a panic; numbers of a text are exact"
+    reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
 use std::path::PathBuf;

@@ -1,6 +1,7 @@
 //! WAVE files: bytes put together by hand from the definition, an independent library, round trips and streams.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::float_cmp,
     clippy::cast_possible_truncation,
     reason = "a test fails by a panic; fractions of full scale are dyadic numbers and exact"
@@ -471,6 +472,20 @@ fn a_stream_delivers_the_same_samples_in_si() {
             "rows of the block, one a channel: found 1, expected 2"
         );
     }
+    let mut spoiled = given;
+    spoiled.series[1].ordinate = Ordinate::Real(
+        (0..n)
+            .map(|i| if i == 39_000 { f64::NAN } else { 0.0 })
+            .collect(),
+    );
+    let bytes = Cursor::new(write(WavEncoding::Float32, &spoiled).unwrap());
+    let mut blocks = Blocks::new(bytes, &channels, &[1.0, 1.0]).unwrap();
+    let mut block = Array2::zeros((2, 38_500));
+    assert_eq!(blocks.read_block(&mut block).unwrap(), 38_500);
+    assert_eq!(
+        blocks.read_block(&mut block).unwrap_err().to_string(),
+        "sample 39000 of channel `end A` is NaN, expected a finite value"
+    );
     let bytes = Cursor::new(pcm16());
     let error = Blocks::new(bytes.clone(), &channels[..1], &[1.0]).unwrap_err();
     assert_eq!(

@@ -237,7 +237,9 @@ impl Reader for Csv {
             return false;
         };
         let foreign = text.starts_with("LabVIEW Measurement")
-            || text.chars().any(|c| c.is_control() && !c.is_whitespace());
+            || text
+                .chars()
+                .any(|c| c.is_ascii_control() && !c.is_whitespace());
         // the last line of a head may be torn
         let whole = match text.rfind('\n') {
             Some(end) if head.len() >= 4096 => text.get(..end).unwrap_or(""),

@@ -6,6 +6,7 @@ use super::header::Header;
 use super::table::Table;
 use super::{CsvAbscissa, malformed};
 use crate::format::Strictness;
+use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Place, Series, SeriesAxis, SeriesKind, Unit};
@@ -225,7 +226,7 @@ pub(super) fn assemble(
             },
             properties: Vec::new(),
         };
-        for (_, key, value) in header.of_columns.iter().filter(|(c, ..)| *c == at + 1) {
+        for (key, value) in header.of_columns.get(&(at + 1)).into_iter().flatten() {
             match (key.as_str(), kind_of_name(value)) {
                 ("kind", Some(kind)) => series.kind = kind,
                 ("label", _) => series.ordinate_axis.label.clone_from(value),
@@ -332,45 +333,5 @@ pub(super) fn default_kind(abscissa_axis: &SeriesAxis) -> SeriesKind {
         SeriesKind::TimeResponse
     } else {
         SeriesKind::General
-    }
-}
-
-pub(super) fn kind_name(kind: SeriesKind) -> String {
-    let name = match kind {
-        SeriesKind::General => "general",
-        SeriesKind::TimeResponse => "time response",
-        SeriesKind::AutoSpectrum => "auto-spectrum",
-        SeriesKind::CrossSpectrum => "cross-spectrum",
-        SeriesKind::FrequencyResponse => "frequency response",
-        SeriesKind::Transmissibility => "transmissibility",
-        SeriesKind::Coherence => "coherence",
-        SeriesKind::AutoCorrelation => "auto-correlation",
-        SeriesKind::CrossCorrelation => "cross-correlation",
-        SeriesKind::PowerSpectralDensity => "power spectral density",
-        SeriesKind::EnergySpectralDensity => "energy spectral density",
-        SeriesKind::Spectrum => "spectrum",
-        SeriesKind::Other(number) => return format!("function type {number}"),
-    };
-    name.to_owned()
-}
-
-pub(super) fn kind_of_name(name: &str) -> Option<SeriesKind> {
-    const NAMED: [SeriesKind; 12] = [
-        SeriesKind::General,
-        SeriesKind::TimeResponse,
-        SeriesKind::AutoSpectrum,
-        SeriesKind::CrossSpectrum,
-        SeriesKind::FrequencyResponse,
-        SeriesKind::Transmissibility,
-        SeriesKind::Coherence,
-        SeriesKind::AutoCorrelation,
-        SeriesKind::CrossCorrelation,
-        SeriesKind::PowerSpectralDensity,
-        SeriesKind::EnergySpectralDensity,
-        SeriesKind::Spectrum,
-    ];
-    match name.strip_prefix("function type ") {
-        Some(number) => number.parse().ok().map(SeriesKind::Other),
-        None => NAMED.into_iter().find(|kind| kind_name(*kind) == name),
     }
 }

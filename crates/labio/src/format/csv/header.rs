@@ -1,6 +1,7 @@
 //! Names, units and properties above a table.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use super::abscissa::Marker;
 use super::table::Shape;
@@ -75,8 +76,8 @@ pub(super) struct Header {
     pub(super) properties: Vec<(String, String)>,
     /// Line as written by our writer: what the abscissa is.
     pub(super) abscissa: Option<String>,
-    /// Column from 1, key and value, as written by our writer.
-    pub(super) of_columns: Vec<(usize, String, String)>,
+    /// Keys and values by the column from 1, as written by our writer.
+    pub(super) of_columns: HashMap<usize, Vec<(String, String)>>,
 }
 
 impl Header {
@@ -154,8 +155,8 @@ impl Header {
                 .and_then(|rest| rest.split_once(": "))
                 && let Ok(column) = column.parse()
             {
-                self.of_columns
-                    .push((column, key.to_owned(), value.to_owned()));
+                let said = (key.to_owned(), value.to_owned());
+                self.of_columns.entry(column).or_default().push(said);
                 return;
             }
             self.properties.push((key.to_owned(), value.to_owned()));
@@ -244,8 +245,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let known = filled().filter(|cell| is_unit(cell)).count();
     match above {
         Some((names, Some(cells_above)))
-            if (bracketed || 2 * known >= filled().count())
-                && (bracketed || named(&cells_above)) =>
+            if bracketed || (2 * known >= filled().count() && named(&cells_above)) =>
         {
             dialect.name_line = Some(names);
             dialect.unit_line = Some(number);

@@ -153,6 +153,12 @@ pub(super) fn read(
         list,
         further: (0, 0),
     };
+    let mut used = vec![false; shape.n_cells];
+    for &at in &shape.columns {
+        if let Some(used) = used.get_mut(at) {
+            *used = true;
+        }
+    }
     let mut cells: Vec<Cow<'_, str>> = Vec::new();
     let mut n_rows = 0;
     for (line, row) in text::lines(text).skip_while(|(number, _)| *number < shape.first_line) {
@@ -164,7 +170,7 @@ pub(super) fn read(
             && cells
                 .iter()
                 .enumerate()
-                .any(|(at, cell)| !cell.is_empty() && !shape.columns.contains(&at));
+                .any(|(at, cell)| !cell.is_empty() && !used.get(at).is_some_and(|used| *used));
         if cells.len() != shape.n_cells || beside {
             let expected = format!("a row of {} numbers", shape.columns.len());
             defects.add(

@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
-use super::abscissa::{Marker, default_kind, kind_name, kind_of_name};
+use super::abscissa::{Marker, default_kind};
 use super::{CsvSeparator, FORMAT, header};
+use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
@@ -51,7 +52,7 @@ pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), L
                 Ordinate::Complex(values) => {
                     if let Some(value) = values.get(row) {
                         number(value.re, &mut buffer)?;
-                        if !(value.im.is_sign_negative() && !value.im.is_nan()) {
+                        if value.im.is_sign_positive() || value.im.is_nan() {
                             buffer.push(b'+');
                         }
                         number(value.im, &mut buffer)?;

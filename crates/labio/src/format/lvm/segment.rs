@@ -1,5 +1,7 @@
 //! A segment of a LabVIEW measurement file: its header and the rows that follow.
 
+use std::collections::HashMap;
+
 use super::{END_OF_HEADER, END_SPECIAL, Preamble, START_SPECIAL, Source, XColumns, malformed};
 use crate::format::Strictness;
 use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_rate};
@@ -11,6 +13,19 @@ use crate::{
 /// Relative rounding of `Delta_X` from which on a customary rate is proposed: below it, the error of a frequency is less than
 /// a hundredth of a line in ten thousand lines.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
+
+/// Tags that have a value for each channel.
+const OF_CHANNELS: [&str; 9] = [
+    "Samples",
+    "Date",
+    "Time",
+    "X0",
+    "Delta_X",
+    "X_Dimension",
+    "X_Unit_Label",
+    "Y_Dimension",
+    "Y_Unit_Label",
+];
 
 /// A line of the header, cut at the separators.
 struct Tag<'a> {
@@ -79,8 +94,25 @@ impl Segment {
         let mark = preamble
             .mark
             .unwrap_or_else(|| mark_by_content(&tags, separator));
+        let mut of_channels = HashMap::new();
+        for tag in &tags {
+            if !OF_CHANNELS.contains(&tag.name) {
+                let value = tag.values.first().copied().unwrap_or("");
+                if tag.name != "Channels" && !value.is_empty() {
+                    let property = (tag.name.to_owned(), value.to_owned());
+                    contents.properties.push(property);
+                }
+            } else if of_channels.insert(tag.name, tag).is_some() {
+                return Err(malformed(
+                    Place::Line(tag.line),
+                    tag.name,
+                    "there a second time".to_owned(),
+                    "one line of it in the header of the segment",
+                ));
+            }
+        }
         let header = Header {
-            tags: &tags,
+            tags: of_channels,
             labels: &labels,
             mark,
             first_line,
@@ -205,7 +237,7 @@ fn mark_by_content(tags: &[Tag<'_>], separator: char) -> DecimalMark {
 
 /// The header of a segment with what is needed to understand it.
 struct Header<'a> {
-    tags: &'a [Tag<'a>],
+    tags: HashMap<&'a str, &'a Tag<'a>>,
     labels: &'a [&'a str],
     mark: DecimalMark,
     first_line: u64,
@@ -214,7 +246,7 @@ struct Header<'a> {
 impl Header<'_> {
     /// The value of `tag` for the channel whose samples stand in `column`.
     fn value(&self, tag: &str, column: usize) -> Option<(u64, &str)> {
-        let tag = self.tags.iter().find(|t| t.name == tag)?;
+        let tag = self.tags.get(tag)?;
         let value = tag.values.get(column.checked_sub(1)?)?;
         (!value.is_empty()).then_some((tag.line, value))
     }
@@ -274,22 +306,11 @@ impl Header<'_> {
         };
         let (dimension, unit_text) = (text_of("X_Dimension"), text_of("X_Unit_Label"));
         let time = dimension.is_empty() || dimension == "Time";
-        let properties = self
-            .tags
-            .iter()
-            .filter(|tag| {
-                !matches!(
-                    tag.name,
-                    "Channels" | "Y_Unit_Label" | "X_Dimension" | "X_Unit_Label"
-                )
-            })
+        let properties = ["Samples", "Date", "Time", "X0", "Delta_X"]
+            .into_iter()
             .filter_map(|tag| {
-                let general = !matches!(
-                    tag.name,
-                    "Samples" | "Date" | "Time" | "X0" | "Delta_X" | "Y_Dimension"
-                );
-                let value = tag.values.get(if general { 0 } else { column - 1 })?;
-                (!value.is_empty()).then(|| (tag.name.to_owned(), (*value).to_owned()))
+                let (_, value) = self.value(tag, column)?;
+                Some((tag.to_owned(), value.to_owned()))
             })
             .collect();
         Ok(Channel {

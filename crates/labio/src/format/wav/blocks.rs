@@ -162,8 +162,11 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
                 }
             })?;
             let (mut row, mut column) = (0, done);
-            let scales = &self.full_scale;
+            let (scales, mut unread) = (&self.full_scale, None);
             self.layout.encoding.decode(bytes, |_, value| {
+                if !value.is_finite() && unread.is_none() {
+                    unread = Some((row, column, value));
+                }
                 if let (Some(place), Some(scale)) = (block.get_mut((row, column)), scales.get(row))
                 {
                     *place = value * scale;
@@ -174,6 +177,18 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
                     column += 1;
                 }
             });
+            if let Some((row, column, value)) = unread {
+                let read = self.n_samples().unwrap_or(0) - self.frames_left;
+                let first = usize::try_from(read).unwrap_or(usize::MAX) - done;
+                return Err(LabioError::NonFiniteSample {
+                    channel: self
+                        .channels
+                        .get(row)
+                        .map_or(String::new(), |channel| channel.name().to_owned()),
+                    index: first.saturating_add(column),
+                    value,
+                });
+            }
             done += frames;
             self.frames_left -= frames as u64;
         }
