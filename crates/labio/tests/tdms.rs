@@ -1033,6 +1033,17 @@ fn measured_files_are_read_or_refused() {
             }
         );
     }
+    let together = format::read_records(folder.join("good_tdms_1.tdms")).unwrap();
+    assert!(together.left_out.is_empty());
+    let [record] = together.records.as_slice() else {
+        panic!("expected one record");
+    };
+    assert_eq!((record.channels().len(), record.n_samples()), (8, 18_000));
+    let first = record.channel("TP_ACC_LAT19_315deg_X").unwrap()[0];
+    let expected_first = f64::from(0.005218853_f32) * 9.80665;
+    // one rounding more, since the unit is a ratio
+    assert!((first - expected_first).abs() <= f64::EPSILON * expected_first);
+
     let faulty = folder.join("faulty_tdms_01.tdms");
     let LabioError::InFile { source, .. } = format::read(&faulty).unwrap_err() else {
         panic!("expected the file to be named");

@@ -11,7 +11,7 @@
 use std::fmt::Write as _;
 
 use labio::format::uff58::{
-    ByteOrder, Encoding, N_DATA_SETS, Precision, SKIPPED, Uff58, Uff58Writer,
+    ByteOrder, Encoding, N_DATA_SETS, Precision, SKIPPED, STEP_HALF_UNIT, Uff58, Uff58Writer,
 };
 use labio::format::{self, Reader, Strictness, Writer};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
@@ -713,6 +713,19 @@ fn measured_files_are_read() {
     assert_eq!((real(ascii).len(), real(binary).len()), (79_292, 79_292));
     // half a unit of the sixth digit of the largest values, which are below 0.1
     assert!(difference <= 5e-7, "{difference}");
+
+    // the step has 6 digits, which suffice to tell the rate that was meant
+    let Abscissa::Even { step, .. } = ascii.abscissa else {
+        panic!("expected an even abscissa");
+    };
+    let half_unit = property(ascii, STEP_HALF_UNIT).parse().unwrap();
+    let rate = format::customary_rate(step, half_unit).unwrap();
+    assert_eq!(rate.rate_hz, 65_536.0);
+    let together = format::read_records(folder.join("Sample_UFF58b_bin.uff")).unwrap();
+    assert_eq!(
+        together.records[0].channel("Mic 01.0Scalar").unwrap().len(),
+        79_292
+    );
 
     let measurement = read("measurement.uff");
     assert_eq!(measurement.series.len(), 3);

@@ -9,7 +9,7 @@
 //!
 //! # What a series of it is
 //!
-//! | part of [`Series`](crate::Series) | from |
+//! | part of [`Series`] | from |
 //! |---|---|
 //! | name | record 1 (`NONE` is an empty name) |
 //! | kind | record 6, function type |
