@@ -6,9 +6,7 @@ use super::{END_OF_HEADER, END_SPECIAL, Preamble, START_SPECIAL, Source, XColumn
 use crate::format::Strictness;
 use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_rate};
 use crate::format::text::{self, DecimalMark};
-use crate::{
-    Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind, Unit,
-};
+use crate::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
 /// Relative rounding of `Delta_X` from which on a customary rate is proposed: below it, the error of a frequency is less than
 /// a hundredth of a line in ten thousand lines.
@@ -324,24 +322,17 @@ impl Header<'_> {
             values: Vec::new(),
             abscissa_axis: SeriesAxis {
                 // seconds, by the definition of the format, if nothing else is said
-                unit: Unit::parse(if unit_text.is_empty() && time {
-                    "s"
-                } else {
-                    &unit_text
-                })
-                .ok(),
-                label: if dimension.is_empty() {
-                    "Time".to_owned()
-                } else {
-                    dimension
+                unit: text::known_unit(match unit_text.as_str() {
+                    "" if time => "s",
+                    unit => unit,
+                }),
+                label: match dimension.as_str() {
+                    "" => "Time".to_owned(),
+                    _ => dimension,
                 },
                 unit_text,
             },
-            ordinate_axis: SeriesAxis {
-                label: text_of("Y_Dimension"),
-                unit: Unit::parse(&text_of("Y_Unit_Label")).ok(),
-                unit_text: text_of("Y_Unit_Label"),
-            },
+            ordinate_axis: text::axis(text_of("Y_Dimension"), text_of("Y_Unit_Label")),
             kind: if time {
                 SeriesKind::TimeResponse
             } else {
