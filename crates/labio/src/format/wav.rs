@@ -4,7 +4,7 @@
 //!
 //! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that full scale is ±1 and the largest
 //! positive sample is one step below 1; 8-bit samples are offset by 128 first. Floating-point samples are taken as they are. What
-//! ±1 is in SI is not in the file: [`Blocks`] is told, and a [`Series`](crate::Series) stays in fractions of full scale. The property `encoding`
+//! ±1 is in SI is not in the file: [`Blocks`] is told, and a [`Series`] stays in fractions of full scale. The property `encoding`
 //! of the contents names the representation.
 //!
 //! # Names and units

@@ -462,16 +462,28 @@ impl Rows {
                 ))?;
                 continue;
             }
-            let value = self.number(line, channel.column, &channel.label, value, defect)?;
-            channel
-                .values
-                .push(value.map_or(f64::NAN, |value| value.value));
+            let number = text::real(value, self.mark);
+            if number.is_none() {
+                let place = cell(line, channel.column);
+                let found = text::quoted(value);
+                defect(malformed(place, &channel.label, found, "a number"))?;
+            }
+            channel.values.push(number.unwrap_or(f64::NAN));
             if (channel.column == 1 || self.x_columns == XColumns::Multi)
                 && let Some((column, text)) = x
             {
-                let x = self.number(line, column, "X_Value", text, defect)?;
-                let (value, half_unit) = x.map_or((f64::NAN, 0.0), |x| (x.value, x.half_unit));
-                channel.x.push(value, half_unit);
+                let value = text::real(text, self.mark).filter(|value| value.is_finite());
+                if value.is_none() {
+                    let found = text::quoted(text);
+                    defect(malformed(
+                        cell(line, column),
+                        "X_Value",
+                        found,
+                        "a finite number",
+                    ))?;
+                }
+                let half_unit = text::half_unit(text, self.mark);
+                channel.x.push(value.unwrap_or(f64::NAN), half_unit);
             }
         }
         while column < self.width {
@@ -489,29 +501,6 @@ impl Rows {
             ))?;
         }
         Ok((!comment.is_empty()).then(|| comment.to_owned()))
-    }
-
-    fn number(
-        &self,
-        line: u64,
-        column: usize,
-        field: &str,
-        text: &str,
-        defect: &mut dyn FnMut(LabioError) -> Result<(), LabioError>,
-    ) -> Result<Option<Written>, LabioError> {
-        let value =
-            text::real(text, self.mark).filter(|value| field != "X_Value" || value.is_finite());
-        if let Some(value) = value {
-            let half_unit = text::half_unit(text, self.mark);
-            return Ok(Some(Written { value, half_unit }));
-        }
-        defect(malformed(
-            cell(line, column),
-            field,
-            text::quoted(text),
-            "a number",
-        ))?;
-        Ok(None)
     }
 }
 
