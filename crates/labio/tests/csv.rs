@@ -416,7 +416,7 @@ fn sample() -> Contents {
         SeriesKind::TimeResponse,
         Ordinate::Real(vec![1.0, -2.5e-300]),
     );
-    force.ordinate_axis.unit_text = "N".to_owned();
+    force.ordinate_axis = axis("", "N");
     force.properties.push(("block".to_owned(), "2".to_owned()));
     contents.series.push(force);
     contents.series.push(series(

@@ -57,7 +57,8 @@ const FORMAT: &str = "npz";
 /// let mut bytes = Vec::new();
 /// Npz.write(&contents, &mut bytes)?;
 /// let back = Npz.read(&bytes, Strictness::Strict)?;
-/// assert_eq!(back.series, contents.series);
+/// assert_eq!(back.series[0].abscissa, contents.series[0].abscissa);
+/// assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
 /// # Ok(())
 /// # }
 /// ```
