@@ -139,6 +139,20 @@ fn the_abscissa_is_found_by_name_and_unit() {
 }
 
 #[test]
+fn names_and_units_are_told_apart() {
+    let columns = |text: &str| names(&read(text).unwrap());
+    assert_eq!(columns("t,F\ns,N\n0,1\n1,2\n"), ["F [N]"]);
+    assert_eq!(
+        columns("t,F,x\n[s],[furlong],[]\n0,1,2\n1,2,3\n"),
+        ["F [furlong]", "x []"]
+    );
+    assert_eq!(columns("Time (s)\tF (N)\n0\t1\n1\t2\n"), ["F [N]"]);
+    // a line above that holds a number is no row of names
+    assert_eq!(columns("Channels,2\ns,V\n0,1\n1,2\n"), ["s []", "V []"]);
+    assert_eq!(columns("run 7,left\nt,F\n0,1\n1,2\n"), ["F []"]);
+}
+
+#[test]
 fn complex_numbers_and_short_columns_are_columns() {
     let text =
         "# freq, H (m/N), coherence\n0.0+0.0j,1+2j,0.5\n1.0+0.0j,-1e-3-2e-3j,\n2.0+0.0j,0+0j,\n";
@@ -367,7 +381,9 @@ fn only_tables_are_recognised() {
 fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     SeriesAxis {
         label: label.to_owned(),
-        unit: labio::Unit::parse(unit_text).ok(),
+        unit: labio::Unit::parse(unit_text)
+            .ok()
+            .filter(|_| !unit_text.is_empty()),
         unit_text: unit_text.to_owned(),
     }
 }

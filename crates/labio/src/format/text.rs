@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use num_complex::Complex64;
 
-use crate::{LabioError, Place};
+use crate::{LabioError, Place, SeriesAxis, Unit};
 
 /// Longest piece of a file that an error repeats.
 const LONGEST_QUOTE: usize = 40;
@@ -180,6 +180,24 @@ fn parts(text: &str) -> Option<(&str, &str)> {
             )
     })?;
     Some((body.get(..split)?, body.get(split..)?))
+}
+
+/// An axis with its unit, if the text is one that is known; no text is no unit.
+pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> SeriesAxis {
+    let unit_text = unit_text.into();
+    SeriesAxis {
+        label: label.into(),
+        unit: known_unit(&unit_text),
+        unit_text,
+    }
+}
+
+/// The unit that a text is.
+pub(crate) fn known_unit(text: &str) -> Option<Unit> {
+    if text.is_empty() {
+        return None;
+    }
+    Unit::parse(text).ok()
 }
 
 /// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it. A zero with an exponent stands

@@ -4,7 +4,7 @@
 //!
 //! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that full scale is ±1 and the largest
 //! positive sample is one step below 1; 8-bit samples are offset by 128 first. Floating-point samples are taken as they are. What
-//! ±1 is in SI is not in the file: [`Blocks`] is told, and a [`Series`](crate::Series) stays in fractions of full scale. The property `encoding`
+//! ±1 is in SI is not in the file: [`Blocks`] is told, and a [`Series`] stays in fractions of full scale. The property `encoding`
 //! of the contents names the representation.
 //!
 //! # Names and units
@@ -23,8 +23,8 @@ mod write;
 
 use std::io::Cursor;
 
-use crate::format::{Reader, Strictness};
-use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
+use crate::format::{Reader, Strictness, text};
+use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
 pub use blocks::Blocks;
 pub use write::WavWriter;
@@ -167,11 +167,6 @@ impl Reader for Wav {
             }
         }
         let names = names.unwrap_or_else(|| default_channels(n_channels));
-        let axis = |label: &str, unit: String| SeriesAxis {
-            label: label.to_owned(),
-            unit: Unit::parse(&unit).ok(),
-            unit_text: unit,
-        };
         let step = 1.0 / f64::from(layout.sampling_rate_hz);
         contents.series = names
             .into_iter()
@@ -181,8 +176,8 @@ impl Reader for Wav {
                 kind: SeriesKind::TimeResponse,
                 abscissa: Abscissa::Even { start: 0.0, step },
                 ordinate: Ordinate::Real(samples),
-                abscissa_axis: axis("Time", "s".to_owned()),
-                ordinate_axis: axis("", unit),
+                abscissa_axis: text::axis("Time", "s"),
+                ordinate_axis: text::axis("", unit),
                 properties: Vec::new(),
             })
             .collect();

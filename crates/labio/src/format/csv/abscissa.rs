@@ -9,7 +9,7 @@ use crate::format::Strictness;
 use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
-use crate::{Abscissa, Contents, LabioError, Place, Series, SeriesAxis, SeriesKind, Unit};
+use crate::{Abscissa, Contents, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
 /// Largest relative uncertainty of a step that rounded values leave: a frequency is then off by less than a line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
@@ -176,11 +176,7 @@ pub(super) fn assemble(
     contents.properties.extend(header.properties);
     let axis = |at: usize| {
         let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
-        SeriesAxis {
-            unit: Unit::parse(&unit_text).ok(),
-            label,
-            unit_text,
-        }
+        text::axis(label, unit_text)
     };
     let abscissa_axis = match column {
         Some(column) => axis(column),

@@ -7,7 +7,7 @@ use super::abscissa::Marker;
 use super::table::Shape;
 use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text;
-use crate::{LabioError, Place, Unit};
+use crate::{LabioError, Place};
 
 /// Begin a comment.
 const COMMENT_SIGNS: [char; 2] = ['#', '%'];
@@ -30,7 +30,7 @@ const FUNCTIONS: [&str; 14] = [
     "db",
 ];
 
-/// Units that stand in headers beside those that [`Unit`] knows.
+/// Units that stand in headers beside those that [`Unit`](crate::Unit) knows.
 const UNITS_IN_HEADERS: [&str; 34] = [
     "-",
     "1",
@@ -232,20 +232,19 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let (Some((number, Some(cells))), above) = (rows.next(), rows.next()) else {
         return Ok(());
     };
-    let named = |cells: &[Cow<'_, str>]| {
-        cells
-            .iter()
-            .any(|cell| !cell.is_empty() && !super::dialect::is_number(cell, dialect.decimal_mark))
+    let is_word = |cell: &Cow<'_, str>| {
+        !cell.is_empty() && !super::dialect::is_number(cell, dialect.decimal_mark)
     };
-    if !named(&cells) || n.first_line <= number {
+    if !cells.iter().any(is_word) || n.first_line <= number {
         return Ok(());
     }
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
     let bracketed = filled().all(|cell| without_brackets(cell).len() < cell.len());
-    let known = filled().filter(|cell| is_unit(cell)).count();
+    // one unit in four may be unheard of
+    let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
     match above {
         Some((names, Some(cells_above)))
-            if bracketed || (2 * known >= filled().count() && named(&cells_above)) =>
+            if bracketed || (units && cells_above.iter().all(is_word)) =>
         {
             dialect.name_line = Some(names);
             dialect.unit_line = Some(number);
@@ -268,7 +267,7 @@ fn without_brackets(text: &str) -> &str {
 
 fn is_unit(text: &str) -> bool {
     let text = without_brackets(text);
-    UNITS_IN_HEADERS.contains(&text) || Unit::parse(text).is_ok()
+    UNITS_IN_HEADERS.contains(&text) || text::known_unit(text).is_some()
 }
 
 /// Name and unit of `Time [s]`, `Time (s)` or `Time/s`.

@@ -6,9 +6,7 @@ use super::{END_OF_HEADER, END_SPECIAL, Preamble, START_SPECIAL, Source, XColumn
 use crate::format::Strictness;
 use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_rate};
 use crate::format::text::{self, DecimalMark};
-use crate::{
-    Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind, Unit,
-};
+use crate::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
 /// Relative rounding of `Delta_X` from which on a customary rate is proposed: below it, the error of a frequency is less than
 /// a hundredth of a line in ten thousand lines.
@@ -324,24 +322,17 @@ impl Header<'_> {
             values: Vec::new(),
             abscissa_axis: SeriesAxis {
                 // seconds, by the definition of the format, if nothing else is said
-                unit: Unit::parse(if unit_text.is_empty() && time {
-                    "s"
-                } else {
-                    &unit_text
-                })
-                .ok(),
-                label: if dimension.is_empty() {
-                    "Time".to_owned()
-                } else {
-                    dimension
+                unit: text::known_unit(match unit_text.as_str() {
+                    "" if time => "s",
+                    unit => unit,
+                }),
+                label: match dimension.as_str() {
+                    "" => "Time".to_owned(),
+                    _ => dimension,
                 },
                 unit_text,
             },
-            ordinate_axis: SeriesAxis {
-                label: text_of("Y_Dimension"),
-                unit: Unit::parse(&text_of("Y_Unit_Label")).ok(),
-                unit_text: text_of("Y_Unit_Label"),
-            },
+            ordinate_axis: text::axis(text_of("Y_Dimension"), text_of("Y_Unit_Label")),
             kind: if time {
                 SeriesKind::TimeResponse
             } else {
@@ -471,16 +462,28 @@ impl Rows {
                 ))?;
                 continue;
             }
-            let value = self.number(line, channel.column, &channel.label, value, defect)?;
-            channel
-                .values
-                .push(value.map_or(f64::NAN, |value| value.value));
+            let number = text::real(value, self.mark);
+            if number.is_none() {
+                let place = cell(line, channel.column);
+                let found = text::quoted(value);
+                defect(malformed(place, &channel.label, found, "a number"))?;
+            }
+            channel.values.push(number.unwrap_or(f64::NAN));
             if (channel.column == 1 || self.x_columns == XColumns::Multi)
                 && let Some((column, text)) = x
             {
-                let x = self.number(line, column, "X_Value", text, defect)?;
-                let (value, half_unit) = x.map_or((f64::NAN, 0.0), |x| (x.value, x.half_unit));
-                channel.x.push(value, half_unit);
+                let value = text::real(text, self.mark).filter(|value| value.is_finite());
+                if value.is_none() {
+                    let found = text::quoted(text);
+                    defect(malformed(
+                        cell(line, column),
+                        "X_Value",
+                        found,
+                        "a finite number",
+                    ))?;
+                }
+                let half_unit = text::half_unit(text, self.mark);
+                channel.x.push(value.unwrap_or(f64::NAN), half_unit);
             }
         }
         while column < self.width {
@@ -498,29 +501,6 @@ impl Rows {
             ))?;
         }
         Ok((!comment.is_empty()).then(|| comment.to_owned()))
-    }
-
-    fn number(
-        &self,
-        line: u64,
-        column: usize,
-        field: &str,
-        text: &str,
-        defect: &mut dyn FnMut(LabioError) -> Result<(), LabioError>,
-    ) -> Result<Option<Written>, LabioError> {
-        let value =
-            text::real(text, self.mark).filter(|value| field != "X_Value" || value.is_finite());
-        if let Some(value) = value {
-            let half_unit = text::half_unit(text, self.mark);
-            return Ok(Some(Written { value, half_unit }));
-        }
-        defect(malformed(
-            cell(line, column),
-            field,
-            text::quoted(text),
-            "a number",
-        ))?;
-        Ok(None)
     }
 }
 

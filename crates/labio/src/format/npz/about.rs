@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use super::FORMAT;
 use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::npy::array::{Array, Values, index_axis};
-use crate::{Abscissa, LabioError, Place, Series, SeriesAxis, SeriesKind, Unit};
+use crate::format::text;
+use crate::{Abscissa, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
 /// Member with the properties of the contents.
 pub(super) const ABOUT: &str = "about";
@@ -142,7 +143,7 @@ fn pairs(name: &str, array: Array) -> Result<Vec<(String, String)>, LabioError> 
 
 fn say(series: &mut Series, about: &str, key: &str, value: String) -> Result<(), LabioError> {
     let set = |axis: &mut SeriesAxis, value: String| {
-        axis.unit = Unit::parse(&value).ok();
+        axis.unit = text::known_unit(&value);
         axis.unit_text = value;
     };
     match key {
