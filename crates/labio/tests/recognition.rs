@@ -7,19 +7,11 @@
 
 use std::path::Path;
 
-use labio::format::Reader;
-use labio::format::csv::Csv;
-use labio::format::lvm::Lvm;
-use labio::format::mat5::Mat5;
-use labio::format::npy::Npy;
-use labio::format::npz::Npz;
-use labio::format::wav::Wav;
-
-const READERS: [&dyn Reader; 6] = [&Lvm, &Wav, &Npy, &Npz, &Mat5, &Csv];
+use labio::format;
 
 fn takers(bytes: &[u8]) -> Vec<&'static str> {
     let head = &bytes[..bytes.len().min(4096)];
-    READERS
+    format::readers()
         .iter()
         .filter(|reader| reader.recognises(head))
         .map(|reader| reader.name())
@@ -31,7 +23,7 @@ fn every_file_has_one_taker() {
     let npz = include_bytes!("../../../fixtures/reference/npz/savez.npz");
     let mat5 = include_bytes!("../../../fixtures/reference/mat5/packed.mat");
     let mat4 = include_bytes!("../../../fixtures/reference/mat5/old.mat");
-    let cases: [(&[u8], &[&str]); 11] = [
+    let cases: [(&[u8], &[&str]); 14] = [
         (npz, &["npz"]),
         (mat5, &["mat5"]),
         (mat4, &["mat5"]),
@@ -42,7 +34,13 @@ fn every_file_has_one_taker() {
         (b"RF64\xff\xff\xff\xffWAVEds64", &["wav"]),
         (b"\x93NUMPY\x01\x00v\x00{'descr': '<f8'", &["npy"]),
         (b"t;F\n0,1;2\n0,2;3\n", &["csv"]),
-        (b"TDSm\x0e\0\0\0\x69\x12\0\0", &[]),
+        (b"TDSm\x0e\0\0\0\x69\x12\0\0", &["tdms"]),
+        (b"    -1\n    58\nNONE\n", &["uff58"]),
+        (b"-1\n58\n3.5\n4\n", &["csv"]),
+        (
+            b"    -1\n   164\n         1         2\n         3         4\n",
+            &["uff58"],
+        ),
         (
             b"PK\x03\x04\x14\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x05\0\0\0a.txt",
             &[],
@@ -76,6 +74,7 @@ fn the_measured_files_have_the_taker_of_their_ending() {
         "dma/glassy-polymer",
         "tapered-rod",
         "tdms",
+        "uff",
     ] {
         for entry in std::fs::read_dir(Path::new(&folder).join(part)).unwrap() {
             let path = entry.unwrap().path();
@@ -87,6 +86,8 @@ fn the_measured_files_have_the_taker_of_their_ending() {
                 Some("lvm") => &["lvm"],
                 Some("npy") => &["npy"],
                 Some("csv") => &["csv"],
+                Some("tdms") => &["tdms"],
+                Some("uff") => &["uff58"],
                 // a description in words
                 Some("txt") if name.contains("details") => &[],
                 Some("txt") => &["csv"],
@@ -96,5 +97,5 @@ fn the_measured_files_have_the_taker_of_their_ending() {
             seen += 1;
         }
     }
-    assert!(seen > 40, "{seen} files");
+    assert!(seen > 48, "{seen} files");
 }

@@ -31,6 +31,7 @@ mod table;
 mod write;
 
 use crate::format::text::{self, DecimalMark};
+use crate::format::uff58::Uff58;
 use crate::format::{Reader, Strictness, Writer};
 use crate::{Contents, LabioError, Place};
 
@@ -237,6 +238,7 @@ impl Reader for Csv {
             return false;
         };
         let foreign = text.starts_with("LabVIEW Measurement")
+            || Uff58.recognises(head)
             || text
                 .chars()
                 .any(|c| c.is_ascii_control() && !c.is_whitespace());

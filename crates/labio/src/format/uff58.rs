@@ -150,14 +150,15 @@ impl Reader for Uff58 {
         FORMAT
     }
 
-    /// A line `    -1` and a line with a number in its first six columns.
+    /// A line `    -1` and a line with a number that ends in its sixth column. A column of numbers that begins with -1 is no
+    /// universal file.
     fn recognises(&self, head: &[u8]) -> bool {
         let mut lines = Lines::new(head);
         let first = std::iter::from_fn(|| lines.next_line()).find(|line| !line.is_blank());
-        first.is_some_and(|line| line.is_separator())
-            && lines
-                .next_line()
-                .is_some_and(|line| data_set_number(line).is_some())
+        first.is_some_and(|line| line.is_separator() && line.bytes.starts_with(b"    -1"))
+            && lines.next_line().is_some_and(|line| {
+                data_set_number(line).is_some() && line.bytes.get(5).is_some_and(u8::is_ascii_digit)
+            })
     }
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
