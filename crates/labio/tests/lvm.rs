@@ -324,8 +324,6 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
-
     #[test]
     fn no_bytes_make_it_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let _ = Lvm.read(&bytes, Strictness::Strict);

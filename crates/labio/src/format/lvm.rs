@@ -33,6 +33,8 @@
 //! file ends that was cut), a cell that is no number or missing (NaN takes its place), a cell where a channel has no sample, and a
 //! header after the first segment that cannot be understood.
 
+mod channel;
+mod rows;
 mod segment;
 
 use crate::format::text::{self, DecimalMark};
@@ -148,6 +150,14 @@ fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioE
         field: field.to_owned(),
         found,
         expected: expected.to_owned(),
+    }
+}
+
+/// Place of a value in the table; columns are counted from 0 within and from 1 without.
+fn cell(line: u64, column: usize) -> Place {
+    Place::Cell {
+        line,
+        column: column as u64 + 1,
     }
 }
 
