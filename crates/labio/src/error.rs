@@ -68,6 +68,34 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
+    /// What is asked must be asked before the first hit is added.
+    #[error("{asked} must be chosen before the first hit, but {found} have been added")]
+    TooManyAverages {
+        /// What was asked for.
+        asked: &'static str,
+        /// Number of averages taken.
+        found: usize,
+    },
+    /// Two windows would weigh the same samples.
+    #[error("{asked} cannot stand beside {present}")]
+    WindowConflict {
+        /// The window asked for.
+        asked: &'static str,
+        /// The window there is.
+        present: String,
+    },
+    /// Lines that are needed carry no information.
+    #[error(
+        "{what} needs every line, but {count} carry no information, the first at {first_hz} Hz"
+    )]
+    MissingLines {
+        /// What is to be made of the lines.
+        what: &'static str,
+        /// Frequency of the first that is missing.
+        first_hz: f64,
+        /// Number of lines that are missing.
+        count: usize,
+    },
     /// A channel has no name.
     #[error("a channel of {quantity} has an empty name")]
     EmptyChannelName {

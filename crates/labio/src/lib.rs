@@ -70,10 +70,10 @@ mod window;
 
 pub use channel::{Channel, Quantity};
 pub use error::{LabioError, Place};
-pub use frf::{Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
+pub use frf::{Bias, Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
 pub use record::{Provenance, Record};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
-pub use spectra::{AveragedSpectra, SpectrumAverager};
+pub use spectra::{AveragedSpectra, Detrend, SpectrumAverager, Welch};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
-pub use window::{SampledWindow, Window};
+pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};
