@@ -84,6 +84,14 @@ pub enum LabioError {
         /// The window there is.
         present: String,
     },
+    /// A response is not one of the six between a force and a motion.
+    #[error("a response from {input} to {output} is not between a force and a motion")]
+    NoResponseKind {
+        /// Name and unit of the input.
+        input: String,
+        /// Name and unit of the output.
+        output: String,
+    },
     /// Lines that are needed carry no information.
     #[error(
         "{what} needs every line, but {count} carry no information, the first at {first_hz} Hz"

@@ -183,33 +183,60 @@ impl AveragedSpectra {
         let (_, input_channel) = channel::find(self.channels(), input)?;
         let (_, output_channel) = channel::find(self.channels(), output)?;
         let pair = self.pair(input, output)?;
-        let n_lines = pair.inputs.len();
-        let least_coherence = self.transform_rounding().powi(2);
         let averages = self.effective_averages();
         let averaged = self.can_have_coherence();
-        let n_errors = if averaged { n_lines } else { 0 };
-
-        let mut values = Vec::with_capacity(n_lines);
-        let mut validity = Vec::with_capacity(n_lines);
-        let mut coherence = Vec::with_capacity(n_errors);
-        let mut random_error = Vec::with_capacity(n_errors);
-        let mut variance = Vec::with_capacity(n_errors);
-        for line in 0..n_lines {
-            let mut line = pair.line(line);
-            if estimator != Estimator::H1
-                && line.validity == LineValidity::Valid
-                && line.coherence <= least_coherence
-            {
-                line.validity = LineValidity::NoCorrelation;
-            }
-            values.push(line.ratio(estimator));
-            validity.push(line.validity);
-            if averaged {
-                coherence.push(line.coherence);
-                random_error.push(RandomError::of(line.coherence, averages));
-                variance.push(line.variance(estimator, averages));
+        // One pass a quantity, without branches: NaN of an invalid line goes through all of them.
+        let PairLines {
+            mut h1,
+            mut coherence,
+            mut validity,
+        } = pair.lines();
+        if estimator != Estimator::H1 {
+            let least_coherence = self.transform_rounding().powi(2);
+            for (line, coherence) in coherence.iter_mut().enumerate() {
+                if *coherence <= least_coherence {
+                    validity[line] = LineValidity::NoCorrelation;
+                    *coherence = f64::NAN;
+                    h1[line] = Complex64::new(f64::NAN, f64::NAN);
+                }
             }
         }
+        // H2 = H1/coherence, and Hv their geometric mean
+        let mut values = h1;
+        match estimator {
+            Estimator::H1 => {}
+            Estimator::H2 => {
+                for (value, coherence) in values.iter_mut().zip(&coherence) {
+                    *value *= 1.0 / coherence;
+                }
+            }
+            Estimator::Hv => {
+                for (value, coherence) in values.iter_mut().zip(&coherence) {
+                    *value *= 1.0 / coherence.sqrt();
+                }
+            }
+        }
+        let random_error = averaged.then(|| {
+            let per_averages = 0.5 / averages;
+            coherence
+                .iter()
+                .map(|c| RandomError::symmetric(((1.0 - c) / c * per_averages).sqrt()))
+                .collect()
+        });
+        let variance = averaged.then(|| {
+            let autos = pair.inputs.iter().zip(pair.outputs);
+            let lines = autos.zip(&coherence);
+            // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
+            let h1_variance = lines.map(|((x, y), c)| (1.0 - c) * (y / x) / averages);
+            match estimator {
+                Estimator::H1 => h1_variance.collect(),
+                Estimator::H2 => h1_variance
+                    .zip(&coherence)
+                    .map(|(v, c)| v / (c * c))
+                    .collect(),
+                Estimator::Hv => h1_variance.zip(&coherence).map(|(v, c)| v / c).collect(),
+            }
+        });
         Ok(FrequencyResponse {
             estimator,
             input: input_channel.clone(),
@@ -221,8 +248,8 @@ impl AveragedSpectra {
             frequency_hz: self.frequency_hz().to_vec(),
             values,
             coherence: averaged.then_some(coherence),
-            random_error: averaged.then_some(random_error),
-            variance: averaged.then_some(variance),
+            random_error,
+            variance,
             validity,
         })
     }
@@ -257,10 +284,6 @@ impl AveragedSpectra {
 }
 
 impl RandomError {
-    pub(crate) fn of(coherence: f64, averages: f64) -> Self {
-        Self::symmetric(((1.0 - coherence) / (2.0 * averages * coherence)).sqrt())
-    }
-
     /// The same relative error of both components.
     pub(crate) fn symmetric(magnitude: f64) -> Self {
         let phase = if magnitude > UNKNOWN_PHASE {
@@ -281,69 +304,54 @@ struct Pair<'a> {
     least_output: f64,
 }
 
+/// What a pair of channels has on its lines. The numbers are NaN without input or output.
+struct PairLines {
+    h1: Vec<Complex64>,
+    coherence: Vec<f64>,
+    validity: Vec<LineValidity>,
+}
+
 impl Pair<'_> {
-    fn line(&self, line: usize) -> PairLine {
-        let (input, output) = (self.inputs[line], self.outputs[line]);
-        let cross = self.crosses.at(line);
-        let validity = if input <= self.least_input {
-            LineValidity::NoInput
-        } else if output <= self.least_output {
-            LineValidity::NoOutput
-        } else {
-            LineValidity::Valid
+    fn lines(&self) -> PairLines {
+        let autos = self.inputs.iter().zip(self.outputs);
+        let validity: Vec<LineValidity> = autos
+            .map(|(input, output)| {
+                if *input <= self.least_input {
+                    LineValidity::NoInput
+                } else if *output <= self.least_output {
+                    LineValidity::NoOutput
+                } else {
+                    LineValidity::Valid
+                }
+            })
+            .collect();
+        let (h1, coherence) = match self.crosses {
+            CrossLines::Auto(lines) => self.ratios(lines.iter().map(|&g| g.into())),
+            CrossLines::Stored(lines) => self.ratios(lines.iter().copied()),
+            CrossLines::Conjugate(lines) => self.ratios(lines.iter().map(Complex64::conj)),
         };
-        let coherence = if validity == LineValidity::Valid {
-            let (to_input, to_output) = (cross / input, cross / output);
-            // at most 1 by Schwarz' inequality: the bound takes off rounding only
-            (to_input.re * to_output.re + to_input.im * to_output.im).min(1.0)
-        } else {
-            f64::NAN
-        };
-        PairLine {
-            input,
-            output,
-            cross,
+        PairLines {
+            h1,
             coherence,
             validity,
         }
     }
-}
 
-/// The spectra of one line of a pair of channels.
-struct PairLine {
-    input: f64,
-    output: f64,
-    cross: Complex64,
-    /// NaN without input or output.
-    coherence: f64,
-    validity: LineValidity,
-}
-
-impl PairLine {
-    fn ratio(&self, estimator: Estimator) -> Complex64 {
-        if self.validity != LineValidity::Valid {
-            return Complex64::new(f64::NAN, f64::NAN);
+    fn ratios(&self, crosses: impl Iterator<Item = Complex64>) -> (Vec<Complex64>, Vec<f64>) {
+        let mut h1 = vec![Complex64::ZERO; self.inputs.len()];
+        let mut coherence = vec![0.0; self.inputs.len()];
+        let slots = h1.iter_mut().zip(&mut coherence);
+        let autos = self.inputs.iter().zip(self.outputs);
+        for (((h1, coherence), (&input, &output)), cross) in slots.zip(autos).zip(crosses) {
+            let carries = input > self.least_input && output > self.least_output;
+            let ratio = Complex64::new(cross.re / input, cross.im / input);
+            // at most 1 by Schwarz' inequality: the bound takes off rounding only
+            let square = (ratio.re * (cross.re / output) + ratio.im * (cross.im / output)).min(1.0);
+            let keep = if carries { 0.0 } else { f64::NAN };
+            *h1 = Complex64::new(ratio.re + keep, ratio.im + keep);
+            *coherence = square + keep;
         }
-        match estimator {
-            Estimator::H1 => self.cross / self.input,
-            Estimator::H2 => self.output / self.cross.conj(),
-            Estimator::Hv => {
-                self.cross / self.cross.norm() * (self.output.sqrt() / self.input.sqrt())
-            }
-        }
-    }
-
-    /// |H|^2 (1 - coherence)/(n coherence), written so that H1 without coherence has the finite variance it has.
-    fn variance(&self, estimator: Estimator, averages: f64) -> f64 {
-        if self.validity != LineValidity::Valid {
-            return f64::NAN;
-        }
-        let h1 = (1.0 - self.coherence) * (self.output / self.input) / averages;
-        match estimator {
-            Estimator::H1 => h1,
-            Estimator::H2 => h1 / self.coherence / self.coherence,
-            Estimator::Hv => h1 / self.coherence,
-        }
+        (h1, coherence)
     }
 }
 

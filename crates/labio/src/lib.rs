@@ -58,6 +58,7 @@
 pub mod format;
 
 mod channel;
+mod convert;
 mod dft;
 mod error;
 mod frf;
@@ -69,6 +70,7 @@ mod unit;
 mod window;
 
 pub use channel::{Channel, Quantity};
+pub use convert::ResponseKind;
 pub use error::{LabioError, Place};
 pub use frf::{Bias, Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
 pub use record::{Provenance, Record};

@@ -55,7 +55,7 @@ impl AveragedSpectra {
         for hit in hits {
             averager.add(hit)?;
         }
-        averager.spectra()
+        averager.into_spectra()
     }
 
     /// The channels, in the order of the hits' rows.
@@ -218,7 +218,7 @@ pub(crate) enum CrossLines<'a> {
 }
 
 impl CrossLines<'_> {
-    pub(crate) fn at(&self, line: usize) -> Complex64 {
+    pub(crate) fn at(self, line: usize) -> Complex64 {
         match self {
             Self::Auto(lines) => lines[line].into(),
             Self::Stored(lines) => lines[line],

@@ -70,21 +70,13 @@ impl AveragedSpectra {
     /// construction and says nothing, and for segments that overlap so much that they are worth less than one and a half.
     pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
         self.check_coherence("the coherence")?;
-        let pair = self.pair(input, output)?;
-        let n_lines = pair.inputs.len();
-        let mut values = Vec::with_capacity(n_lines);
-        let mut validity = Vec::with_capacity(n_lines);
-        for line in 0..n_lines {
-            let line = pair.line(line);
-            values.push(line.coherence);
-            validity.push(line.validity);
-        }
+        let lines = self.pair(input, output)?.lines();
         Ok(Coherence {
             frequency_hz: self.frequency_hz().to_vec(),
-            values,
+            values: lines.coherence,
             n_averages: self.n_averages(),
             effective_averages: self.effective_averages(),
-            validity,
+            validity: lines.validity,
         })
     }
 

@@ -277,7 +277,9 @@ fn the_bias_that_is_stated_is_the_bias_that_is_found() {
             let exact = FrequencyResponse {
                 coherence: Some(vec![1.0 / 1.3; response.values.len()]),
                 random_error: Some(vec![
-                    RandomError::of(1.0 / 1.3, n_hits as f64);
+                    RandomError::symmetric(
+                        (0.3 / (2.0 * n_hits as f64)).sqrt()
+                    );
                     response.values.len()
                 ]),
                 ..response.clone()
@@ -336,5 +338,26 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
     for component in [|d: Complex64| d.re, |d: Complex64| d.im] {
         let ratio = 2.0 * deviation(component) / stated;
         assert!((ratio - 1.0).abs() < 0.122, "{ratio}");
+    }
+}
+
+#[test]
+fn spectra_of_subnormal_numbers_are_still_ratios() {
+    // 2e-157 squared, times the squared time step: autos of about 4e-320, which has a dozen bits
+    let small: Vec<f64> = [1.0, 0.5, -0.25, 0.125]
+        .iter()
+        .map(|x| x * 2e-157)
+        .collect();
+    let spectra = AveragedSpectra::of(
+        [&hit(&small, &small), &hit(&small, &small)],
+        Window::Rectangular,
+    )
+    .unwrap();
+    let auto = spectra.auto("x").unwrap()[1];
+    assert!(auto > 0.0 && !auto.is_normal());
+    let response = spectra.h1("x", "y").unwrap();
+    for value in &response.values {
+        // three decimal digits are left in such a spectrum
+        assert!((value - 1.0).norm() < 1e-2, "{value}");
     }
 }

@@ -6,7 +6,7 @@ use super::{AveragedSpectra, Detrend};
 use crate::channel::{self, Channel};
 use crate::dft::Dft;
 use crate::error::check_positive;
-use crate::{AddedDamping, ForceWindow, LabioError, Record, SampledWindow, Window};
+use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
 /// Two sampling rates are the same if they differ relatively by less than this: over a record of a million samples the
 /// last ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their last digits.
@@ -37,7 +37,7 @@ pub struct SpectrumAverager {
     sampling_rate_hz: f64,
     n_samples: usize,
     window: Window,
-    sampled_window: SampledWindow,
+    gains: Gains,
     detrend: Detrend,
     added_damping: Option<AddedDamping>,
     /// One a channel: empty where all weights are 1.
@@ -67,7 +67,7 @@ impl SpectrumAverager {
     ) -> Result<Self, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         channel::check_distinct(channels)?;
-        let sampled_window = window.sample(n_samples)?;
+        let (weights, gains) = weigh(window, n_samples)?;
         let n_channels = channels.len();
         if n_channels == 0 {
             return Err(LabioError::CountMismatch {
@@ -78,17 +78,12 @@ impl SpectrumAverager {
         }
         let n_lines = n_samples / 2 + 1;
         let n_pairs = n_channels * (n_channels - 1) / 2;
-        let weights = if window == Window::Rectangular {
-            Vec::new()
-        } else {
-            sampled_window.weights.clone()
-        };
         Ok(Self {
             channels: channels.to_vec(),
             sampling_rate_hz,
             n_samples,
             window,
-            sampled_window,
+            gains,
             detrend: Detrend::None,
             added_damping: None,
             weights: vec![weights; n_channels],
@@ -233,67 +228,43 @@ impl SpectrumAverager {
     /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if finite samples were too
     /// large for finite spectra.
     pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
-        self.averages(self.n_averages as f64)
-    }
-
-    pub(super) fn sampled_window(&self) -> &SampledWindow {
-        &self.sampled_window
-    }
-
-    pub(super) fn averages(&self, effective_averages: f64) -> Result<AveragedSpectra, LabioError> {
-        if self.n_averages == 0 {
-            return Err(LabioError::TooFewAverages {
-                estimate: "an averaged spectrum",
-                found: 0,
-                expected: 1,
-            });
-        }
-        let time_step = 1.0 / self.sampling_rate_hz;
-        let two_sided =
-            time_step * time_step / (self.sampled_window.power_gain * self.n_averages as f64);
-        let n_samples = self.n_samples;
-        let scale = |line: usize| {
-            if line == 0 || 2 * line == n_samples {
-                two_sided
-            } else {
-                2.0 * two_sided
-            }
-        };
-        let mut auto = self.auto_sums.clone();
-        for (lines, channel) in auto.iter_mut().zip(&self.channels) {
-            for (line, value) in lines.iter_mut().enumerate() {
-                *value *= scale(line);
-            }
-            if let Some(line) = lines.iter().position(|value| !value.is_finite()) {
-                return Err(LabioError::SpectrumOverflow {
-                    channel: channel.name().to_owned(),
-                    line,
-                });
-            }
-        }
-        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite with the auto-spectra
-        let mut cross = self.cross_sums.clone();
-        for lines in &mut cross {
-            for (line, value) in lines.iter_mut().enumerate() {
-                *value *= scale(line);
-            }
-        }
-        let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
-        Ok(AveragedSpectra {
-            channels: self.channels.clone(),
-            n_averages: self.n_averages,
-            effective_averages,
-            n_samples,
+        let about = Averaged {
+            channels: &self.channels,
+            sampling_rate_hz: self.sampling_rate_hz,
+            n_samples: self.n_samples,
             window: self.window,
+            gains: self.gains,
             added_damping: self.added_damping,
-            line_spacing_hz,
-            noise_bandwidth_hz: self.sampled_window.noise_bandwidth_lines * line_spacing_hz,
-            frequency_hz: (0..=n_samples / 2)
-                .map(|k| k as f64 * line_spacing_hz)
-                .collect(),
-            auto,
-            cross,
-        })
+            n_averages: self.n_averages,
+        };
+        about.spectra(
+            self.auto_sums.clone(),
+            self.cross_sums.clone(),
+            self.n_averages as f64,
+        )
+    }
+
+    /// As [`SpectrumAverager::spectra`], for the last time.
+    pub(super) fn into_spectra(self) -> Result<AveragedSpectra, LabioError> {
+        let effective_averages = self.n_averages as f64;
+        self.into_averages(effective_averages)
+    }
+
+    pub(super) fn into_averages(
+        self,
+        effective_averages: f64,
+    ) -> Result<AveragedSpectra, LabioError> {
+        let sums = (self.auto_sums, self.cross_sums);
+        let about = Averaged {
+            channels: &self.channels,
+            sampling_rate_hz: self.sampling_rate_hz,
+            n_samples: self.n_samples,
+            window: self.window,
+            gains: self.gains,
+            added_damping: self.added_damping,
+            n_averages: self.n_averages,
+        };
+        about.spectra(sums.0, sums.1, effective_averages)
     }
 
     fn check_no_other_window(&self, asked: &'static str) -> Result<(), LabioError> {
@@ -347,6 +318,101 @@ impl SpectrumAverager {
             });
         }
         Ok(())
+    }
+}
+
+/// What a window does to the level and the bandwidth of noise.
+#[derive(Debug, Clone, Copy)]
+struct Gains {
+    power: f64,
+    noise_bandwidth_lines: f64,
+}
+
+/// The weights, empty where all are 1, and their gains.
+fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioError> {
+    if window == Window::Rectangular && n_samples >= 2 {
+        let gains = Gains {
+            power: 1.0,
+            noise_bandwidth_lines: 1.0,
+        };
+        return Ok((Vec::new(), gains));
+    }
+    let sampled = window.sample(n_samples)?;
+    let gains = Gains {
+        power: sampled.power_gain,
+        noise_bandwidth_lines: sampled.noise_bandwidth_lines,
+    };
+    Ok((sampled.weights, gains))
+}
+
+/// All that is known of sums when they become averages.
+struct Averaged<'a> {
+    channels: &'a [Channel],
+    sampling_rate_hz: f64,
+    n_samples: usize,
+    window: Window,
+    gains: Gains,
+    added_damping: Option<AddedDamping>,
+    n_averages: usize,
+}
+
+impl Averaged<'_> {
+    fn spectra(
+        self,
+        mut auto: Vec<Vec<f64>>,
+        mut cross: Vec<Vec<Complex64>>,
+        effective_averages: f64,
+    ) -> Result<AveragedSpectra, LabioError> {
+        if self.n_averages == 0 {
+            return Err(LabioError::TooFewAverages {
+                estimate: "an averaged spectrum",
+                found: 0,
+                expected: 1,
+            });
+        }
+        let time_step = 1.0 / self.sampling_rate_hz;
+        let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
+        let n_samples = self.n_samples;
+        let scale = |line: usize| {
+            if line == 0 || 2 * line == n_samples {
+                two_sided
+            } else {
+                2.0 * two_sided
+            }
+        };
+        for (lines, channel) in auto.iter_mut().zip(self.channels) {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+            if let Some(line) = lines.iter().position(|value| !value.is_finite()) {
+                return Err(LabioError::SpectrumOverflow {
+                    channel: channel.name().to_owned(),
+                    line,
+                });
+            }
+        }
+        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite with the auto-spectra
+        for lines in &mut cross {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+        }
+        let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
+        Ok(AveragedSpectra {
+            channels: self.channels.to_vec(),
+            n_averages: self.n_averages,
+            effective_averages,
+            n_samples,
+            window: self.window,
+            added_damping: self.added_damping,
+            line_spacing_hz,
+            noise_bandwidth_hz: self.gains.noise_bandwidth_lines * line_spacing_hz,
+            frequency_hz: (0..=n_samples / 2)
+                .map(|k| k as f64 * line_spacing_hz)
+                .collect(),
+            auto,
+            cross,
+        })
     }
 }
 

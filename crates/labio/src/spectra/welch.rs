@@ -114,7 +114,7 @@ impl Welch {
             averager.add_segment(|channel| &rows[channel][start..start + self.n_samples]);
             start += self.hop();
         }
-        self.averages(&averager, record.n_samples())
+        self.averages(averager, record.n_samples())
     }
 
     /// The averages over the segments of a stream, read to its end. Memory: four segments a channel and the sums, whatever the
@@ -172,7 +172,7 @@ impl Welch {
                 held.drain(..start);
             }
         }
-        self.averages(&averager, n_read)
+        self.averages(averager, n_read)
     }
 
     fn averager(
@@ -186,7 +186,7 @@ impl Welch {
 
     fn averages(
         &self,
-        averager: &SpectrumAverager,
+        averager: SpectrumAverager,
         n_available: usize,
     ) -> Result<AveragedSpectra, LabioError> {
         let n_segments = averager.n_averages();
@@ -197,10 +197,8 @@ impl Welch {
                 expected: self.n_samples,
             });
         }
-        let effective = averager
-            .sampled_window()
-            .independent_averages(n_segments, self.hop())?;
-        averager.averages(effective)
+        let window = self.window.sample(self.n_samples)?;
+        averager.into_averages(window.independent_averages(n_segments, self.hop())?)
     }
 }
 
