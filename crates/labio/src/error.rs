@@ -84,6 +84,18 @@ pub enum LabioError {
         /// The window there is.
         present: String,
     },
+    /// A response cannot be combined with the first of several.
+    #[error("the {what} of response {index} is {found}, expected {expected} as in the first")]
+    ResponseMismatch {
+        /// In what they differ.
+        what: &'static str,
+        /// Index of the response, from 0.
+        index: usize,
+        /// What it has.
+        found: String,
+        /// What the first has.
+        expected: String,
+    },
     /// A response is not one of the six between a force and a motion.
     #[error("a response from {input} to {output} is not between a force and a motion")]
     NoResponseKind {

@@ -227,7 +227,8 @@ impl AveragedSpectra {
             let autos = pair.inputs.iter().zip(pair.outputs);
             let lines = autos.zip(&coherence);
             // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
-            let h1_variance = lines.map(|((x, y), c)| (1.0 - c) * (y / x) / averages);
+            let per_averages = 1.0 / averages;
+            let h1_variance = lines.map(move |((x, y), c)| (1.0 - c) * per_averages * (y / x));
             match estimator {
                 Estimator::H1 => h1_variance.collect(),
                 Estimator::H2 => h1_variance
@@ -278,8 +279,7 @@ impl AveragedSpectra {
 
     /// The level of an auto-spectrum below which there is only the rounding of its transform.
     pub(crate) fn least_signal(&self, auto: &[f64]) -> f64 {
-        let mean = auto.iter().sum::<f64>() / auto.len() as f64;
-        self.transform_rounding().powi(2) * mean
+        self.transform_rounding().powi(2) * mean(auto)
     }
 }
 
@@ -313,8 +313,52 @@ struct PairLines {
 
 impl Pair<'_> {
     fn lines(&self) -> PairLines {
+        let n_lines = self.inputs.len();
+        let mut h1 = vec![Complex64::ZERO; n_lines];
+        let mut coherence = vec![0.0; n_lines];
+        let slots = h1.iter_mut().zip(&mut coherence);
+        match self.crosses {
+            CrossLines::Auto(lines) => {
+                for (slot, line) in slots.zip(self.ratios(lines.iter().map(|&g| g.into()))) {
+                    (*slot.0, *slot.1) = line;
+                }
+            }
+            CrossLines::Stored(lines) => {
+                for (slot, line) in slots.zip(self.ratios(lines.iter().copied())) {
+                    (*slot.0, *slot.1) = line;
+                }
+            }
+            CrossLines::Conjugate(lines) => {
+                for (slot, line) in slots.zip(self.ratios(lines.iter().map(Complex64::conj))) {
+                    (*slot.0, *slot.1) = line;
+                }
+            }
+        }
+        PairLines {
+            h1,
+            coherence,
+            validity: self.validity(),
+        }
+    }
+
+    /// Coherence alone; NaN without input or output.
+    fn coherence(&self) -> Vec<f64> {
+        match self.crosses {
+            CrossLines::Auto(lines) => {
+                let lines = lines.iter().map(|&g| g.into());
+                self.ratios(lines).map(|(_, coherence)| coherence).collect()
+            }
+            // a square does not know which of the two is conjugate
+            CrossLines::Stored(lines) | CrossLines::Conjugate(lines) => {
+                let lines = lines.iter().copied();
+                self.ratios(lines).map(|(_, coherence)| coherence).collect()
+            }
+        }
+    }
+
+    fn validity(&self) -> Vec<LineValidity> {
         let autos = self.inputs.iter().zip(self.outputs);
-        let validity: Vec<LineValidity> = autos
+        autos
             .map(|(input, output)| {
                 if *input <= self.least_input {
                     LineValidity::NoInput
@@ -324,35 +368,63 @@ impl Pair<'_> {
                     LineValidity::Valid
                 }
             })
-            .collect();
-        let (h1, coherence) = match self.crosses {
-            CrossLines::Auto(lines) => self.ratios(lines.iter().map(|&g| g.into())),
-            CrossLines::Stored(lines) => self.ratios(lines.iter().copied()),
-            CrossLines::Conjugate(lines) => self.ratios(lines.iter().map(Complex64::conj)),
-        };
-        PairLines {
-            h1,
-            coherence,
-            validity,
-        }
+            .collect()
     }
 
-    fn ratios(&self, crosses: impl Iterator<Item = Complex64>) -> (Vec<Complex64>, Vec<f64>) {
-        let mut h1 = vec![Complex64::ZERO; self.inputs.len()];
-        let mut coherence = vec![0.0; self.inputs.len()];
-        let slots = h1.iter_mut().zip(&mut coherence);
+    /// H1 and coherence of every line.
+    fn ratios(
+        &self,
+        crosses: impl Iterator<Item = Complex64>,
+    ) -> impl Iterator<Item = (Complex64, f64)> {
+        // Levels are brought near 1 by powers of two, which is exact: no square can then leave the range of numbers.
+        let (input_shift, output_shift) = (half_exponent(self.inputs), half_exponent(self.outputs));
+        let (to_input, to_output) = (power_of_two(-input_shift), power_of_two(-output_shift));
+        let back = power_of_two(output_shift) * to_input;
         let autos = self.inputs.iter().zip(self.outputs);
-        for (((h1, coherence), (&input, &output)), cross) in slots.zip(autos).zip(crosses) {
+        autos.zip(crosses).map(move |((&input, &output), cross)| {
             let carries = input > self.least_input && output > self.least_output;
-            let ratio = Complex64::new(cross.re / input, cross.im / input);
-            // at most 1 by Schwarz' inequality: the bound takes off rounding only
-            let square = (ratio.re * (cross.re / output) + ratio.im * (cross.im / output)).min(1.0);
             let keep = if carries { 0.0 } else { f64::NAN };
-            *h1 = Complex64::new(ratio.re + keep, ratio.im + keep);
-            *coherence = square + keep;
-        }
-        (h1, coherence)
+            let input = input * to_input * to_input;
+            let output = output * to_output * to_output;
+            let (re, im) = (
+                cross.re * to_input * to_output,
+                cross.im * to_input * to_output,
+            );
+            // at most 1 by Schwarz' inequality: the bound takes off rounding only
+            let coherence = ((re * re + im * im) / (input * output)).min(1.0);
+            let h1 = Complex64::new(re / input * back + keep, im / input * back + keep);
+            (h1, coherence + keep)
+        })
     }
+}
+
+/// Mean, summed in eight lanes that do not wait for each other.
+fn mean(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    for chunk in values.chunks(lanes.len()) {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane += value;
+        }
+    }
+    lanes.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Half the binary exponent of the mean of `auto`.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the exponent of a finite number lies between -1074 and 1024"
+)]
+fn half_exponent(auto: &[f64]) -> i32 {
+    let mean = mean(auto);
+    if mean > 0.0 && mean.is_finite() {
+        (mean.log2() / 2.0).round() as i32
+    } else {
+        0
+    }
+}
+
+fn power_of_two(exponent: i32) -> f64 {
+    2.0_f64.powi(exponent)
 }
 
 #[cfg(test)]

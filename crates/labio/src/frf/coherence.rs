@@ -70,13 +70,13 @@ impl AveragedSpectra {
     /// construction and says nothing, and for segments that overlap so much that they are worth less than one and a half.
     pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
         self.check_coherence("the coherence")?;
-        let lines = self.pair(input, output)?.lines();
+        let pair = self.pair(input, output)?;
         Ok(Coherence {
             frequency_hz: self.frequency_hz().to_vec(),
-            values: lines.coherence,
+            values: pair.coherence(),
             n_averages: self.n_averages(),
             effective_averages: self.effective_averages(),
-            validity: lines.validity,
+            validity: pair.validity(),
         })
     }
 

@@ -12,6 +12,9 @@ use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 /// last ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their last digits.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
+/// Two channels of so many lines and their sums fit into the first cache.
+const LINES_A_BLOCK: usize = 512;
+
 /// Sums of the spectra of hits, from which the averages can be taken at any time.
 ///
 /// Memory: the samples of one hit, one transform a channel and the sums, whatever the number of hits. Nothing is
@@ -199,16 +202,25 @@ impl SpectrumAverager {
     }
 
     fn accumulate(&mut self) {
-        for (sums, lines) in self.auto_sums.iter_mut().zip(&self.lines) {
-            for (sum, x) in sums.iter_mut().zip(lines) {
-                *sum += x.norm_sqr();
+        // in blocks that stay in the cache while every pair passes over them
+        let n_lines = self.n_samples / 2 + 1;
+        let mut start = 0;
+        while start < n_lines {
+            let block = start..n_lines.min(start + LINES_A_BLOCK);
+            start = block.end;
+            for (sums, lines) in self.auto_sums.iter_mut().zip(&self.lines) {
+                for (sum, x) in sums[block.clone()].iter_mut().zip(&lines[block.clone()]) {
+                    *sum += x.norm_sqr();
+                }
             }
-        }
-        let mut pairs = self.cross_sums.iter_mut();
-        for (a, first) in self.lines.iter().enumerate() {
-            for (second, sums) in self.lines.iter().skip(a + 1).zip(&mut pairs) {
-                for ((sum, x), y) in sums.iter_mut().zip(first).zip(second) {
-                    *sum += x.conj() * y;
+            let mut pairs = self.cross_sums.iter_mut();
+            for (a, first) in self.lines.iter().enumerate() {
+                let first = &first[block.clone()];
+                for (second, sums) in self.lines.iter().skip(a + 1).zip(&mut pairs) {
+                    let second = &second[block.clone()];
+                    for ((sum, x), y) in sums[block.clone()].iter_mut().zip(first).zip(second) {
+                        *sum += x.conj() * y;
+                    }
                 }
             }
         }
