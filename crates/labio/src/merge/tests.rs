@@ -72,10 +72,11 @@ fn each_line_is_that_of_the_larger_force() {
             .unwrap();
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
+    let force = |test: usize, line: usize| forces[test][line];
     let mut from = [0, 0];
     // at the Nyquist frequency neither half-sine has anything
     for line in 0..N / 2 {
-        let winner = usize::from(forces[1][line] > forces[0][line]);
+        let winner = usize::from(force(1, line) > force(0, line));
         from[winner] += 1;
         assert_eq!(
             merged.response.values[line], responses[winner].values[line],

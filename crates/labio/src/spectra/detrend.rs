@@ -57,16 +57,18 @@ fn sum(samples: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
 mod tests {
     use super::*;
 
+    type Trend = fn(f64) -> f64;
+
     #[test]
     fn trends_are_removed_and_what_is_orthogonal_to_them_stays() {
         // a parabola about the middle is orthogonal to a line; its mean over -5..5 is 10
         let parabola = |i: i32| f64::from((i - 5) * (i - 5));
-        let sampled = |trend: fn(f64) -> f64| -> Vec<f64> {
+        let sampled = |trend: Trend| -> Vec<f64> {
             (0..11)
                 .map(|i| parabola(i) - 10.0 + trend(f64::from(i)))
                 .collect()
         };
-        let cases: [(Detrend, fn(f64) -> f64); 3] = [
+        let cases: [(Detrend, Trend); 3] = [
             (Detrend::None, |_| 0.0),
             (Detrend::Mean, |_| 7.0),
             (Detrend::Linear, |i| 7.0 - 0.75 * i),
