@@ -185,59 +185,11 @@ impl AveragedSpectra {
         let pair = self.pair(input, output)?;
         let averages = self.effective_averages();
         let averaged = self.can_have_coherence();
-        // One pass a quantity, without branches: NaN of an invalid line goes through all of them.
-        let PairLines {
-            mut h1,
-            mut coherence,
-            mut validity,
-        } = pair.lines();
-        if estimator != Estimator::H1 {
-            let least_coherence = self.transform_rounding().powi(2);
-            for (line, coherence) in coherence.iter_mut().enumerate() {
-                if *coherence <= least_coherence {
-                    validity[line] = LineValidity::NoCorrelation;
-                    *coherence = f64::NAN;
-                    h1[line] = Complex64::new(f64::NAN, f64::NAN);
-                }
-            }
-        }
-        // H2 = H1/coherence, and Hv their geometric mean
-        let mut values = h1;
-        match estimator {
-            Estimator::H1 => {}
-            Estimator::H2 => {
-                for (value, coherence) in values.iter_mut().zip(&coherence) {
-                    *value *= 1.0 / coherence;
-                }
-            }
-            Estimator::Hv => {
-                for (value, coherence) in values.iter_mut().zip(&coherence) {
-                    *value *= 1.0 / coherence.sqrt();
-                }
-            }
-        }
-        let random_error = averaged.then(|| {
-            let per_averages = 0.5 / averages;
-            coherence
-                .iter()
-                .map(|c| RandomError::symmetric(((1.0 - c) / c * per_averages).sqrt()))
-                .collect()
-        });
-        let variance = averaged.then(|| {
-            let autos = pair.inputs.iter().zip(pair.outputs);
-            let lines = autos.zip(&coherence);
-            // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
-            let per_averages = 1.0 / averages;
-            let h1_variance = lines.map(move |((x, y), c)| (1.0 - c) * per_averages * (y / x));
-            match estimator {
-                Estimator::H1 => h1_variance.collect(),
-                Estimator::H2 => h1_variance
-                    .zip(&coherence)
-                    .map(|(v, c)| v / (c * c))
-                    .collect(),
-                Estimator::Hv => h1_variance.zip(&coherence).map(|(v, c)| v / c).collect(),
-            }
-        });
+        let least_coherence = self.transform_rounding().powi(2);
+        let lines = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || pair.estimates(estimator, averages, least_coherence),
+        );
         Ok(FrequencyResponse {
             estimator,
             input: input_channel.clone(),
@@ -247,11 +199,11 @@ impl AveragedSpectra {
             n_samples: self.n_samples(),
             added_damping: self.added_damping(),
             frequency_hz: self.frequency_hz().to_vec(),
-            values,
-            coherence: averaged.then_some(coherence),
-            random_error,
-            variance,
-            validity,
+            values: lines.values,
+            coherence: averaged.then_some(lines.coherence),
+            random_error: averaged.then_some(lines.random_error),
+            variance: averaged.then_some(lines.variance),
+            validity: lines.validity,
         })
     }
 
@@ -268,18 +220,20 @@ impl AveragedSpectra {
     fn pair(&self, input: &str, output: &str) -> Result<Pair<'_>, LabioError> {
         let inputs = self.auto_lines(input)?;
         let outputs = self.auto_lines(output)?;
+        let means = (mean(inputs), mean(outputs));
         Ok(Pair {
             inputs,
             outputs,
             crosses: self.cross_lines(input, output)?,
-            least_input: self.least_signal(inputs),
-            least_output: self.least_signal(outputs),
+            least_input: self.least_signal(means.0),
+            least_output: self.least_signal(means.1),
+            half_exponents: (half_exponent(means.0), half_exponent(means.1)),
         })
     }
 
-    /// The level of an auto-spectrum below which there is only the rounding of its transform.
-    pub(crate) fn least_signal(&self, auto: &[f64]) -> f64 {
-        self.transform_rounding().powi(2) * mean(auto)
+    /// The level of an auto-spectrum of mean `mean` below which there is only the rounding of its transform.
+    pub(crate) fn least_signal(&self, mean: f64) -> f64 {
+        self.transform_rounding().powi(2) * mean
     }
 }
 
@@ -302,57 +256,76 @@ struct Pair<'a> {
     crosses: CrossLines<'a>,
     least_input: f64,
     least_output: f64,
+    /// Half the binary exponents of the mean autos.
+    half_exponents: (i32, i32),
 }
 
-/// What a pair of channels has on its lines. The numbers are NaN without input or output.
-struct PairLines {
-    h1: Vec<Complex64>,
+/// What a pair of channels says of its lines. Numbers of a line without information are NaN.
+struct Estimates {
+    values: Vec<Complex64>,
     coherence: Vec<f64>,
+    random_error: Vec<RandomError>,
+    variance: Vec<f64>,
     validity: Vec<LineValidity>,
 }
 
 impl Pair<'_> {
-    fn lines(&self) -> PairLines {
+    /// One pass a quantity without branches, so that it can be vectorised: NaN of an invalid line goes through all of them.
+    #[inline(always)]
+    fn estimates(&self, estimator: Estimator, averages: f64, least_coherence: f64) -> Estimates {
         let n_lines = self.inputs.len();
-        let mut h1 = vec![Complex64::ZERO; n_lines];
+        let mut validity = self.validity();
+        let mut values = vec![Complex64::ZERO; n_lines];
+        self.h1(&mut values);
         let mut coherence = vec![0.0; n_lines];
-        let slots = h1.iter_mut().zip(&mut coherence);
-        match self.crosses {
-            CrossLines::Auto(lines) => {
-                for (slot, line) in slots.zip(self.ratios(lines.iter().map(|&g| g.into()))) {
-                    (*slot.0, *slot.1) = line;
-                }
-            }
-            CrossLines::Stored(lines) => {
-                for (slot, line) in slots.zip(self.ratios(lines.iter().copied())) {
-                    (*slot.0, *slot.1) = line;
-                }
-            }
-            CrossLines::Conjugate(lines) => {
-                for (slot, line) in slots.zip(self.ratios(lines.iter().map(Complex64::conj))) {
-                    (*slot.0, *slot.1) = line;
+        self.coherence(&mut coherence);
+        if estimator != Estimator::H1 {
+            for (line, coherence) in coherence.iter_mut().enumerate() {
+                if *coherence <= least_coherence {
+                    validity[line] = LineValidity::NoCorrelation;
+                    *coherence = f64::NAN;
                 }
             }
         }
-        PairLines {
-            h1,
-            coherence,
-            validity: self.validity(),
-        }
-    }
 
-    /// Coherence alone; NaN without input or output.
-    fn coherence(&self) -> Vec<f64> {
-        match self.crosses {
-            CrossLines::Auto(lines) => {
-                let lines = lines.iter().map(|&g| g.into());
-                self.ratios(lines).map(|(_, coherence)| coherence).collect()
+        let mut random_error = vec![RandomError::symmetric(0.0); n_lines];
+        let per_component = 0.5 / averages;
+        for (error, c) in random_error.iter_mut().zip(&coherence) {
+            *error = RandomError::symmetric(((1.0 - c) / c * per_component).sqrt());
+        }
+
+        // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
+        let mut variance = vec![0.0; n_lines];
+        let per_line = 1.0 / averages;
+        let autos = self.inputs.iter().zip(self.outputs);
+        for ((variance, (x, y)), c) in variance.iter_mut().zip(autos).zip(&coherence) {
+            *variance = (1.0 - c) * per_line * (y / x);
+        }
+        // H2 = H1/coherence, and Hv their geometric mean
+        let both = values.iter_mut().zip(&mut variance).zip(&coherence);
+        match estimator {
+            Estimator::H1 => {}
+            Estimator::H2 => {
+                for ((value, variance), c) in both {
+                    let factor = 1.0 / c;
+                    *value *= factor;
+                    *variance *= factor * factor;
+                }
             }
-            // a square does not know which of the two is conjugate
-            CrossLines::Stored(lines) | CrossLines::Conjugate(lines) => {
-                let lines = lines.iter().copied();
-                self.ratios(lines).map(|(_, coherence)| coherence).collect()
+            Estimator::Hv => {
+                for ((value, variance), c) in both {
+                    let factor = 1.0 / c;
+                    *value *= factor.sqrt();
+                    *variance *= factor;
+                }
             }
+        }
+        Estimates {
+            values,
+            coherence,
+            random_error,
+            variance,
+            validity,
         }
     }
 
@@ -371,35 +344,86 @@ impl Pair<'_> {
             .collect()
     }
 
-    /// H1 and coherence of every line.
-    fn ratios(
-        &self,
-        crosses: impl Iterator<Item = Complex64>,
-    ) -> impl Iterator<Item = (Complex64, f64)> {
-        // Levels are brought near 1 by powers of two, which is exact: no square can then leave the range of numbers.
-        let (input_shift, output_shift) = (half_exponent(self.inputs), half_exponent(self.outputs));
-        let (to_input, to_output) = (power_of_two(-input_shift), power_of_two(-output_shift));
-        let back = power_of_two(output_shift) * to_input;
+    #[inline(always)]
+    fn h1(&self, values: &mut [Complex64]) {
         let autos = self.inputs.iter().zip(self.outputs);
-        autos.zip(crosses).map(move |((&input, &output), cross)| {
-            let carries = input > self.least_input && output > self.least_output;
-            let keep = if carries { 0.0 } else { f64::NAN };
-            let input = input * to_input * to_input;
-            let output = output * to_output * to_output;
-            let (re, im) = (
-                cross.re * to_input * to_output,
-                cross.im * to_input * to_output,
-            );
+        let lines = values.iter_mut().zip(autos);
+        match self.crosses {
+            CrossLines::Auto(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(Complex64::new(*g, 0.0), *x, *y);
+                }
+            }
+            CrossLines::Stored(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(*g, *x, *y);
+                }
+            }
+            CrossLines::Conjugate(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(g.conj(), *x, *y);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ratio(&self, cross: Complex64, input: f64, output: f64) -> Complex64 {
+        let keep = self.keep(input, output);
+        Complex64::new(cross.re / input + keep, cross.im / input + keep)
+    }
+
+    #[inline(always)]
+    fn keep(&self, input: f64, output: f64) -> f64 {
+        if input > self.least_input && output > self.least_output {
+            0.0
+        } else {
+            f64::NAN
+        }
+    }
+
+    #[inline(always)]
+    fn coherence(&self, values: &mut [f64]) {
+        // Levels are brought near 1 by powers of two, which is exact: no square can then leave the range of numbers.
+        let to_input = power_of_two(-self.half_exponents.0);
+        let to_output = power_of_two(-self.half_exponents.1);
+        let autos = self.inputs.iter().zip(self.outputs);
+        let lines = values.iter_mut().zip(autos);
+        let coherence = |re: f64, im: f64, x: f64, y: f64| {
+            let (re, im) = (re * to_input * to_output, im * to_input * to_output);
+            let scaled = (x * to_input * to_input) * (y * to_output * to_output);
             // at most 1 by Schwarz' inequality: the bound takes off rounding only
-            let coherence = ((re * re + im * im) / (input * output)).min(1.0);
-            let h1 = Complex64::new(re / input * back + keep, im / input * back + keep);
-            (h1, coherence + keep)
-        })
+            let bounded = ((re * re + im * im) / scaled).min(1.0);
+            bounded + self.keep(x, y)
+        };
+        match self.crosses {
+            CrossLines::Auto(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = coherence(*g, 0.0, *x, *y);
+                }
+            }
+            // a square does not know which of the two is conjugate
+            CrossLines::Stored(crosses) | CrossLines::Conjugate(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = coherence(g.re, g.im, *x, *y);
+                }
+            }
+        }
+    }
+
+    /// Coherence alone; NaN without input or output.
+    fn coherences(&self) -> Vec<f64> {
+        let mut coherence = vec![0.0; self.inputs.len()];
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.coherence(&mut coherence),
+        );
+        coherence
     }
 }
 
 /// Mean, summed in eight lanes that do not wait for each other.
-fn mean(values: &[f64]) -> f64 {
+pub(crate) fn mean(values: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     for chunk in values.chunks(lanes.len()) {
         for (lane, value) in lanes.iter_mut().zip(chunk) {
@@ -409,13 +433,12 @@ fn mean(values: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Half the binary exponent of the mean of `auto`.
+/// Half the binary exponent of a level.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the exponent of a finite number lies between -1074 and 1024"
 )]
-fn half_exponent(auto: &[f64]) -> i32 {
-    let mean = mean(auto);
+fn half_exponent(mean: f64) -> i32 {
     if mean > 0.0 && mean.is_finite() {
         (mean.log2() / 2.0).round() as i32
     } else {

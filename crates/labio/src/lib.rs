@@ -8,8 +8,10 @@
 //! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
 //!
 //! The walk is: a file ([`mod@format`]) becomes a [`Record`]; records become [`AveragedSpectra`] through a
-//! [`SpectrumAverager`], whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`]
-//! and a [`Coherence`].
+//! [`SpectrumAverager`], whose memory does not grow with the number of hits, or those of a long record or a stream through
+//! [`Welch`]; spectra become a [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers become one
+//! ([`MergedResponse`]), change their kind ([`ResponseKind`]), are completed at low frequencies ([`RigidBody`]), tested
+//! for passivity and turned into an [`ImpulseResponse`].
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -51,9 +53,9 @@
 //! # What this does not do
 //!
 //! No calibration and no conversion of units: what a file holds is taken as SI. No cutting of a long record into hits, no
-//! rejection of double hits, no overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
-//! number of averages counts hits and assumes them independent. Errors of bias (leakage, finite resolution, noise on the
-//! input of H1) are described, not estimated.
+//! rejection of double hits. Time must be uniform; nothing is resampled. Hits are assumed independent; of overlapped segments
+//! the effective number is taken. The bias by noise on one of the channels is bounded from the coherence
+//! ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
 
 pub mod format;
 

@@ -4,6 +4,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::channel;
+use crate::frf;
 use crate::{AveragedSpectra, Channel, LabioError, LineValidity};
 
 /// Inputs depend on each other if of one no more than this part of its power is its own: three digits of a response would be
@@ -106,7 +107,7 @@ impl AveragedSpectra {
         for first in &channels {
             let auto = self.auto_lines(first.name())?;
             autos.push(auto);
-            least.push(self.least_signal(auto));
+            least.push(self.least_signal(frf::mean(auto)));
             for second in &channels {
                 crosses.push(self.cross_lines(first.name(), second.name())?);
             }

@@ -46,7 +46,8 @@ impl FrequencyResponse {
     /// positive where it does work on a positive motion; on the line $`s = \sigma + i\omega`$ of an exponential window as well.
     ///
     /// `coverage` is the number of standard errors that are allowed, and $`\sqrt{\mathrm{Var}/2}`$ the standard error of the real part.
-    /// With 2, of lines whose real part is zero one in 44 is flagged by chance. Each of the six kinds may be given.
+    /// With 2, of lines whose real part is zero one in 44 is flagged by chance; with the variance estimated from few hits more, as by
+    /// Student's law (2 standard errors and 5 hits: one in 25). Each of the six kinds may be given.
     ///
     /// # Errors
     ///

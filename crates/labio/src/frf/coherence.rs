@@ -73,7 +73,7 @@ impl AveragedSpectra {
         let pair = self.pair(input, output)?;
         Ok(Coherence {
             frequency_hz: self.frequency_hz().to_vec(),
-            values: pair.coherence(),
+            values: pair.coherences(),
             n_averages: self.n_averages(),
             effective_averages: self.effective_averages(),
             validity: pair.validity(),

@@ -202,6 +202,12 @@ impl SpectrumAverager {
     }
 
     fn accumulate(&mut self) {
+        pulp::Arch::new().dispatch(|| self.accumulate_vectorised());
+        self.n_averages += 1;
+    }
+
+    #[inline(always)]
+    fn accumulate_vectorised(&mut self) {
         // in blocks that stay in the cache while every pair passes over them
         let n_lines = self.n_samples / 2 + 1;
         let mut start = 0;
@@ -224,7 +230,6 @@ impl SpectrumAverager {
                 }
             }
         }
-        self.n_averages += 1;
     }
 
     /// Number of hits added.

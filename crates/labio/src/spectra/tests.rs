@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Provenance, Quantity};
+use crate::{ForceWindow, Provenance, Quantity};
 use ndarray::Array2;
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -186,4 +186,120 @@ fn no_hit_is_an_error() {
         error.to_string(),
         "an averaged spectrum needs at least 1 averages, found 0"
     );
+}
+
+#[test]
+fn a_force_window_takes_the_noise_around_the_pulse_and_nothing_else() {
+    let n = 64;
+    let mut pulse = vec![0.0; n];
+    for (i, slot) in pulse.iter_mut().enumerate().take(14).skip(10) {
+        *slot = (i as f64 - 9.5).sin();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let noise = noise(&mut rng, n);
+    let noisy: Vec<f64> = (0..n)
+        .map(|i| {
+            if (10..14).contains(&i) {
+                pulse[i]
+            } else {
+                noise[i]
+            }
+        })
+        .collect();
+    let other = vec![1.0; n];
+    let gate = ForceWindow::new(0.10, 0.13, 0.0).unwrap();
+    let gated = SpectrumAverager::for_records_like(
+        &record(&[noisy.clone(), other.clone()], 100.0),
+        Window::Rectangular,
+    )
+    .unwrap();
+    let mut gated = gated.with_force_window("a", gate).unwrap();
+    gated.add(&record(&[noisy, other.clone()], 100.0)).unwrap();
+    let gated = gated.spectra().unwrap();
+    let clean = record(&[pulse, other], 100.0);
+    let clean = AveragedSpectra::of([&clean], Window::Rectangular).unwrap();
+    // weights are 1 and 0: the same numbers
+    assert_eq!(gated.auto("a").unwrap(), clean.auto("a").unwrap());
+    assert_eq!(gated.auto("b").unwrap(), clean.auto("b").unwrap());
+    assert_eq!(
+        gated.cross("a", "b").unwrap(),
+        clean.cross("a", "b").unwrap()
+    );
+}
+
+#[test]
+fn an_exponential_window_moves_the_transform_off_the_real_axis() {
+    let (n, rate, sigma) = (40, 10.0, 1.5);
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let samples = noise(&mut rng, n);
+    let hit = record(std::slice::from_ref(&samples), rate);
+    let window = AddedDamping::new(sigma).unwrap();
+    let mut averager = SpectrumAverager::for_records_like(&hit, Window::Rectangular)
+        .unwrap()
+        .with_exponential_window(window)
+        .unwrap();
+    averager.add(&hit).unwrap();
+    let spectra = averager.spectra().unwrap();
+    assert_eq!(spectra.added_damping(), Some(window));
+    for (f, g) in spectra
+        .frequency_hz()
+        .iter()
+        .zip(spectra.auto("a").unwrap())
+    {
+        let s = Complex64::new(sigma, TAU * f);
+        let laplace: Complex64 = (0..n)
+            .map(|i| samples[i] * (-s * i as f64 / rate).exp() / rate)
+            .sum();
+        let sides = if *f <= 0.0 || *f >= rate / 2.0 {
+            1.0
+        } else {
+            2.0
+        };
+        // forty terms of order 0.1
+        assert!((g - sides * laplace.norm_sqr()).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn windows_that_would_weigh_twice_or_too_late_are_refused() {
+    let hit = record(&[vec![1.0, 2.0, 3.0, 4.0]], 10.0);
+    let averager = |window| SpectrumAverager::for_records_like(&hit, window).unwrap();
+    let gate = ForceWindow::new(0.0, 0.1, 0.0).unwrap();
+    let decay = AddedDamping::new(1.0).unwrap();
+    let mut late = averager(Window::Rectangular);
+    late.add(&hit).unwrap();
+    let refusals = [
+        averager(Window::HannPeriodic).with_force_window("a", gate),
+        averager(Window::HannPeriodic).with_exponential_window(decay),
+        averager(Window::Rectangular)
+            .with_exponential_window(decay)
+            .unwrap()
+            .with_exponential_window(decay),
+        averager(Window::Rectangular).with_force_window("hammer", gate),
+        late.with_force_window("a", gate),
+    ]
+    .map(|result| result.unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    a force window cannot stand beside HannPeriodic
+    an exponential window cannot stand beside HannPeriodic
+    an exponential window cannot stand beside an exponential window
+    there is no channel `hammer`, only `a`
+    a force window must be chosen before the first hit, but 1 have been added
+    ");
+}
+
+#[test]
+fn a_silent_channel_stays_silent_beside_a_loud_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(23);
+    let loud: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e6 * x).collect();
+    let faint: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e-9 * x).collect();
+    let silent = vec![0.0; 64];
+    let hit = record(&[loud, silent, faint.clone()], 10.0);
+    let spectra = AveragedSpectra::of([&hit, &hit], Window::HannPeriodic).unwrap();
+    assert!(spectra.auto("b").unwrap().iter().all(|g| *g <= 0.0));
+    let alone = record(&[faint], 10.0);
+    let alone = AveragedSpectra::of([&alone, &alone], Window::HannPeriodic).unwrap();
+    // every channel has a transform of its own
+    assert_eq!(spectra.auto("c").unwrap(), alone.auto("a").unwrap());
 }
