@@ -105,7 +105,8 @@ pub struct FrequencyResponse {
     /// Random error, NaN on invalid lines; none for a single average.
     pub random_error: Option<Vec<RandomError>>,
     /// $`\mathrm E\lvert\delta H\rvert^2 = \lvert H\rvert^2(1-\gamma^2)/(n_e\gamma^2)`$, the variance of the complex line: *twice*
-    /// that of its real or of its imaginary part. NaN on invalid lines; none for a single average.
+    /// that of its real or of its imaginary part. To first order in 1/n: from few hits it is too small by about (n-1)/n. NaN on
+    /// invalid lines; none for a single average.
     pub variance: Option<Vec<f64>>,
     /// Whether each line carries information.
     pub validity: Vec<LineValidity>,

@@ -47,7 +47,8 @@ pub enum LowFrequency {
 /// # Errors
 ///
 /// [`LabioError::NonPhysical`] for the sampling rate or the cut-off frequency, [`LabioError::TooFewSamples`] below two samples or
-/// without a sample at rest, [`LabioError::CountMismatch`] if there are more samples at rest than samples.
+/// without a sample at rest, [`LabioError::CountMismatch`] if there are more samples at rest than samples,
+/// [`LabioError::NonFiniteSample`].
 pub fn integrate(
     samples: &[f64],
     sampling_rate_hz: f64,
@@ -85,7 +86,8 @@ pub fn integrate(
 ///
 /// # Errors
 ///
-/// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] below two samples.
+/// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] below two samples,
+/// [`LabioError::NonFiniteSample`].
 pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
     check(samples, sampling_rate_hz)?;
     let spacing_hz = sampling_rate_hz / samples.len() as f64;
@@ -143,6 +145,13 @@ fn check(samples: &[f64], sampling_rate_hz: f64) -> Result<(), LabioError> {
             what: "the history",
             found: samples.len(),
             expected: 2,
+        });
+    }
+    if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
+        return Err(LabioError::NonFiniteSample {
+            channel: "history".to_owned(),
+            index,
+            value,
         });
     }
     Ok(())
@@ -242,6 +251,7 @@ mod tests {
             integrate(&history, RATE, LowFrequency::AtRest { n_samples: 0 }),
             integrate(&history, RATE, LowFrequency::AtRest { n_samples: 4 }),
             differentiate(&[], RATE),
+            differentiate(&[1.0, f64::NAN], RATE),
         ]
         .map(|result| result.unwrap_err().to_string())
         .join("\n");
@@ -252,6 +262,7 @@ mod tests {
         the time at rest has 0 samples, expected at least 1
         samples at rest, at most: found 4, expected 3
         the history has 0 samples, expected at least 2
+        sample 1 of channel `history` is NaN, expected a finite value
         ");
     }
 }

@@ -46,8 +46,8 @@ impl FrequencyResponse {
     /// positive where it does work on a positive motion; on the line $`s = \sigma + i\omega`$ of an exponential window as well.
     ///
     /// `coverage` is the number of standard errors that are allowed, and $`\sqrt{\mathrm{Var}/2}`$ the standard error of the real part.
-    /// With 2, of lines whose real part is zero one in 44 is flagged by chance; with the variance estimated from few hits more, as by
-    /// Student's law (2 standard errors and 5 hits: one in 25). Each of the six kinds may be given.
+    /// With 2, of lines whose real part is zero one in 44 is flagged by chance; more if the variance is from few hits, as by Student's
+    /// law with 2(n-1) degrees of freedom (of 5 hits one in 18). Each of the six kinds may be given.
     ///
     /// # Errors
     ///
@@ -159,8 +159,8 @@ mod tests {
         assert!((active - 0.5).abs() < 0.18, "{active}");
         let report = response.passivity(2.0).unwrap();
         let active = report.active_lines().count() as f64 / 129.0;
-        // Student's t with 14 degrees of freedom: 3.3 %, standard error 1.6 %; four of these
-        assert!(active < 0.10, "{active}");
+        // Student's t with 14 degrees of freedom beyond 2 sqrt(7/8): 4.1 %, standard error 1.7 %; four of these: 11 %
+        assert!(active < 0.11, "{active}");
         assert!(report.lines.contains(&Passivity::WithinError));
     }
 

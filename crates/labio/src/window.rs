@@ -182,7 +182,7 @@ impl SampledWindow {
             }
         }
         let k = n_segments as f64;
-        let overlapping = (self.weights.len() - 1) / hop;
+        let overlapping = self.weights.len().saturating_sub(1) / hop;
         let sum: f64 = (1..n_segments.min(overlapping + 1))
             .map(|j| (1.0 - j as f64 / k) * self.overlap_correlation(j * hop))
             .sum();

@@ -131,7 +131,7 @@ impl SpectrumAverager {
     ) -> Result<Self, LabioError> {
         self.check_no_other_window("a force window")?;
         let (index, _) = channel::find(&self.channels, channel)?;
-        let gate = window.weights(self.n_samples, self.sampling_rate_hz);
+        let gate = window.weights(self.n_samples, self.sampling_rate_hz)?;
         multiply(&mut self.weights[index], &gate);
         Ok(self)
     }
@@ -151,7 +151,7 @@ impl SpectrumAverager {
                 present: "an exponential window".to_owned(),
             });
         }
-        let decay = window.weights(self.n_samples, self.sampling_rate_hz);
+        let decay = window.weights(self.n_samples, self.sampling_rate_hz)?;
         for weights in &mut self.weights {
             multiply(weights, &decay);
         }

@@ -15,7 +15,7 @@ use crate::error::check_positive;
 ///
 /// - from a pole: it is seen displaced by $`-\sigma`$, every mode by the same ([`AddedDamping::remove_from_pole`]);
 /// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
-///   (`ImpulseResponse::without_added_damping`);
+///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
 /// - from a conversion between motions: the factor is $`s = \sigma + i\omega`$, as in
 ///   [`FrequencyResponse::to_kind`](crate::FrequencyResponse::to_kind).
 ///
@@ -72,11 +72,15 @@ impl AddedDamping {
     }
 
     /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\], 1 on the first.
-    #[must_use]
-    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Vec<f64> {
-        (0..n_samples)
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the sampling rate.
+    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        Ok((0..n_samples)
             .map(|n| (-self.decay_rate * n as f64 / sampling_rate_hz).exp())
-            .collect()
+            .collect())
     }
 
     /// The pole of the body, from the pole that was found under the window: $`p = p' + \sigma`$.
@@ -153,7 +157,7 @@ mod tests {
     #[test]
     fn the_end_weight_is_reached_at_the_end() {
         let window = AddedDamping::to_end_weight(0.01, 2.0).unwrap();
-        let weights = window.weights(201, 100.0);
+        let weights = window.weights(201, 100.0).unwrap();
         // rounding of a logarithm and an exponential
         assert!((weights[0] - 1.0).abs() < 1e-15 && (weights[200] - 0.01).abs() < 1e-15);
         assert!((weights[100] - 0.1).abs() < 1e-15);
@@ -164,6 +168,7 @@ mod tests {
         assert!(AddedDamping::new(0.0).is_err() && AddedDamping::new(f64::NAN).is_err());
         assert!(AddedDamping::to_end_weight(1.0, 1.0).is_err());
         assert!(AddedDamping::to_end_weight(0.1, 0.0).is_err());
+        assert!(AddedDamping::new(1.0).unwrap().weights(3, 0.0).is_err());
         let overdamped = DampedMode {
             natural_omega: 1.0,
             damping_ratio: 1.5,

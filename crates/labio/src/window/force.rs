@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::LabioError;
+use crate::error::check_positive;
 
 /// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0 elsewhere.
 ///
@@ -58,11 +59,15 @@ impl ForceWindow {
     }
 
     /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\].
-    #[must_use]
-    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Vec<f64> {
-        (0..n_samples)
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the sampling rate.
+    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        Ok((0..n_samples)
             .map(|n| self.weight(n as f64 / sampling_rate_hz))
-            .collect()
+            .collect())
     }
 
     fn weight(&self, time: f64) -> f64 {
@@ -84,14 +89,17 @@ mod tests {
     #[test]
     fn the_window_is_flat_inside_and_nothing_outside() {
         let window = ForceWindow::new(0.2, 0.5, 0.2).unwrap();
-        let weights = window.weights(10, 10.0);
+        let weights = window.weights(10, 10.0).unwrap();
         // half a cosine over two samples: 1/2 at its middle; rounding of the times reaches the weights through its slope
         let expected = [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0];
         for (weight, expected) in weights.iter().zip(expected) {
             assert!((weight - expected).abs() < 1e-14, "{weights:?}");
         }
-        let abrupt = ForceWindow::new(0.2, 0.5, 0.0).unwrap().weights(8, 10.0);
-        assert_eq!(abrupt, [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        let abrupt = ForceWindow::new(0.2, 0.5, 0.0).unwrap();
+        assert_eq!(
+            abrupt.weights(8, 10.0).unwrap(),
+            [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+        );
     }
 
     #[test]
