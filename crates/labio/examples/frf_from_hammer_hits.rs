@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let accelerance = spectra.response(Estimator::H1, "hammer", "face")?;
 
     let coherence = accelerance.coherence.as_ref().ok_or("one hit only")?;
-    let errors = accelerance.random_error.as_ref().ok_or("one hit only")?;
+    let errors = accelerance.random_error().ok_or("one hit only")?;
     println!("     f, Hz   |A|, 1/kg      exact   random error   coherence");
     for wanted_hz in [50.0, 200.0, 500.0, 900.0, 1500.0, 2640.0, 4000.0, 6000.0] {
         let line = accelerance.frequency_hz.partition_point(|f| *f < wanted_hz);

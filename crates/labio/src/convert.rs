@@ -4,9 +4,7 @@ use std::fmt;
 
 use num_complex::Complex64;
 
-use crate::{
-    Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Quantity, RandomError,
-};
+use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Quantity};
 
 /// The six frequency responses of a structure between a motion and a force (ISO 7626-1).
 ///
@@ -187,12 +185,6 @@ impl FrequencyResponse {
         if let Some(variance) = &mut self.variance {
             variance[line] = none;
         }
-        if let Some(errors) = &mut self.random_error {
-            errors[line] = RandomError {
-                magnitude: none,
-                phase: none,
-            };
-        }
     }
 }
 
@@ -302,11 +294,7 @@ mod tests {
         let accelerance = spectra(Quantity::Acceleration).h1("f", "x").unwrap();
         let mobility = accelerance.to_kind(ResponseKind::Mobility).unwrap();
         assert_eq!(mobility.validity[0], LineValidity::NotDefined);
-        assert!(
-            mobility.random_error.as_ref().unwrap()[0]
-                .magnitude
-                .is_nan()
-        );
+        assert!(mobility.random_error().unwrap()[0].magnitude.is_nan());
         assert_eq!(mobility.invalid_lines().count(), 1);
 
         // with an exponential window the line at 0 Hz is at s = sigma

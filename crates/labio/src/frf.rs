@@ -69,7 +69,7 @@ pub struct RandomError {
 /// |---|---|---|
 /// | `frequency_hz` | `(n_lines)`, from 0 | Hz |
 /// | `values` | `(n_lines)` | unit of output / unit of input |
-/// | `coherence`, `random_error` | `(n_lines)`, or none for one average | 1 |
+/// | `coherence` | `(n_lines)`, or none for one average | 1 |
 /// | `variance` | `(n_lines)`, or none for one average | square of the unit of `values` |
 /// | `validity` | `(n_lines)` | |
 ///
@@ -102,8 +102,6 @@ pub struct FrequencyResponse {
     /// Ordinary coherence, NaN on invalid lines and on lines that were not measured but completed; none for a single average,
     /// where it would be 1 whatever was measured, and for values that are combined of several tests.
     pub coherence: Option<Vec<f64>>,
-    /// Random error, NaN on invalid lines; none for a single average.
-    pub random_error: Option<Vec<RandomError>>,
     /// $`\mathrm E\lvert\delta H\rvert^2 = \lvert H\rvert^2(1-\gamma^2)/(n_e\gamma^2)`$, the variance of the complex line: *twice*
     /// that of its real or of its imaginary part. To first order in 1/n: from few hits it is too small by about (n-1)/n. NaN on
     /// invalid lines; none for a single average.
@@ -120,6 +118,22 @@ impl FrequencyResponse {
             .enumerate()
             .filter(|(_, validity)| **validity != LineValidity::Valid)
             .map(|(line, _)| line)
+    }
+
+    /// Random error of every line, from its variance: NaN on invalid lines, infinite for a value of zero; none for a single average.
+    #[must_use]
+    pub fn random_error(&self) -> Option<Vec<RandomError>> {
+        let variances = self.variance.as_ref()?;
+        let line = |(value, variance): (&Complex64, &f64)| {
+            let magnitude = (variance / 2.0).sqrt() / value.norm();
+            let phase = if magnitude > UNKNOWN_PHASE {
+                UNKNOWN_PHASE
+            } else {
+                magnitude
+            };
+            RandomError { magnitude, phase }
+        };
+        Some(self.values.iter().zip(variances).map(line).collect())
     }
 
     /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential window, or 0.
@@ -202,7 +216,6 @@ impl AveragedSpectra {
             frequency_hz: self.frequency_hz().to_vec(),
             values: lines.values,
             coherence: averaged.then_some(lines.coherence),
-            random_error: averaged.then_some(lines.random_error),
             variance: averaged.then_some(lines.variance),
             validity: lines.validity,
         })
@@ -238,18 +251,6 @@ impl AveragedSpectra {
     }
 }
 
-impl RandomError {
-    /// The same relative error of both components.
-    pub(crate) fn symmetric(magnitude: f64) -> Self {
-        let phase = if magnitude > UNKNOWN_PHASE {
-            UNKNOWN_PHASE
-        } else {
-            magnitude
-        };
-        Self { magnitude, phase }
-    }
-}
-
 /// The spectra of a pair of channels.
 struct Pair<'a> {
     inputs: &'a [f64],
@@ -265,7 +266,6 @@ struct Pair<'a> {
 struct Estimates {
     values: Vec<Complex64>,
     coherence: Vec<f64>,
-    random_error: Vec<RandomError>,
     variance: Vec<f64>,
     validity: Vec<LineValidity>,
 }
@@ -287,12 +287,6 @@ impl Pair<'_> {
                     *coherence = f64::NAN;
                 }
             }
-        }
-
-        let mut random_error = vec![RandomError::symmetric(0.0); n_lines];
-        let per_component = 0.5 / averages;
-        for (error, c) in random_error.iter_mut().zip(&coherence) {
-            *error = RandomError::symmetric(((1.0 - c) / c * per_component).sqrt());
         }
 
         // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
@@ -324,7 +318,6 @@ impl Pair<'_> {
         Estimates {
             values,
             coherence,
-            random_error,
             variance,
             validity,
         }

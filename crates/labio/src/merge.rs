@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use num_complex::Complex64;
 
-use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity, RandomError};
+use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity};
 
 /// Two tests have the same lines if their frequencies differ relatively by less than this, as sampling rates may.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
@@ -58,7 +58,6 @@ impl MergedResponse {
             merged.response.coherence = Some(vec![f64::NAN; merged.discrepancy.len()]);
         } else {
             merged.response.variance = None;
-            merged.response.random_error = None;
         }
         let level = |test: usize, line: usize| levels[test][line];
         for line in 0..merged.discrepancy.len() {
@@ -132,9 +131,6 @@ impl MergedResponse {
             if let Some(variances) = &mut response.variance {
                 variances[line] = variance;
             }
-            if let Some(errors) = &mut response.random_error {
-                errors[line] = RandomError::symmetric((variance / 2.0).sqrt() / value.norm());
-            }
             merged.discrepancy[line] = discrepancy(tests, line);
         }
         Ok(merged)
@@ -157,7 +153,6 @@ impl MergedResponse {
             n_averages: tests.iter().map(|test| test.n_averages).sum(),
             effective_averages: tests.iter().map(|test| test.effective_averages).sum(),
             variance: Some(vec![f64::NAN; n_lines]),
-            random_error: Some(vec![RandomError::symmetric(f64::NAN); n_lines]),
             coherence: None,
             ..first.clone()
         };
@@ -184,9 +179,6 @@ impl MergedResponse {
             to[line] = from[line];
         }
         if let (Some(to), Some(from)) = (&mut response.variance, &test.variance) {
-            to[line] = from[line];
-        }
-        if let (Some(to), Some(from)) = (&mut response.random_error, &test.random_error) {
             to[line] = from[line];
         }
     }

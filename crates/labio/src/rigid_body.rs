@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::error::check_positive;
-use crate::{FrequencyResponse, LabioError, LineValidity, RandomError, ResponseKind};
+use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
 /// Lines that a fit of two numbers and a judgement of it need at least.
 const FEWEST_LINES: usize = 3;
@@ -34,8 +34,8 @@ pub struct RigidBand {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CompletedResponse {
-    /// The response, of the kind it was. Completed lines are valid, with NaN for a coherence, and their random error is that of
-    /// mass and elastic term.
+    /// The response, of the kind it was. Completed lines are valid, with NaN for a coherence; the random error of their
+    /// magnitude is that of mass and elastic term, and for the phase it stands as a bound.
     pub response: FrequencyResponse,
     /// Provenance: the lines before this one are completed, this one and all after it are as measured.
     pub first_measured: usize,
@@ -113,7 +113,6 @@ impl RigidBody {
             let s2 = accelerance.laplace_variable(line).powi(2);
             let value = (1.0 + fit.elastic_term * s2) / self.mass;
             let relative = self.standard_error / self.mass;
-            // both errors are of the real factor, so of the magnitude
             let magnitude =
                 relative.hypot((fit.elastic_error * s2).norm() / (value * self.mass).norm());
             accelerance.values[line] = value;
@@ -122,13 +121,8 @@ impl RigidBody {
                 coherence[line] = f64::NAN;
             }
             if let Some(variance) = &mut accelerance.variance {
-                variance[line] = value.norm_sqr() * magnitude * magnitude;
-            }
-            if let Some(errors) = &mut accelerance.random_error {
-                errors[line] = RandomError {
-                    magnitude,
-                    phase: 0.0,
-                };
+                // of the real factor alone, but a variance is understood to be of two components
+                variance[line] = 2.0 * value.norm_sqr() * magnitude * magnitude;
             }
         }
         let mut completed = accelerance.to_kind(kind)?;

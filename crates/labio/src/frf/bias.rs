@@ -27,9 +27,8 @@ impl FrequencyResponse {
     /// bandwidth bias a response as well; of these the lines know nothing.
     #[must_use]
     pub fn bias(&self) -> Option<Vec<Bias>> {
-        let errors = self.random_error.as_ref()?;
         let coherences = self.coherence.as_ref()?;
-        let line = |(error, coherence): (&super::RandomError, &f64)| {
+        let line = |coherence: &f64| {
             let root = coherence.sqrt();
             let (input_noise, output_noise) = match self.estimator {
                 Estimator::H1 => (coherence - 1.0, 0.0 * coherence),
@@ -37,11 +36,11 @@ impl FrequencyResponse {
                 Estimator::Hv => (root - 1.0, 1.0 / root - 1.0),
             };
             Bias {
-                scatter: error.magnitude.powi(2) / 2.0,
+                scatter: (1.0 - coherence) / (4.0 * self.effective_averages * coherence),
                 input_noise,
                 output_noise,
             }
         };
-        Some(errors.iter().zip(coherences).map(line).collect())
+        Some(coherences.iter().map(line).collect())
     }
 }
