@@ -68,6 +68,28 @@ pub enum RodwaveError {
         /// The largest argument in the table.
         upper: f64,
     },
+    /// A section is asked for that is not in the body.
+    #[error(
+        "{what} is {position} m from the end of a body of {length} m, expected a position inside"
+    )]
+    OutsideBody {
+        /// What is there, as `a gauge`.
+        what: &'static str,
+        /// The position found, in metres.
+        position: f64,
+        /// Length of the body, in metres.
+        length: f64,
+    },
+    /// A line has no such parameter.
+    #[error("segment {segment}, branch {branch} has no parameter `{name}`")]
+    UnknownParameter {
+        /// Segment, from 0 at the left end.
+        segment: usize,
+        /// Branch of its material, from 0.
+        branch: usize,
+        /// The name asked for.
+        name: &'static str,
+    },
     /// The response is asked for beyond the end of the excitation.
     #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]
     ExcitationTooShort {

@@ -1,0 +1,351 @@
+//! The state of one segment: waves that travel, branches that stay.
+//!
+//! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell a step; an end of the
+//! segment lies half a cell from the nearest centre, so that a wave meets it half a step after it left.
+//!
+//! The elastic part of a step strains all branches alike, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ - (Eᵢ/E) σ of a material
+//! point does not change. The relaxation leaves strain and velocity alone, and each branch relaxes by its own exact flow.
+//! The energy per volume is ρv²/2 + σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
+
+use super::branch::{BranchFlow, Waves};
+use super::segment::Segment;
+use super::tangent::{BarTangent, Source};
+use crate::inelastic::{LANES, StressChange};
+use crate::sliding_window::SlidingWindow;
+
+#[derive(Debug, Clone)]
+pub(super) struct Bar {
+    pub(super) right: SlidingWindow,
+    pub(super) left: SlidingWindow,
+    /// pᵢ of every cell, one row a branch; none for a single branch, whose excess is zero
+    pub(super) excess: Vec<Vec<f64>>,
+    pub(super) tangents: Vec<BarTangent>,
+    /// Eᵢ \[Pa\]
+    moduli: Vec<f64>,
+    /// Eᵢ/E
+    pub(super) fractions: Vec<f64>,
+    flows: Vec<Box<dyn BranchFlow>>,
+    half_flows: Vec<Box<dyn BranchFlow>>,
+    elastic: bool,
+    pub(super) modulus: f64,
+    /// Z = ρc
+    pub(super) specific_impedance: f64,
+    /// A Z
+    pub(super) impedance: f64,
+    /// A dx
+    cell_volume: f64,
+    density: f64,
+    pub(super) cell_length: f64,
+    /// one row a branch and one for their sum
+    scratch: Vec<Vec<f64>>,
+    pub(super) block: Block,
+}
+
+/// Stress and change of every branch in one block of cells.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub(super) stress: Vec<[f64; LANES]>,
+    pub(super) change: Vec<StressChange>,
+    /// Σ σᵢ
+    pub(super) total: [f64; LANES],
+    /// Σ of the changes
+    pub(super) total_change: [f64; LANES],
+}
+
+impl Bar {
+    /// The segment cut into `cells`, its wave speed changed to cross one of them a `step`, moving at `velocity`.
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    pub(super) fn new(segment: &Segment, cells: usize, step: f64, velocity: f64) -> Self {
+        let cell_length = segment.length() / cells as f64;
+        let wave_speed = cell_length / step;
+        let modulus = segment.density() * wave_speed * wave_speed;
+        let scale = modulus / segment.modulus();
+        let branches = segment.branches();
+        let moduli: Vec<f64> = branches.iter().map(|b| scale * b.modulus).collect();
+        let flows = |duration: f64| -> Vec<Box<dyn BranchFlow>> {
+            let each = branches.iter().zip(&moduli);
+            each.map(|(b, modulus)| b.law.flow(*modulus, duration))
+                .collect()
+        };
+        let flows_of_step = flows(step);
+        let rows = if branches.len() > 1 {
+            branches.len()
+        } else {
+            0
+        };
+        let specific_impedance = segment.density() * wave_speed;
+        Self {
+            right: SlidingWindow::filled(cells, -velocity),
+            left: SlidingWindow::filled(cells, velocity),
+            excess: vec![vec![0.0; cells]; rows],
+            tangents: Vec::new(),
+            fractions: moduli.iter().map(|e| e / modulus).collect(),
+            elastic: flows_of_step.iter().all(|flow| flow.is_elastic()),
+            half_flows: flows(0.5 * step),
+            flows: flows_of_step,
+            modulus,
+            specific_impedance,
+            impedance: segment.area() * specific_impedance,
+            cell_volume: segment.area() * cell_length,
+            density: segment.density(),
+            cell_length,
+            scratch: vec![vec![0.0; cells]; if rows > 0 { rows + 1 } else { 0 }],
+            block: Block {
+                stress: vec![[0.0; LANES]; branches.len()],
+                change: vec![StressChange::default(); branches.len()],
+                total: [0.0; LANES],
+                total_change: [0.0; LANES],
+            },
+            moduli,
+        }
+    }
+
+    pub(super) fn cells(&self) -> usize {
+        self.right.len()
+    }
+
+    /// Relaxes every cell over a whole step and returns the energy dissipated \[J\].
+    pub(super) fn relax(&mut self) -> f64 {
+        if self.elastic {
+            return 0.0;
+        }
+        if !self.tangents.is_empty() {
+            return self.relax_with_tangents();
+        }
+        let (right, left) = (self.right.as_mut_slice(), self.left.as_mut_slice());
+        if let [flow] = &self.flows[..] {
+            let waves = Waves {
+                right,
+                left,
+                impedance: self.specific_impedance,
+            };
+            return 0.5 * self.cell_volume / self.modulus * flow.relax_waves(waves);
+        }
+        let half_impedance = 0.5 * self.specific_impedance;
+        let mut dissipated = 0.0;
+        let [sum, stresses @ ..] = &mut self.scratch[..] else {
+            return 0.0; // no branch, no waves
+        };
+        sum.fill(0.0);
+        for (branch, stress) in stresses.iter_mut().enumerate() {
+            if self.flows[branch].is_elastic() {
+                stress.fill(0.0);
+                continue;
+            }
+            let fraction = self.fractions[branch] * half_impedance;
+            let excess = &self.excess[branch];
+            for (((stress, r), l), p) in stress.iter_mut().zip(&*right).zip(&*left).zip(excess) {
+                *stress = p + fraction * (r + l);
+            }
+            dissipated += self.flows[branch].change(stress) / self.moduli[branch];
+            for (sum, change) in sum.iter_mut().zip(&*stress) {
+                *sum += change;
+            }
+        }
+        for ((excess, change), fraction) in
+            self.excess.iter_mut().zip(&*stresses).zip(&self.fractions)
+        {
+            for ((p, change), sum) in excess.iter_mut().zip(change).zip(&*sum) {
+                *p += change - fraction * sum;
+            }
+        }
+        let inverse = 1.0 / self.specific_impedance;
+        for ((r, l), sum) in right.iter_mut().zip(left).zip(&*sum) {
+            *r += sum * inverse;
+            *l += sum * inverse;
+        }
+        0.5 * self.cell_volume * dissipated
+    }
+
+    fn relax_with_tangents(&mut self) -> f64 {
+        let inverse = 1.0 / self.specific_impedance;
+        let mut dissipated = 0.0;
+        for first in (0..self.cells()).step_by(LANES) {
+            let count = LANES.min(self.cells() - first);
+            self.prepare_block(first, count, false);
+            for index in 0..self.tangents.len() {
+                self.relax_tangent(index, first, count);
+            }
+            let block = &self.block;
+            for (branch, (stress, change)) in block.stress.iter().zip(&block.change).enumerate() {
+                let loss: f64 = stress[..count]
+                    .iter()
+                    .zip(&change.stress)
+                    .map(|(stress, change)| change * (2.0 * stress + change))
+                    .sum();
+                dissipated -= loss / self.moduli[branch];
+                if let Some(excess) = self.excess.get_mut(branch) {
+                    let fraction = self.fractions[branch];
+                    for ((p, change), sum) in excess[first..first + count]
+                        .iter_mut()
+                        .zip(&change.stress)
+                        .zip(&block.total_change)
+                    {
+                        *p += change - fraction * sum;
+                    }
+                }
+            }
+            let right = &mut self.right.as_mut_slice()[first..first + count];
+            let left = &mut self.left.as_mut_slice()[first..first + count];
+            for ((r, l), sum) in right.iter_mut().zip(left).zip(&block.total_change) {
+                *r += sum * inverse;
+                *l += sum * inverse;
+            }
+        }
+        0.5 * self.cell_volume * dissipated
+    }
+
+    /// Puts stresses and changes of the branches in `count` cells from `first` into the block.
+    pub(super) fn prepare_block(&mut self, first: usize, count: usize, half_step: bool) {
+        let half_impedance = 0.5 * self.specific_impedance;
+        let right = &self.right.as_slice()[first..first + count];
+        let left = &self.left.as_slice()[first..first + count];
+        let block = &mut self.block;
+        block.total = [0.0; LANES];
+        for ((total, r), l) in block.total.iter_mut().zip(right).zip(left) {
+            *total = half_impedance * (r + l);
+        }
+        block.total_change = [0.0; LANES];
+        let flows = if half_step {
+            &self.half_flows
+        } else {
+            &self.flows
+        };
+        for (branch, flow) in flows.iter().enumerate() {
+            let stress = &mut block.stress[branch];
+            *stress = [0.0; LANES];
+            for (stress, total) in stress.iter_mut().zip(&block.total) {
+                *stress = self.fractions[branch] * total;
+            }
+            if let Some(excess) = self.excess.get(branch) {
+                for (stress, p) in stress.iter_mut().zip(&excess[first..first + count]) {
+                    *stress += p;
+                }
+            }
+            block.change[branch] = flow.change_with_sensitivity(stress);
+            for (total, change) in block
+                .total_change
+                .iter_mut()
+                .zip(&block.change[branch].stress)
+            {
+                *total += change;
+            }
+        }
+    }
+
+    /// The derivative of the total change in the block by one parameter; with `keep`, the tangent relaxes.
+    fn relax_tangent(&mut self, index: usize, first: usize, count: usize) {
+        let inverse = 1.0 / self.specific_impedance;
+        let changes = self.tangent_changes(index, first, count);
+        let tangent = &mut self.tangents[index];
+        let growth = tangent.impedance_growth;
+        for lane in 0..count {
+            let cell = first + lane;
+            let change = (changes.total[lane] - growth * self.block.total_change[lane]) * inverse;
+            tangent.right.as_mut_slice()[cell] += change;
+            tangent.left.as_mut_slice()[cell] += change;
+        }
+        for (branch, excess) in tangent.excess.iter_mut().enumerate() {
+            for lane in 0..count {
+                excess[first + lane] += tangent.branch_change[branch][lane]
+                    - self.fractions[branch] * changes.total[lane]
+                    - tangent.fraction_growth[branch] * self.block.total_change[lane];
+            }
+        }
+    }
+
+    /// dσ before the change and the derivative of the change of σ, by one parameter, for the block at hand.
+    pub(super) fn tangent_changes(
+        &mut self,
+        index: usize,
+        first: usize,
+        count: usize,
+    ) -> TangentChanges {
+        let block = &self.block;
+        let tangent = &mut self.tangents[index];
+        let half_impedance = 0.5 * self.specific_impedance;
+        let mut result = TangentChanges {
+            stress: [0.0; LANES],
+            total: [0.0; LANES],
+        };
+        let right = &tangent.right.as_slice()[first..first + count];
+        let left = &tangent.left.as_slice()[first..first + count];
+        for (lane, (r, l)) in right.iter().zip(left).enumerate() {
+            result.stress[lane] =
+                half_impedance * (r + l) + tangent.impedance_growth * block.total[lane];
+        }
+        for (branch, change) in block.change.iter().enumerate() {
+            let source = match tangent.source {
+                Source::LogModulus(of) if of == branch => Some(&change.by_log_modulus),
+                Source::Parameter(of, parameter) if of == branch => {
+                    Some(&change.by_parameter[parameter])
+                }
+                _ => None,
+            };
+            for lane in 0..count {
+                let mut by = self.fractions[branch] * result.stress[lane]
+                    + tangent.fraction_growth[branch] * block.total[lane];
+                if let Some(excess) = tangent.excess.get(branch) {
+                    by += excess[first + lane];
+                }
+                let by = change.by_stress[lane] * by + source.map_or(0.0, |source| source[lane]);
+                tangent.branch_change[branch][lane] = by;
+                result.total[lane] += by;
+            }
+        }
+        result
+    }
+
+    /// Adds half of what a change of the wave speed does to the tangents in one step, -½ c dt ∂R/∂x and +½ c dt ∂L/∂x per
+    /// relative change of the modulus.
+    pub(super) fn drag_tangents(&mut self) {
+        for tangent in &mut self.tangents {
+            let quarter = 0.5 * tangent.impedance_growth;
+            if quarter != 0.0 {
+                add_slope(
+                    tangent.right.as_mut_slice(),
+                    self.right.as_slice(),
+                    -quarter,
+                );
+                add_slope(tangent.left.as_mut_slice(), self.left.as_slice(), quarter);
+            }
+        }
+    }
+
+    /// Kinetic and elastic energy \[J\].
+    pub(super) fn energy(&self) -> f64 {
+        let squares = |values: &[f64]| -> f64 { values.iter().map(|x| x * x).sum() };
+        let waves = squares(self.right.as_slice()) + squares(self.left.as_slice());
+        let excess: f64 = self
+            .excess
+            .iter()
+            .zip(&self.moduli)
+            .map(|(row, modulus)| squares(row) / modulus)
+            .sum();
+        self.cell_volume * (0.25 * self.density * waves + 0.5 * excess)
+    }
+
+    /// Momentum along x [N s].
+    pub(super) fn momentum(&self) -> f64 {
+        let sum = |values: &[f64]| -> f64 { values.iter().sum() };
+        let velocities = 0.5 * (sum(self.left.as_slice()) - sum(self.right.as_slice()));
+        self.density * self.cell_volume * velocities
+    }
+}
+
+/// Derivatives of σ and of its change by one parameter.
+pub(super) struct TangentChanges {
+    pub(super) stress: [f64; LANES],
+    pub(super) total: [f64; LANES],
+}
+
+/// Adds `factor` dx ∂u/∂x, by differences of second order.
+fn add_slope(target: &mut [f64], u: &[f64], factor: f64) {
+    let last = u.len() - 1;
+    let half = 0.5 * factor;
+    for (target, around) in target[1..last].iter_mut().zip(u.windows(3)) {
+        *target += half * (around[2] - around[0]);
+    }
+    target[0] += half * (4.0 * u[1] - 3.0 * u[0] - u[2]);
+    target[last] += half * (3.0 * u[last] - 4.0 * u[last - 1] + u[last - 2]);
+}

@@ -1,0 +1,179 @@
+//! One spring in series with an inelastic law, whatever the law.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, StressChange};
+
+/// A modulus and a law behind a pointer, so that a line may mix laws.
+#[derive(Debug, Clone)]
+pub(super) struct Branch {
+    pub(super) modulus: f64,
+    pub(super) law: Arc<dyn BranchLaw>,
+}
+
+/// An [`InelasticLaw`] whose type is forgotten.
+pub(super) trait BranchLaw: Debug + Send + Sync {
+    fn parameters(&self) -> &'static [&'static str];
+    fn flow(&self, modulus: f64, duration: f64) -> Box<dyn BranchFlow>;
+}
+
+impl<L: InelasticLaw + 'static> BranchLaw for L
+where
+    L::Flow: Debug + Clone + 'static,
+{
+    fn parameters(&self) -> &'static [&'static str] {
+        L::PARAMETERS
+    }
+
+    fn flow(&self, modulus: f64, duration: f64) -> Box<dyn BranchFlow> {
+        Box::new(Flow {
+            flow: InelasticLaw::flow(self, modulus, duration),
+            parameters: L::PARAMETERS.len(),
+        })
+    }
+}
+
+/// Waves of one material: R = s - v and L = s + v [m/s], with s = σ/Z.
+pub(super) struct Waves<'a> {
+    pub(super) right: &'a mut [f64],
+    pub(super) left: &'a mut [f64],
+    pub(super) impedance: f64,
+}
+
+/// A [`RelaxationFlow`] whose type is forgotten. One call serves many cells, so that forgetting costs nothing.
+pub(super) trait BranchFlow: Debug + Send + Sync {
+    /// Whether there is nothing to relax.
+    fn is_elastic(&self) -> bool;
+
+    /// Relaxes a material that consists of this branch alone; returns Σ (σ0² - σ1²).
+    fn relax_waves(&self, waves: Waves<'_>) -> f64;
+
+    /// Replaces each stress by its change; returns Σ (σ0² - σ1²).
+    fn change(&self, stress: &mut [f64]) -> f64;
+
+    /// The change of several cells with its derivatives.
+    fn change_with_sensitivity(&self, stress: &[f64; LANES]) -> StressChange;
+
+    fn boxed_clone(&self) -> Box<dyn BranchFlow>;
+}
+
+impl Clone for Box<dyn BranchFlow> {
+    fn clone(&self) -> Self {
+        self.boxed_clone()
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Flow<F> {
+    flow: F,
+    parameters: usize,
+}
+
+impl<F: RelaxationFlow + Debug + Clone + Send + Sync + 'static> BranchFlow for Flow<F> {
+    fn is_elastic(&self) -> bool {
+        self.parameters == 0
+    }
+
+    fn relax_waves(&self, waves: Waves<'_>) -> f64 {
+        pulp::Arch::new().dispatch(RelaxWaves {
+            flow: &self.flow,
+            waves,
+        })
+    }
+
+    fn change(&self, stress: &mut [f64]) -> f64 {
+        pulp::Arch::new().dispatch(Change {
+            flow: &self.flow,
+            stress,
+        })
+    }
+
+    fn change_with_sensitivity(&self, stress: &[f64; LANES]) -> StressChange {
+        pulp::Arch::new().dispatch(ChangeWithSensitivity {
+            flow: &self.flow,
+            stress,
+            parameters: self.parameters,
+        })
+    }
+
+    fn boxed_clone(&self) -> Box<dyn BranchFlow> {
+        Box::new(self.clone())
+    }
+}
+
+struct RelaxWaves<'a, F> {
+    flow: &'a F,
+    waves: Waves<'a>,
+}
+
+impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWaves<'_, F> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let Waves {
+            right,
+            left,
+            impedance,
+        } = self.waves;
+        let inverse = 1.0 / impedance;
+        let mut loss = [0.0; LANES];
+        for (right, left) in right.chunks_mut(LANES).zip(left.chunks_mut(LANES)) {
+            // the last block is filled up with cells at rest
+            let mut stress = [0.0; LANES];
+            for ((stress, r), l) in stress.iter_mut().zip(right.iter()).zip(left.iter()) {
+                *stress = 0.5 * impedance * (r + l);
+            }
+            let change = self.flow.change(&stress);
+            for ((loss, stress), change) in loss.iter_mut().zip(stress).zip(change) {
+                *loss -= change * (2.0 * stress + change);
+            }
+            for ((r, l), change) in right.iter_mut().zip(left).zip(change) {
+                *r += change * inverse;
+                *l += change * inverse;
+            }
+        }
+        loss.iter().sum()
+    }
+}
+
+struct Change<'a, F> {
+    flow: &'a F,
+    stress: &'a mut [f64],
+}
+
+impl<F: RelaxationFlow> pulp::NullaryFnOnce for Change<'_, F> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let mut loss = [0.0; LANES];
+        for block in self.stress.chunks_mut(LANES) {
+            let mut stress = [0.0; LANES];
+            stress[..block.len()].copy_from_slice(block);
+            let change = self.flow.change(&stress);
+            for ((loss, stress), change) in loss.iter_mut().zip(stress).zip(change) {
+                *loss -= change * (2.0 * stress + change);
+            }
+            block.copy_from_slice(&change[..block.len()]);
+        }
+        loss.iter().sum()
+    }
+}
+
+struct ChangeWithSensitivity<'a, F> {
+    flow: &'a F,
+    stress: &'a [f64; LANES],
+    parameters: usize,
+}
+
+impl<F: RelaxationFlow> pulp::NullaryFnOnce for ChangeWithSensitivity<'_, F> {
+    type Output = StressChange;
+
+    #[inline(always)]
+    fn call(self) -> StressChange {
+        self.flow
+            .change_with_sensitivity(self.stress, self.parameters)
+    }
+}

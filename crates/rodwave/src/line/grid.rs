@@ -1,0 +1,127 @@
+//! One time step for all segments, a whole number of cells in each.
+
+use crate::RodwaveError;
+
+/// Fewest cells of a segment: the interpolation at a gauge takes four.
+const FEWEST_CELLS: f64 = 4.0;
+
+/// Largest relative change of a wave speed that makes a whole number of cells, unless the caller allows another.
+pub(super) const DEFAULT_SPEED_TOLERANCE: f64 = 1e-3;
+
+/// How much finer than asked the grid may become in the search for such a number.
+const LARGEST_REFINEMENT: f64 = 64.0;
+
+/// A time step and the numbers of cells of the segments.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Grid {
+    /// Time step \[s\].
+    pub time_step: f64,
+    /// Number of cells of each segment.
+    pub cells: Vec<usize>,
+    /// Relative change of the wave speed of each segment that makes its transit time a whole number of steps.
+    pub speed_change: Vec<f64>,
+}
+
+impl Grid {
+    /// The grid for segments of these transit times \[s\], of a time step not above `longest_step`.
+    ///
+    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, which is no whole number in general. Rounding
+    /// it for any step would be an error of first order. Here the steps from half of the longest one are searched for the
+    /// one that leaves the least to be rounded; two segments then err by a second-order amount, and commensurable ones not
+    /// at all. If the best is not good enough, finer steps are tried.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive and far below 2^52"
+    )]
+    pub(super) fn of(
+        transit_times: &[f64],
+        longest_step: f64,
+        tolerance: f64,
+    ) -> Result<Self, RodwaveError> {
+        let longest = transit_times.iter().copied().fold(0.0, f64::max);
+        let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
+        let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();
+        if fewest * LARGEST_REFINEMENT > 1e9 {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "number of cells of the longest segment",
+                value: fewest,
+                expected: "at most 1e9/64: a longer time step or no very short segment",
+            });
+        }
+        let misfit = |count: f64| -> f64 {
+            let step = longest / count;
+            transit_times
+                .iter()
+                .map(|time| ((time / step).round() * step / time - 1.0).abs())
+                .fold(0.0, f64::max)
+        };
+        let mut best = (fewest, misfit(fewest));
+        let mut count = fewest + 1.0;
+        // rounding errors of commensurable times are no reason for a finer grid
+        while best.1 > 1e-13
+            && (count <= 2.0 * fewest || best.1 > tolerance && count <= LARGEST_REFINEMENT * fewest)
+        {
+            let error = misfit(count);
+            if error < best.1 {
+                best = (count, error);
+            }
+            count += 1.0;
+        }
+        let (count, error) = best;
+        if error > tolerance {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "relative change of a wave speed that makes whole numbers of cells",
+                value: error,
+                expected: "at most the tolerance: a shorter time step",
+            });
+        }
+        let time_step = longest / count;
+        let cells: Vec<usize> = transit_times
+            .iter()
+            .map(|time| (time / time_step).round() as usize)
+            .collect();
+        let speed_change = transit_times
+            .iter()
+            .zip(&cells)
+            .map(|(time, cells)| time / (*cells as f64 * time_step) - 1.0)
+            .collect();
+        Ok(Self {
+            time_step,
+            cells,
+            speed_change,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commensurable_segments_are_not_changed() {
+        let grid = Grid::of(&[30e-6, 50e-6, 20e-6], 1.01e-6, 1e-3).unwrap();
+        assert_eq!(grid.cells, [30, 50, 20]);
+        assert!(grid.speed_change.iter().all(|change| change.abs() < 1e-12));
+    }
+
+    #[test]
+    fn two_segments_err_by_the_second_order_of_the_step() {
+        // among n counts the best fraction of a step is of order 1/n, and it is spread over n steps
+        let times = [100e-6, 100e-6 / std::f64::consts::SQRT_2];
+        for cells in [20.0, 80.0, 320.0] {
+            let grid = Grid::of(&times, 100e-6 / cells, 1.0).unwrap();
+            let worst = grid.speed_change[1].abs();
+            assert!(worst < 2.0 / (cells * cells), "{cells}: {worst}");
+            assert!(grid.time_step <= 100e-6 / cells && grid.time_step > 49e-6 / cells);
+        }
+    }
+
+    #[test]
+    fn a_short_segment_asks_for_a_short_step() {
+        let grid = Grid::of(&[1e-3, 1.3e-6], 1e-5, 1e-3).unwrap();
+        assert!(grid.cells[1] >= 4);
+        assert!(grid.speed_change.iter().all(|change| change.abs() < 1e-3));
+    }
+}

@@ -1,0 +1,153 @@
+//! What was observed of a line.
+
+use super::gauge::Reading;
+use super::grid::Grid;
+use super::ledger::Ledger;
+use super::march::{EndState, March};
+use super::tangent::Parameter;
+use crate::RodwaveError;
+
+/// Histories of a [`Line`](super::Line).
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct LineHistory {
+    /// The grid, with its time step dt.
+    pub grid: Grid,
+    /// One for each gauge.
+    pub gauges: Vec<SectionHistory>,
+    /// One for each contact, from the left.
+    pub contacts: Vec<ContactHistory>,
+    /// Left and right end of the line.
+    pub ends: [EndHistory; 2],
+    /// Derivatives by the parameters that were asked for.
+    pub derivatives: Vec<Derivatives>,
+    /// Energy and momentum at the end.
+    pub ledger: Ledger,
+}
+
+/// Readings of one gauge at 0, dt, 2 dt ...
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SectionHistory {
+    /// Particle velocity [m/s].
+    pub velocity: Vec<f64>,
+    /// Stress \[Pa\], positive in tension.
+    pub stress: Vec<f64>,
+    /// Strain, positive in tension.
+    pub strain: Vec<f64>,
+}
+
+/// Force and velocity of an end at dt/2, 3 dt/2 ...
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EndHistory {
+    /// Force \[N\], positive in compression.
+    pub force: Vec<f64>,
+    /// Velocity along x [m/s].
+    pub velocity: Vec<f64>,
+}
+
+/// Force and gap of a contact.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ContactHistory {
+    /// Force \[N\] at dt/2, 3 dt/2 ..., positive in compression.
+    pub force: Vec<f64>,
+    /// Gap \[m\] at dt, 2 dt ...
+    pub gap: Vec<f64>,
+}
+
+/// Derivatives of all histories by one parameter.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Derivatives {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Of each gauge.
+    pub gauges: Vec<SectionHistory>,
+    /// Of the force in each contact.
+    pub contact_forces: Vec<Vec<f64>>,
+    /// Of the ends.
+    pub ends: [EndHistory; 2],
+}
+
+impl SectionHistory {
+    fn push(&mut self, reading: Reading) {
+        self.velocity.push(reading.velocity);
+        self.stress.push(reading.stress);
+        self.strain.push(reading.strain);
+    }
+}
+
+impl EndHistory {
+    fn push(&mut self, state: EndState) {
+        self.force.push(state.force);
+        self.velocity.push(state.velocity);
+    }
+}
+
+impl LineHistory {
+    /// Runs `march` until `duration` and records everything.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "duration and time step are finite and positive"
+    )]
+    pub(super) fn record(
+        mut march: March,
+        duration: f64,
+        contacts: usize,
+        parameters: &[Parameter],
+    ) -> Result<Self, RodwaveError> {
+        // a whole number of steps may be exceeded by rounding
+        let steps = (duration / march.grid().time_step * (1.0 - 1e-12)).ceil() as usize;
+        let mut history = Self {
+            grid: march.grid().clone(),
+            gauges: vec![SectionHistory::default(); march.gauges.len()],
+            contacts: vec![ContactHistory::default(); contacts],
+            ends: std::array::from_fn(|_| EndHistory::default()),
+            derivatives: parameters
+                .iter()
+                .map(|parameter| Derivatives {
+                    parameter: *parameter,
+                    gauges: vec![SectionHistory::default(); march.gauges.len()],
+                    contact_forces: vec![Vec::new(); contacts],
+                    ends: std::array::from_fn(|_| EndHistory::default()),
+                })
+                .collect(),
+            ledger: march.ledger(),
+        };
+        history.push_gauges(&march);
+        for _ in 0..steps {
+            march.advance()?;
+            history.push_gauges(&march);
+            history.push_ends(&march);
+        }
+        history.ledger = march.ledger();
+        Ok(history)
+    }
+
+    fn push_gauges(&mut self, march: &March) {
+        for (index, gauge) in march.gauges.iter().enumerate() {
+            self.gauges[index].push(gauge.reading);
+            for (derivatives, reading) in self.derivatives.iter_mut().zip(&gauge.by_parameter) {
+                derivatives.gauges[index].push(*reading);
+            }
+        }
+    }
+
+    fn push_ends(&mut self, march: &March) {
+        for (history, state) in self.ends.iter_mut().zip(march.ends()) {
+            history.push(state);
+        }
+        for (index, contact) in self.contacts.iter_mut().enumerate() {
+            contact.force.push(march.contact_force(index));
+            contact.gap.push(march.gap(index));
+        }
+        for (parameter, derivatives) in self.derivatives.iter_mut().enumerate() {
+            for (history, state) in derivatives.ends.iter_mut().zip(march.ends_by(parameter)) {
+                history.push(state);
+            }
+            for (index, forces) in derivatives.contact_forces.iter_mut().enumerate() {
+                forces.push(march.contact_force_by(index, parameter));
+            }
+        }
+    }
+}

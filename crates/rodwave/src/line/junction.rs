@@ -1,0 +1,302 @@
+//! What happens at the ends of segments, half a step after the waves left their cells.
+//!
+//! A wave R arrives at the right end of a segment and asks v = N/z - R there, a wave L at a left end v = L - N/z; N is the normal
+//! force, z = AZ. The other side of the junction gives the second equation. No energy is stored in a junction, and
+//! the work and the impulse of N during the step are exactly N v dt and N dt, so that balances close to rounding.
+
+use super::end::{Drive, End};
+use crate::RodwaveError;
+
+/// Force \[N\] (positive in tension) and velocity [m/s] of a section.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Meeting {
+    pub(super) force: f64,
+    pub(super) velocity: f64,
+}
+
+/// One side of a junction: what arrives there, in s-units of its segment, and z.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub(super) arriving: f64,
+    pub(super) impedance: f64,
+}
+
+/// Derivatives of a [`Side`] by one parameter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SideTangent {
+    pub(super) arriving: f64,
+    /// d ln z
+    pub(super) growth: f64,
+}
+
+/// Between two segments: R arrives from the `left` one, L from the `right` one.
+#[derive(Debug, Clone)]
+pub(super) enum Junction {
+    Bonded,
+    Contact(Contact),
+}
+
+/// A unilateral contact: force <= 0, gap >= 0, force times gap = 0.
+#[derive(Debug, Clone)]
+pub(super) struct Contact {
+    pub(super) gap: f64,
+    pub(super) gap_tangents: Vec<f64>,
+    pub(super) closed: bool,
+}
+
+/// Forces and velocities on both sides, and the energy lost in closing a gap.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Encounter {
+    pub(super) left: Meeting,
+    pub(super) right: Meeting,
+    pub(super) lost: f64,
+}
+
+impl Junction {
+    pub(super) fn meet(&mut self, left: Side, right: Side, step: f64) -> Encounter {
+        let compliance = 1.0 / left.impedance + 1.0 / right.impedance;
+        // velocity of separation of the faces if there were no force
+        let separation = right.arriving + left.arriving;
+        let force = match self {
+            Self::Bonded => separation / compliance,
+            Self::Contact(contact) => {
+                let free_gap = contact.gap + step * separation;
+                contact.closed = free_gap < 0.0;
+                if contact.closed {
+                    free_gap / (step * compliance)
+                } else {
+                    0.0
+                }
+            }
+        };
+        let lost = match self {
+            Self::Contact(contact) if contact.closed => -force * contact.gap,
+            _ => 0.0,
+        };
+        let encounter = Encounter {
+            left: Meeting {
+                force,
+                velocity: force / left.impedance - left.arriving,
+            },
+            right: Meeting {
+                force,
+                velocity: right.arriving - force / right.impedance,
+            },
+            lost,
+        };
+        if let Self::Contact(contact) = self {
+            contact.gap = if contact.closed {
+                0.0
+            } else {
+                contact.gap + step * separation
+            };
+        }
+        encounter
+    }
+
+    /// Derivatives of the encounter by parameter `index`, after [`Self::meet`] has decided whether the contact is closed.
+    pub(super) fn meet_tangent(
+        &mut self,
+        index: usize,
+        encounter: &Encounter,
+        sides: [Side; 2],
+        tangents: [SideTangent; 2],
+        step: f64,
+    ) -> [Meeting; 2] {
+        let [left, right] = sides;
+        let [by_left, by_right] = tangents;
+        let force = encounter.left.force;
+        let compliance = 1.0 / left.impedance + 1.0 / right.impedance;
+        let stiffening =
+            force * (by_left.growth / left.impedance + by_right.growth / right.impedance);
+        let separation = by_right.arriving + by_left.arriving;
+        let by_force = match self {
+            Self::Bonded => (separation + stiffening) / compliance,
+            Self::Contact(contact) => {
+                let gap = contact.gap_tangents[index];
+                if contact.closed {
+                    contact.gap_tangents[index] = 0.0;
+                    (separation + gap / step + stiffening) / compliance
+                } else {
+                    contact.gap_tangents[index] = gap + step * separation;
+                    0.0
+                }
+            }
+        };
+        [
+            Meeting {
+                force: by_force,
+                velocity: (by_force - force * by_left.growth) / left.impedance - by_left.arriving,
+            },
+            Meeting {
+                force: by_force,
+                velocity: by_right.arriving
+                    - (by_force - force * by_right.growth) / right.impedance,
+            },
+        ]
+    }
+}
+
+/// Which end of the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hand {
+    Left,
+    Right,
+}
+
+/// An end of the line with what it has done so far.
+#[derive(Debug, Clone)]
+pub(super) struct Terminal {
+    hand: Hand,
+    end: End,
+    /// velocity of an attached mass, at whole steps
+    velocity: f64,
+    velocity_tangents: Vec<f64>,
+    /// work done on the line by what is driven or held \[J\]
+    pub(super) supplied: f64,
+    /// energy taken by a dashpot \[J\]
+    pub(super) radiated: f64,
+    /// impulse on the line, along x [N s]
+    pub(super) impulse: f64,
+}
+
+impl Terminal {
+    pub(super) fn new(hand: Hand, end: &End, velocity: f64, tangents: usize) -> Self {
+        Self {
+            hand,
+            end: end.clone(),
+            velocity,
+            velocity_tangents: vec![0.0; tangents],
+            supplied: 0.0,
+            radiated: 0.0,
+            impulse: 0.0,
+        }
+    }
+
+    /// +1 where the force on the line's end acts along x for tension.
+    fn outward(&self) -> f64 {
+        match self.hand {
+            Hand::Left => -1.0,
+            Hand::Right => 1.0,
+        }
+    }
+
+    /// Force and velocity of the end at `time`. With the outward velocity u, both ends ask for u = N/z - a, where a is what
+    /// arrives: R at the right end, L at the left one.
+    pub(super) fn meet(
+        &mut self,
+        side: Side,
+        time: f64,
+        step: f64,
+    ) -> Result<Meeting, RodwaveError> {
+        let outward = self.outward();
+        let Side {
+            arriving,
+            impedance,
+        } = side;
+        let force = match &self.end {
+            End::Free => 0.0,
+            End::Fixed => impedance * arriving,
+            End::Velocity(drive) => {
+                let velocity = drive.at(time, velocity_quantity(self.hand))?;
+                impedance * (arriving + outward * velocity)
+            }
+            End::Force(drive) => -drive.at(time, force_quantity(self.hand))?,
+            End::Matched => 0.5 * impedance * arriving,
+            End::Dashpot(resistance) => arriving / (1.0 / impedance + 1.0 / resistance),
+            End::Mass(mass) => {
+                (arriving + outward * self.velocity) / (1.0 / impedance + 0.5 * step / mass)
+            }
+        };
+        let outward_velocity = force / impedance - arriving;
+        let work = force * outward_velocity * step;
+        match &self.end {
+            End::Matched | End::Dashpot(_) => {
+                self.radiated -= work;
+                self.impulse += outward * force * step;
+            }
+            End::Mass(mass) => self.velocity -= outward * force * step / mass,
+            End::Free => {}
+            End::Fixed | End::Velocity(_) | End::Force(_) => {
+                self.supplied += work;
+                self.impulse += outward * force * step;
+            }
+        }
+        Ok(Meeting {
+            force,
+            velocity: outward * outward_velocity,
+        })
+    }
+
+    /// Derivatives of the meeting by parameter `index`.
+    pub(super) fn meet_tangent(
+        &mut self,
+        index: usize,
+        meeting: Meeting,
+        side: Side,
+        by: SideTangent,
+        step: f64,
+    ) -> Meeting {
+        let outward = self.outward();
+        let impedance = side.impedance;
+        // d(N/z) = (dN - N d ln z)/z
+        let stiffening = meeting.force * by.growth / impedance;
+        let by_force = match &self.end {
+            End::Free | End::Force(_) => 0.0,
+            End::Fixed | End::Velocity(_) => impedance * (by.arriving + stiffening),
+            End::Matched => 0.5 * impedance * by.arriving + meeting.force * by.growth,
+            End::Dashpot(resistance) => {
+                (by.arriving + stiffening) / (1.0 / impedance + 1.0 / resistance)
+            }
+            End::Mass(mass) => {
+                let velocity = &mut self.velocity_tangents[index];
+                let force = (by.arriving + outward * *velocity + stiffening)
+                    / (1.0 / impedance + 0.5 * step / mass);
+                *velocity -= outward * force * step / mass;
+                force
+            }
+        };
+        let outward_velocity = by_force / impedance - stiffening - by.arriving;
+        Meeting {
+            force: by_force,
+            velocity: outward * outward_velocity,
+        }
+    }
+
+    /// Kinetic energy of an attached mass \[J\].
+    pub(super) fn energy(&self) -> f64 {
+        match self.end {
+            End::Mass(mass) => 0.5 * mass * self.velocity * self.velocity,
+            _ => 0.0,
+        }
+    }
+
+    /// Momentum of an attached mass along x [N s].
+    pub(super) fn momentum(&self) -> f64 {
+        match self.end {
+            End::Mass(mass) => mass * self.velocity,
+            _ => 0.0,
+        }
+    }
+
+    pub(super) fn drive(&self) -> Option<&Drive> {
+        match &self.end {
+            End::Velocity(drive) | End::Force(drive) => Some(drive),
+            _ => None,
+        }
+    }
+}
+
+fn velocity_quantity(hand: Hand) -> &'static str {
+    match hand {
+        Hand::Left => "velocity prescribed at the left end [m/s]",
+        Hand::Right => "velocity prescribed at the right end [m/s]",
+    }
+}
+
+fn force_quantity(hand: Hand) -> &'static str {
+    match hand {
+        Hand::Left => "force prescribed at the left end [N]",
+        Hand::Right => "force prescribed at the right end [N]",
+    }
+}

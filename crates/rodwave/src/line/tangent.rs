@@ -1,0 +1,76 @@
+//! Derivatives that march along with a segment.
+
+use super::bar::Bar;
+use crate::inelastic::LANES;
+use crate::sliding_window::SlidingWindow;
+
+/// A parameter of a line: of which segment, which branch and what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Parameter {
+    /// Segment, counted through all bodies from the left end, from 0.
+    pub segment: usize,
+    /// Branch of its material, from 0.
+    pub branch: usize,
+    /// `ln_modulus` for ln Eᵢ, or a name in the `PARAMETERS` of its law.
+    pub name: &'static str,
+}
+
+/// Name of ln Eᵢ among the parameters.
+pub const LN_MODULUS: &str = "ln_modulus";
+
+/// Where a parameter enters a segment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    /// Not at all.
+    Elsewhere,
+    /// The modulus of a branch.
+    LogModulus(usize),
+    /// A parameter of the law of a branch.
+    Parameter(usize, usize),
+}
+
+/// Derivatives of the state of a segment by one parameter of the line.
+#[derive(Debug, Clone)]
+pub(super) struct BarTangent {
+    pub(super) right: SlidingWindow,
+    pub(super) left: SlidingWindow,
+    pub(super) excess: Vec<Vec<f64>>,
+    pub(super) source: Source,
+    /// d ln Z = ½ d ln E, and as much d ln c
+    pub(super) impedance_growth: f64,
+    /// d(Eᵢ/E) of every branch
+    pub(super) fraction_growth: Vec<f64>,
+    pub(super) branch_change: Vec<[f64; LANES]>,
+}
+
+impl BarTangent {
+    pub(super) fn new(bar: &Bar, source: Source) -> Self {
+        let cells = bar.cells();
+        let share = match source {
+            Source::LogModulus(branch) => bar.fractions[branch],
+            _ => 0.0,
+        };
+        let fraction_growth = bar
+            .fractions
+            .iter()
+            .enumerate()
+            .map(|(branch, fraction)| {
+                let own = if source == Source::LogModulus(branch) {
+                    share
+                } else {
+                    0.0
+                };
+                own - share * fraction
+            })
+            .collect();
+        Self {
+            right: SlidingWindow::filled(cells, 0.0),
+            left: SlidingWindow::filled(cells, 0.0),
+            excess: vec![vec![0.0; cells]; bar.excess.len()],
+            source,
+            impedance_growth: 0.5 * share,
+            fraction_growth,
+            branch_change: vec![[0.0; LANES]; bar.fractions.len()],
+        }
+    }
+}
