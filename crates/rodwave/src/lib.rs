@@ -10,7 +10,8 @@
 //! springs and dashpots; [`chain`] makes bodies of them, with the mobility of their faces at any frequency; [`synthesis`] turns
 //! spectra into histories. [`slenderness`] says what one-dimensional theory is worth and corrects it.
 //!
-//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`].
+//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`] and, for
+//! bodies of several parts, branches and contacts, [`line`](mod@line).
 //! [`lumped`] is an independent second solver, [`impact`] a striker against a rod, [`experiment`] what instruments would have
 //! recorded of it.
 //!
@@ -44,7 +45,7 @@
 //! # What this does not do
 //! * Two dimensions: lateral inertia is in [`slenderness`] alone, as a correction for uniform round rods.
 //! * Plasticity with memory, damage, heat: the inelastic strain rate depends on the present stress only.
-//! * The time-domain solvers take one uniform rod; a body of several parts is solved in the frequency domain.
+//! * In the time domain areas are piecewise constant and laws have a finite number of branches; cones, horns and fractional laws are for [`chain`].
 
 pub mod band_limited;
 pub mod chain;
