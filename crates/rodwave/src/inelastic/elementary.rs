@@ -51,6 +51,30 @@ pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
+/// The largest of several numbers, by halves; what is not a number may be passed over.
+#[inline(always)]
+pub(super) fn largest(x: &[f64; LANES]) -> f64 {
+    const HALF: usize = LANES / 2;
+    let mut largest = [0.0; HALF];
+    for i in 0..HALF {
+        largest[i] = larger(x[i], x[i + HALF]);
+    }
+    let mut width = HALF;
+    while width > 1 {
+        width /= 2;
+        for i in 0..width {
+            largest[i] = larger(largest[i], largest[i + width]);
+        }
+    }
+    largest[0]
+}
+
+/// One vector instruction, which `f64::max` is not.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// ln of numbers that are not negative, to 1e-14 (relative to 1 near 1); about -709 at zero.
 #[inline(always)]
 pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
