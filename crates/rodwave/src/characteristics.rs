@@ -19,8 +19,8 @@
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
-use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
-use crate::interpolation::{Interpolated, quintic_at};
+use crate::inelastic::{InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, lanes};
+use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
 
 /// Name of this solver in the provenance of virtual records.
@@ -124,7 +124,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         }
         Ok(times
             .iter()
-            .map(|time| quintic_at(&history, time / step).value)
+            .map(|time| Quintic::around(time / step).value(&history))
             .collect())
     }
 
@@ -156,31 +156,22 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 tangent.push(march.free_end_tangent(index));
             }
         }
-        let at_times = |history: &[f64]| -> Vec<Interpolated> {
-            times
-                .iter()
-                .map(|time| quintic_at(history, time / step))
-                .collect()
-        };
-        let velocity = at_times(&history);
-        let mut derivatives = tangent_history.iter().map(|tangent| {
-            at_times(tangent)
-                .iter()
-                .map(|point| point.value)
-                .collect::<Vec<f64>>()
-        });
-        let by_log_modulus = derivatives
-            .next()
-            .unwrap_or_default()
+        let points: Vec<Quintic> = times
             .iter()
-            .zip(times)
-            .zip(&velocity)
-            .map(|((derivative, time), point)| derivative + 0.5 * time * point.slope / step)
+            .map(|time| Quintic::around(time / step))
             .collect();
+        let at_times = |history: &Vec<f64>| -> Vec<f64> {
+            points.iter().map(|point| point.value(history)).collect()
+        };
+        let mut derivatives = tangent_history.iter().map(at_times);
+        let mut by_log_modulus = derivatives.next().unwrap_or_default();
+        for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
+            *derivative += 0.5 * time * point.slope(&history) / step;
+        }
         Ok(Response {
             by_log_modulus,
             by_parameter: derivatives.collect(),
-            velocity: velocity.iter().map(|point| point.value).collect(),
+            velocity: at_times(&history),
         })
     }
 
@@ -397,24 +388,13 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for Relax<'_, F> {
 #[inline(always)]
 fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
     let inverse = 1.0 / impedance;
-    let right = &mut wave.right.as_mut_slice()[..reached];
-    let left = &mut wave.left.as_mut_slice()[..reached];
+    let (right, left) = wave.blocks_mut(reached);
     let mut loss = [0.0; LANES];
-    let (right_blocks, right_rest) = right.as_chunks_mut::<LANES>();
-    let (left_blocks, left_rest) = left.as_chunks_mut::<LANES>();
-    // the rest, filled up with cells at rest
-    let (mut r, mut l) = ([0.0; LANES], [0.0; LANES]);
-    let rest = right_rest.len();
-    r[..rest].copy_from_slice(right_rest);
-    l[..rest].copy_from_slice(left_rest);
-    let blocks = right_blocks.iter_mut().zip(left_blocks);
     let mut loss_of_end = None;
-    for (right, left) in blocks.chain(std::iter::once((&mut r, &mut l))) {
+    for (right, left) in right.iter_mut().zip(left) {
         relax_block(right, left, flow, impedance, inverse, &mut loss);
         loss_of_end.get_or_insert(loss[0]);
     }
-    right_rest.copy_from_slice(&r[..rest]);
-    left_rest.copy_from_slice(&l[..rest]);
     // the end node carries half a cell
     loss.iter().sum::<f64>() - 0.5 * loss_of_end.unwrap_or(0.0)
 }
@@ -473,43 +453,53 @@ fn relax_with_tangents<L: InelasticLaw>(
     reached: usize,
 ) {
     let inverse = 1.0 / impedance;
-    let parameters = L::PARAMETERS.len();
-    for first in (0..reached).step_by(LANES) {
-        let count = LANES.min(reached - first);
-        let nodes = first..first + count;
-        let right = &mut wave.right.as_mut_slice()[nodes.clone()];
-        let left = &mut wave.left.as_mut_slice()[nodes.clone()];
-        let mut scaled = [0.0; LANES];
-        for ((scaled, r), l) in scaled.iter_mut().zip(right.iter()).zip(left.iter()) {
-            *scaled = 0.5 * (r + l);
+    let (right, left) = wave.blocks_mut(reached);
+    let mut tangent_blocks: [Blocks<'_>; 1 + MAX_PARAMETERS] = Default::default();
+    for (blocks, tangent) in tangent_blocks.iter_mut().zip(tangents) {
+        *blocks = tangent.blocks_mut(reached);
+    }
+    let [(right_by_modulus, left_by_modulus), by_parameter @ ..] = &mut tangent_blocks;
+    let by_modulus = right_by_modulus.iter_mut().zip(left_by_modulus.iter_mut());
+    let wave_blocks = right.iter_mut().zip(left);
+    for (block, ((right, left), by_modulus)) in wave_blocks.zip(by_modulus).enumerate() {
+        let scaled: [f64; LANES] = lanes!(|i| 0.5 * (right[i] + left[i]));
+        let change =
+            flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), L::PARAMETERS.len());
+        for i in 0..LANES {
+            let change = change.stress[i] * inverse;
+            right[i] += change;
+            left[i] += change;
         }
-        let change = flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), parameters);
-        for ((change, r), l) in change.stress.iter().zip(right).zip(left) {
-            *r += change * inverse;
-            *l += change * inverse;
-        }
-        for (index, tangent) in tangents.iter_mut().enumerate() {
-            let source: [f64; LANES] = if index == 0 {
-                // at constant dimensionless time: Z and E h grow as E^½
-                lanes!(|i| {
-                    0.5 * (scaled[i] * change.by_stress[i]
-                        + (change.by_log_modulus[i] - change.stress[i]) * inverse)
-                })
-            } else {
-                lanes!(|i| change.by_parameter[index - 1][i] * inverse)
-            };
-            let right = &mut tangent.right.as_mut_slice()[nodes.clone()];
-            let left = &mut tangent.left.as_mut_slice()[nodes.clone()];
-            for (((r, l), source), by_stress) in
-                right.iter_mut().zip(left).zip(source).zip(change.by_stress)
-            {
-                let change = by_stress * 0.5 * (*r + *l) + source;
-                *r += change;
-                *l += change;
-            }
+        // at constant dimensionless time: Z and E h grow as E^½
+        let source = lanes!(|i| {
+            0.5 * (scaled[i] * change.by_stress[i]
+                + (change.by_log_modulus[i] - change.stress[i]) * inverse)
+        });
+        relax_tangent_block(by_modulus.0, by_modulus.1, &change, &source);
+        let parameters = by_parameter.iter_mut().zip(&change.by_parameter);
+        for ((right, left), by_parameter) in parameters.take(L::PARAMETERS.len()) {
+            let source = lanes!(|i| by_parameter[i] * inverse);
+            relax_tangent_block(&mut right[block], &mut left[block], &change, &source);
         }
     }
 }
+
+#[inline(always)]
+fn relax_tangent_block(
+    right: &mut [f64; LANES],
+    left: &mut [f64; LANES],
+    change: &StressChange,
+    source: &[f64; LANES],
+) {
+    for i in 0..LANES {
+        let change = change.by_stress[i] * 0.5 * (right[i] + left[i]) + source[i];
+        right[i] += change;
+        left[i] += change;
+    }
+}
+
+/// R and L of some nodes, in blocks.
+type Blocks<'a> = (&'a mut [[f64; LANES]], &'a mut [[f64; LANES]]);
 
 /// R = s - v and L = s + v [m/s] at the nodes.
 #[derive(Debug, Clone)]
@@ -528,6 +518,15 @@ impl WavePair {
 
     fn len(&self) -> usize {
         self.right.len
+    }
+
+    /// R and L of the first `reached` nodes, filled up with zeros to whole blocks.
+    #[inline(always)]
+    fn blocks_mut(&mut self, reached: usize) -> Blocks<'_> {
+        (
+            self.right.blocks_mut(reached),
+            self.left.blocks_mut(reached),
+        )
     }
 
     /// R² - L² at x = -L, which is -4 s v: the inflow of energy up to a factor.
@@ -554,49 +553,110 @@ impl WavePair {
 }
 
 /// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
+///
+/// Zeros behind the window, `padding` in number, make whole blocks of it.
 #[derive(Debug, Clone)]
 struct SlidingWindow {
     buffer: Vec<f64>,
     start: usize,
     len: usize,
+    padding: usize,
 }
 
 impl SlidingWindow {
     fn zeros(len: usize) -> Self {
+        let padded = len.next_multiple_of(LANES);
         Self {
-            buffer: vec![0.0; 4 * len],
+            buffer: vec![0.0; 4 * padded],
             start: 0,
             len,
+            padding: padded - len,
         }
     }
 
+    /// Where the window ends and the padding begins.
+    fn end(&self) -> usize {
+        self.start + self.len
+    }
+
     fn as_slice(&self) -> &[f64] {
-        &self.buffer[self.start..self.start + self.len]
+        &self.buffer[self.start..self.end()]
     }
 
     fn as_mut_slice(&mut self) -> &mut [f64] {
-        &mut self.buffer[self.start..self.start + self.len]
+        let window = self.start..self.end();
+        &mut self.buffer[window]
+    }
+
+    /// The blocks that hold the first `count` values; behind the last value of the window they are filled up with zeros,
+    /// which have to stay zeros.
+    #[inline(always)]
+    fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
+        let end = self.start + count.next_multiple_of(LANES);
+        self.buffer[self.start..end].as_chunks_mut().0
     }
 
     /// Every value moves to the next higher index; the first is to be set by the caller.
     fn slide_towards_end(&mut self) {
         if self.start == 0 {
-            let target = self.buffer.len() - self.len;
+            let target = self.buffer.len() - self.len - self.padding;
             self.buffer.copy_within(0..self.len - 1, target + 1);
             self.start = target;
+            let end = self.end();
+            self.buffer[end..].fill(0.0);
         } else {
             self.start -= 1;
+            // the last value has gone into the padding
+            let end = self.end();
+            self.buffer[end] = 0.0;
         }
     }
 
     /// Every value moves to the next lower index; the last is to be set by the caller.
     fn slide_towards_start(&mut self) {
-        if self.start + self.len == self.buffer.len() {
-            self.buffer
-                .copy_within(self.start + 1..self.start + self.len, 0);
+        let padded_end = self.end() + self.padding;
+        if padded_end == self.buffer.len() {
+            let window = self.start + 1..self.end();
+            self.buffer.copy_within(window, 0);
             self.start = 0;
+            let padding = self.len..self.len + self.padding;
+            self.buffer[padding].fill(0.0);
         } else {
             self.start += 1;
+            self.buffer[padded_end] = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_slides_as_an_array_shifts_and_is_padded_with_zeros() {
+        // lengths below, at and above whole blocks; enough slides to come round several times
+        for len in 9..50 {
+            let (mut up, mut down) = (SlidingWindow::zeros(len), SlidingWindow::zeros(len));
+            let (mut shifted_up, mut shifted_down) = (vec![0.0; len], vec![0.0; len]);
+            let mut value = 0.0;
+            for _ in 0..700 {
+                value += 1.0;
+                up.slide_towards_end();
+                up.as_mut_slice()[0] = value;
+                shifted_up.rotate_right(1);
+                shifted_up[0] = value;
+                down.slide_towards_start();
+                down.as_mut_slice()[len - 1] = value;
+                shifted_down.rotate_left(1);
+                shifted_down[len - 1] = value;
+                for (window, expected) in [(&mut up, &shifted_up), (&mut down, &shifted_down)] {
+                    assert_eq!(window.as_slice(), expected, "{len} values");
+                    let cells = window.blocks_mut(len).as_flattened();
+                    assert_eq!(cells.len(), len.next_multiple_of(LANES));
+                    assert_eq!(&cells[..len], expected, "{len} values");
+                    assert!(cells[len..].iter().all(|cell| *cell == 0.0), "{len} values");
+                }
+            }
         }
     }
 }
