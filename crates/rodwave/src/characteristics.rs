@@ -462,14 +462,12 @@ fn relax_with_tangents<L: InelasticLaw>(
     let by_modulus = right_by_modulus.iter_mut().zip(left_by_modulus.iter_mut());
     let wave_blocks = right.iter_mut().zip(left);
     for (block, ((right, left), by_modulus)) in wave_blocks.zip(by_modulus).enumerate() {
-        let scaled: [f64; LANES] = lanes!(|i| 0.5 * (right[i] + left[i]));
+        let (r, l) = (*right, *left);
+        let scaled = lanes!(|i| 0.5 * (r[i] + l[i]));
         let change =
             flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), L::PARAMETERS.len());
-        for i in 0..LANES {
-            let change = change.stress[i] * inverse;
-            right[i] += change;
-            left[i] += change;
-        }
+        *right = lanes!(|i| r[i] + change.stress[i] * inverse);
+        *left = lanes!(|i| l[i] + change.stress[i] * inverse);
         // at constant dimensionless time: Z and E h grow as E^½
         let source = lanes!(|i| {
             0.5 * (scaled[i] * change.by_stress[i]
@@ -491,11 +489,11 @@ fn relax_tangent_block(
     change: &StressChange,
     source: &[f64; LANES],
 ) {
-    for i in 0..LANES {
-        let change = change.by_stress[i] * 0.5 * (right[i] + left[i]) + source[i];
-        right[i] += change;
-        left[i] += change;
-    }
+    // copies, which share no memory with anything: the compiler then needs no proof of it
+    let (r, l) = (*right, *left);
+    let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
+    *right = lanes!(|i| r[i] + change[i]);
+    *left = lanes!(|i| l[i] + change[i]);
 }
 
 /// R and L of some nodes, in blocks.
