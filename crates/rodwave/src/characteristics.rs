@@ -629,6 +629,70 @@ impl SlidingWindow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+
+    /// One march with the instructions of the processor at hand and one with those that every processor has.
+    fn digits_are_the_same<L: InelasticLaw<Flow: Clone>>(law: &L) {
+        let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
+        let problem = DirectProblem::new(rod, 75).unwrap();
+        let mut march = March::new(&problem, 9.0, 1 + L::PARAMETERS.len());
+        for step in 0..400_u32 {
+            let (mut plain, mut with_tangents) = (march.clone(), march.clone());
+            let reached = (march.steps + 1).min(march.wave.len());
+            let relaxed = relax(&mut plain.wave, &march.flow, march.impedance, reached);
+            let dispatched = pulp::Arch::new().dispatch(Relax {
+                wave: &mut march.wave,
+                flow: &march.flow,
+                impedance: march.impedance,
+                reached,
+            });
+            assert_eq!(relaxed.to_bits(), dispatched.to_bits(), "{law:?}");
+            assert_same_bits(&plain.wave, &march.wave);
+            march.wave.clone_from(&with_tangents.wave);
+            relax_with_tangents::<L>(
+                &mut with_tangents.wave,
+                &mut with_tangents.tangents,
+                &march.flow,
+                march.impedance,
+                reached,
+            );
+            pulp::Arch::new().dispatch(RelaxWithTangents::<L> {
+                wave: &mut march.wave,
+                tangents: &mut march.tangents,
+                flow: &march.flow,
+                impedance: march.impedance,
+                reached,
+            });
+            assert_same_bits(&with_tangents.wave, &march.wave);
+            for (plain, vector) in with_tangents.tangents.iter().zip(&march.tangents) {
+                assert_same_bits(plain, vector);
+            }
+            // a velocity that swings, so that blocks of every kind occur
+            march.wave.shift(9.0 + 8.0 * (0.1 * f64::from(step)).sin());
+            for tangent in &mut march.tangents {
+                tangent.shift(1.0);
+            }
+            march.steps += 1;
+        }
+    }
+
+    fn assert_same_bits(a: &WavePair, b: &WavePair) {
+        for (a, b) in [(&a.right, &b.right), (&a.left, &b.left)] {
+            let values = a.as_slice().iter().zip(b.as_slice());
+            for (a, b) in values {
+                assert_eq!(a.to_bits(), b.to_bits(), "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn vector_instructions_change_no_digit() {
+        digits_are_the_same(&Maxwell::new(4e6).unwrap());
+        digits_are_the_same(&MaxwellNorton::new(2.108, 7e13).unwrap());
+        // one part and a few terms, then several parts
+        digits_are_the_same(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
+        digits_are_the_same(&MaxwellGurevichRabinovich::new(2e5, 7.08e6).unwrap());
+    }
 
     #[test]
     fn a_window_slides_as_an_array_shifts_and_is_padded_with_zeros() {
