@@ -135,7 +135,7 @@ fn sensitivities<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L
         bencher.iter(|| record.velocity(&problem));
     });
     group.bench_function(
-        format!("{name}, velocity and {derivatives} derivatives"),
+        format!("{name}, velocity and derivatives ({derivatives})"),
         |bencher| bencher.iter(|| record.with_derivatives(&problem)),
     );
     group.finish();
