@@ -213,7 +213,7 @@ impl<V: Argument> Chain<V> {
     /// Lumped elements have their near face at `distance` 0 and nothing else.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for an element that is not there, [`RodwaveError::InElement`] for a distance outside
+    /// [`RodwaveError::LengthMismatch`] for an element that is not there, [`RodwaveError::InElement`] for a distance outside
     /// the element.
     pub fn section(&self, element: usize, distance: f64) -> Result<Section<'_, V>, RodwaveError> {
         Section::new(self, element, distance)

@@ -19,9 +19,10 @@
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;
-use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
-use crate::interpolation::{Interpolated, quintic_at};
+use crate::inelastic::{InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, lanes};
+use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
+use crate::sliding_window::SlidingWindow;
 
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
@@ -124,7 +125,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         }
         Ok(times
             .iter()
-            .map(|time| quintic_at(&history, time / step).value)
+            .map(|time| Quintic::around(time / step).value(&history))
             .collect())
     }
 
@@ -156,31 +157,22 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 tangent.push(march.free_end_tangent(index));
             }
         }
-        let at_times = |history: &[f64]| -> Vec<Interpolated> {
-            times
-                .iter()
-                .map(|time| quintic_at(history, time / step))
-                .collect()
-        };
-        let velocity = at_times(&history);
-        let mut derivatives = tangent_history.iter().map(|tangent| {
-            at_times(tangent)
-                .iter()
-                .map(|point| point.value)
-                .collect::<Vec<f64>>()
-        });
-        let by_log_modulus = derivatives
-            .next()
-            .unwrap_or_default()
+        let points: Vec<Quintic> = times
             .iter()
-            .zip(times)
-            .zip(&velocity)
-            .map(|((derivative, time), point)| derivative + 0.5 * time * point.slope / step)
+            .map(|time| Quintic::around(time / step))
             .collect();
+        let at_times = |history: &Vec<f64>| -> Vec<f64> {
+            points.iter().map(|point| point.value(history)).collect()
+        };
+        let mut derivatives = tangent_history.iter().map(at_times);
+        let mut by_log_modulus = derivatives.next().unwrap_or_default();
+        for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
+            *derivative += 0.5 * time * point.slope(&history) / step;
+        }
         Ok(Response {
             by_log_modulus,
             by_parameter: derivatives.collect(),
-            velocity: velocity.iter().map(|point| point.value).collect(),
+            velocity: at_times(&history),
         })
     }
 
@@ -397,24 +389,13 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for Relax<'_, F> {
 #[inline(always)]
 fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
     let inverse = 1.0 / impedance;
-    let right = &mut wave.right.as_mut_slice()[..reached];
-    let left = &mut wave.left.as_mut_slice()[..reached];
+    let (right, left) = wave.blocks_mut(reached);
     let mut loss = [0.0; LANES];
-    let (right_blocks, right_rest) = right.as_chunks_mut::<LANES>();
-    let (left_blocks, left_rest) = left.as_chunks_mut::<LANES>();
-    // the rest, filled up with cells at rest
-    let (mut r, mut l) = ([0.0; LANES], [0.0; LANES]);
-    let rest = right_rest.len();
-    r[..rest].copy_from_slice(right_rest);
-    l[..rest].copy_from_slice(left_rest);
-    let blocks = right_blocks.iter_mut().zip(left_blocks);
     let mut loss_of_end = None;
-    for (right, left) in blocks.chain(std::iter::once((&mut r, &mut l))) {
+    for (right, left) in right.iter_mut().zip(left) {
         relax_block(right, left, flow, impedance, inverse, &mut loss);
         loss_of_end.get_or_insert(loss[0]);
     }
-    right_rest.copy_from_slice(&r[..rest]);
-    left_rest.copy_from_slice(&l[..rest]);
     // the end node carries half a cell
     loss.iter().sum::<f64>() - 0.5 * loss_of_end.unwrap_or(0.0)
 }
@@ -473,43 +454,51 @@ fn relax_with_tangents<L: InelasticLaw>(
     reached: usize,
 ) {
     let inverse = 1.0 / impedance;
-    let parameters = L::PARAMETERS.len();
-    for first in (0..reached).step_by(LANES) {
-        let count = LANES.min(reached - first);
-        let nodes = first..first + count;
-        let right = &mut wave.right.as_mut_slice()[nodes.clone()];
-        let left = &mut wave.left.as_mut_slice()[nodes.clone()];
-        let mut scaled = [0.0; LANES];
-        for ((scaled, r), l) in scaled.iter_mut().zip(right.iter()).zip(left.iter()) {
-            *scaled = 0.5 * (r + l);
-        }
-        let change = flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), parameters);
-        for ((change, r), l) in change.stress.iter().zip(right).zip(left) {
-            *r += change * inverse;
-            *l += change * inverse;
-        }
-        for (index, tangent) in tangents.iter_mut().enumerate() {
-            let source: [f64; LANES] = if index == 0 {
-                // at constant dimensionless time: Z and E h grow as E^½
-                lanes!(|i| {
-                    0.5 * (scaled[i] * change.by_stress[i]
-                        + (change.by_log_modulus[i] - change.stress[i]) * inverse)
-                })
-            } else {
-                lanes!(|i| change.by_parameter[index - 1][i] * inverse)
-            };
-            let right = &mut tangent.right.as_mut_slice()[nodes.clone()];
-            let left = &mut tangent.left.as_mut_slice()[nodes.clone()];
-            for (((r, l), source), by_stress) in
-                right.iter_mut().zip(left).zip(source).zip(change.by_stress)
-            {
-                let change = by_stress * 0.5 * (*r + *l) + source;
-                *r += change;
-                *l += change;
-            }
+    let (right, left) = wave.blocks_mut(reached);
+    let mut tangent_blocks: [Blocks<'_>; 1 + MAX_PARAMETERS] = Default::default();
+    for (blocks, tangent) in tangent_blocks.iter_mut().zip(tangents) {
+        *blocks = tangent.blocks_mut(reached);
+    }
+    let [(right_by_modulus, left_by_modulus), by_parameter @ ..] = &mut tangent_blocks;
+    let by_modulus = right_by_modulus.iter_mut().zip(left_by_modulus.iter_mut());
+    let wave_blocks = right.iter_mut().zip(left);
+    for (block, ((right, left), by_modulus)) in wave_blocks.zip(by_modulus).enumerate() {
+        let (r, l) = (*right, *left);
+        let scaled = lanes!(|i| 0.5 * (r[i] + l[i]));
+        let change =
+            flow.change_with_sensitivity(&lanes!(|i| impedance * scaled[i]), L::PARAMETERS.len());
+        *right = lanes!(|i| r[i] + change.stress[i] * inverse);
+        *left = lanes!(|i| l[i] + change.stress[i] * inverse);
+        // at constant dimensionless time: Z and E h grow as E^½
+        let source = lanes!(|i| {
+            0.5 * (scaled[i] * change.by_stress[i]
+                + (change.by_log_modulus[i] - change.stress[i]) * inverse)
+        });
+        relax_tangent_block(by_modulus.0, by_modulus.1, &change, &source);
+        let parameters = by_parameter.iter_mut().zip(&change.by_parameter);
+        for ((right, left), by_parameter) in parameters.take(L::PARAMETERS.len()) {
+            let source = lanes!(|i| by_parameter[i] * inverse);
+            relax_tangent_block(&mut right[block], &mut left[block], &change, &source);
         }
     }
 }
+
+#[inline(always)]
+fn relax_tangent_block(
+    right: &mut [f64; LANES],
+    left: &mut [f64; LANES],
+    change: &StressChange,
+    source: &[f64; LANES],
+) {
+    // copies, which share no memory with anything: the compiler then needs no proof of it
+    let (r, l) = (*right, *left);
+    let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
+    *right = lanes!(|i| r[i] + change[i]);
+    *left = lanes!(|i| l[i] + change[i]);
+}
+
+/// R and L of some nodes, in blocks.
+type Blocks<'a> = (&'a mut [[f64; LANES]], &'a mut [[f64; LANES]]);
 
 /// R = s - v and L = s + v [m/s] at the nodes.
 #[derive(Debug, Clone)]
@@ -527,7 +516,16 @@ impl WavePair {
     }
 
     fn len(&self) -> usize {
-        self.right.len
+        self.right.len()
+    }
+
+    /// R and L of the first `reached` nodes, filled up with zeros to whole blocks.
+    #[inline(always)]
+    fn blocks_mut(&mut self, reached: usize) -> Blocks<'_> {
+        (
+            self.right.blocks_mut(reached),
+            self.left.blocks_mut(reached),
+        )
     }
 
     /// R² - L² at x = -L, which is -4 s v: the inflow of energy up to a factor.
@@ -543,60 +541,81 @@ impl WavePair {
     fn shift(&mut self, velocity: f64) {
         self.right.slide_towards_end();
         self.left.slide_towards_start();
-        let last = self.right.len - 1;
+        let last = self.right.len() - 1;
         self.left.as_mut_slice()[last] = -self.right.as_slice()[last];
         self.impose_velocity(velocity);
     }
 
     fn free_end_velocity(&self) -> f64 {
-        -self.right.as_slice()[self.right.len - 1]
+        -self.right.as_slice()[self.right.len() - 1]
     }
 }
 
-/// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
-#[derive(Debug, Clone)]
-struct SlidingWindow {
-    buffer: Vec<f64>,
-    start: usize,
-    len: usize,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-impl SlidingWindow {
-    fn zeros(len: usize) -> Self {
-        Self {
-            buffer: vec![0.0; 4 * len],
-            start: 0,
-            len,
+    /// One march with the instructions of the processor at hand and one with those that every processor has.
+    fn digits_are_the_same<L: InelasticLaw<Flow: Clone>>(law: &L) {
+        let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
+        let problem = DirectProblem::new(rod, 75).unwrap();
+        let mut march = March::new(&problem, 9.0, 1 + L::PARAMETERS.len());
+        for step in 0..400_u32 {
+            let (mut plain, mut with_tangents) = (march.clone(), march.clone());
+            let reached = (march.steps + 1).min(march.wave.len());
+            let relaxed = relax(&mut plain.wave, &march.flow, march.impedance, reached);
+            let dispatched = pulp::Arch::new().dispatch(Relax {
+                wave: &mut march.wave,
+                flow: &march.flow,
+                impedance: march.impedance,
+                reached,
+            });
+            assert_eq!(relaxed.to_bits(), dispatched.to_bits(), "{law:?}");
+            assert_same_bits(&plain.wave, &march.wave);
+            march.wave.clone_from(&with_tangents.wave);
+            relax_with_tangents::<L>(
+                &mut with_tangents.wave,
+                &mut with_tangents.tangents,
+                &march.flow,
+                march.impedance,
+                reached,
+            );
+            pulp::Arch::new().dispatch(RelaxWithTangents::<L> {
+                wave: &mut march.wave,
+                tangents: &mut march.tangents,
+                flow: &march.flow,
+                impedance: march.impedance,
+                reached,
+            });
+            assert_same_bits(&with_tangents.wave, &march.wave);
+            for (plain, vector) in with_tangents.tangents.iter().zip(&march.tangents) {
+                assert_same_bits(plain, vector);
+            }
+            // a velocity that swings, so that blocks of every kind occur
+            march.wave.shift(9.0 + 8.0 * (0.1 * f64::from(step)).sin());
+            for tangent in &mut march.tangents {
+                tangent.shift(1.0);
+            }
+            march.steps += 1;
         }
     }
 
-    fn as_slice(&self) -> &[f64] {
-        &self.buffer[self.start..self.start + self.len]
-    }
-
-    fn as_mut_slice(&mut self) -> &mut [f64] {
-        &mut self.buffer[self.start..self.start + self.len]
-    }
-
-    /// Every value moves to the next higher index; the first is to be set by the caller.
-    fn slide_towards_end(&mut self) {
-        if self.start == 0 {
-            let target = self.buffer.len() - self.len;
-            self.buffer.copy_within(0..self.len - 1, target + 1);
-            self.start = target;
-        } else {
-            self.start -= 1;
+    fn assert_same_bits(a: &WavePair, b: &WavePair) {
+        for (a, b) in [(&a.right, &b.right), (&a.left, &b.left)] {
+            let values = a.as_slice().iter().zip(b.as_slice());
+            for (a, b) in values {
+                assert_eq!(a.to_bits(), b.to_bits(), "{a} {b}");
+            }
         }
     }
 
-    /// Every value moves to the next lower index; the last is to be set by the caller.
-    fn slide_towards_start(&mut self) {
-        if self.start + self.len == self.buffer.len() {
-            self.buffer
-                .copy_within(self.start + 1..self.start + self.len, 0);
-            self.start = 0;
-        } else {
-            self.start += 1;
-        }
+    #[test]
+    fn vector_instructions_change_no_digit() {
+        digits_are_the_same(&Maxwell::new(4e6).unwrap());
+        digits_are_the_same(&MaxwellNorton::new(2.108, 7e13).unwrap());
+        // one part and a few terms, then several parts
+        digits_are_the_same(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
+        digits_are_the_same(&MaxwellGurevichRabinovich::new(2e5, 7.08e6).unwrap());
     }
 }

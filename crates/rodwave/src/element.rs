@@ -37,7 +37,7 @@ pub(crate) use lumped::Lumped;
 pub(crate) use scaled::ScaledTransition;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_finite, check_positive, check_propagation};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::LaplaceModulus;
 use crate::transition::TransitionMatrix;
@@ -96,6 +96,47 @@ impl Circle {
 impl From<Circle> for CrossSection {
     fn from(circle: Circle) -> Self {
         circle.section
+    }
+}
+
+/// A cross-section, or the attempt to make one: the elements of a [chain](crate::chain) take either, and a chain reports the
+/// failure with the place of the element.
+///
+/// ```
+/// use rodwave::element::Circle;
+/// use rodwave::medium::Medium;
+/// use rodwave::modulus::Elastic;
+/// use rodwave::{Chain, Termination};
+///
+/// let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+/// let diameters = [0.010, 0.0, 0.012];
+/// let mut builder = Chain::from_impact_face();
+/// for diameter in diameters {
+///     builder = builder.rod(&steel, Circle::of_diameter(diameter), 0.3);
+/// }
+/// assert_eq!(
+///     builder.end(Termination::Free).unwrap_err().to_string(),
+///     "element 1: diameter [m] is 0, expected a finite value above 0"
+/// );
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+pub trait IntoCrossSection {
+    /// The cross-section.
+    ///
+    /// # Errors
+    /// That of the attempt to make it.
+    fn into_cross_section(self) -> Result<CrossSection, RodwaveError>;
+}
+
+impl<S: Into<CrossSection>> IntoCrossSection for S {
+    fn into_cross_section(self) -> Result<CrossSection, RodwaveError> {
+        Ok(self.into())
+    }
+}
+
+impl<S: Into<CrossSection>> IntoCrossSection for Result<S, RodwaveError> {
+    fn into_cross_section(self) -> Result<CrossSection, RodwaveError> {
+        self.map(Into::into)
     }
 }
 
@@ -259,8 +300,8 @@ impl Segment {
     /// At ω = 0 a solid gives the identity.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency or the propagation coefficient is not finite, if the matrix would
-    /// overflow (αL > 700; the chain has no such limit), or for a fluid, E(0) = 0, at ω = 0.
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (αL > 700; the chain has no
+    /// such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,
         medium: &Medium<L>,
@@ -304,7 +345,7 @@ impl Segment {
         if s == Complex64::ZERO {
             return Ok(ScaledTransition::IDENTITY);
         }
-        let x = gamma * self.length;
+        let x = check_propagation(gamma, s)? * self.length;
         check_finite("damping over the segment alpha L", x.re)?;
         check_finite("phase over the segment kL [rad]", x.im)?;
         let inertia = s * (density * self.mean_area * self.length);

@@ -1,5 +1,6 @@
 //! What can be wrong with a request to this crate.
 
+use num_complex::Complex64;
 use thiserror::Error;
 
 /// Why a body, a law or a computation was refused.
@@ -90,6 +91,13 @@ pub enum RodwaveError {
         /// The name asked for.
         name: &'static str,
     },
+    /// A law has no finite propagation coefficient at the frequency asked for, as a table outside its band, or a fluid at
+    /// rest.
+    #[error("the law has no finite propagation coefficient at s = {s} 1/s")]
+    NoPropagation {
+        /// The Laplace variable, iω on the frequency axis.
+        s: Complex64,
+    },
     /// The response is asked for beyond the end of the excitation.
     #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]
     ExcitationTooShort {
@@ -135,5 +143,18 @@ pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<()
             index,
             value: samples[index],
         }),
+    }
+}
+
+/// Accepts a finite propagation coefficient of a law at `s`.
+#[inline]
+pub(crate) fn check_propagation(
+    propagation_coefficient: Complex64,
+    s: Complex64,
+) -> Result<Complex64, RodwaveError> {
+    if propagation_coefficient.is_finite() {
+        Ok(propagation_coefficient)
+    } else {
+        Err(RodwaveError::NoPropagation { s })
     }
 }

@@ -24,27 +24,57 @@ pub(crate) fn cubic_at(history: &[f64], position: f64) -> Interpolated {
     cubic(around(history, base, 1), position - base)
 }
 
-/// Polynomial of degree five through the six values of a history around a fractional index.
-#[expect(clippy::cast_precision_loss, reason = "six points")]
-pub(crate) fn quintic_at(history: &[f64], position: f64) -> Interpolated {
-    let base = position.floor();
-    let u = position - base;
-    let points: [f64; 6] = around(history, base, 2);
-    // Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3
-    let mut value = 0.0;
-    let mut slope = 0.0;
-    for (j, point) in points.iter().enumerate() {
-        let (mut product, mut derivative) = (1.0, 0.0);
-        for i in (0..points.len()).filter(|i| *i != j) {
-            let gap = j as f64 - i as f64;
-            let distance = u - (i as f64 - 2.0);
-            derivative = derivative * distance / gap + product / gap;
-            product *= distance / gap;
+/// The polynomial of degree five through the six values of a history around one fractional index: what it takes of each value
+/// is the same for every history that is asked there.
+pub(crate) struct Quintic {
+    base: f64,
+    value: [f64; 6],
+    slope: [f64; 6],
+}
+
+impl Quintic {
+    /// Lagrange's weights and their derivatives on the nodes -2, -1, 0, 1, 2, 3 around `position`.
+    pub(crate) fn around(position: f64) -> Self {
+        // 1/Π_{i != j} (j - i)
+        const INVERSE_GAPS: [f64; 6] = [
+            -1.0 / 120.0,
+            1.0 / 24.0,
+            -1.0 / 12.0,
+            1.0 / 12.0,
+            -1.0 / 24.0,
+            1.0 / 120.0,
+        ];
+        let base = position.floor();
+        let u = position - base;
+        let distances = [u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0];
+        let (mut value, mut slope) = ([0.0; 6], [0.0; 6]);
+        for (j, inverse_gaps) in INVERSE_GAPS.iter().enumerate() {
+            let (mut product, mut derivative) = (*inverse_gaps, 0.0);
+            for (i, distance) in distances.iter().enumerate() {
+                if i != j {
+                    derivative = derivative * distance + product;
+                    product *= distance;
+                }
+            }
+            value[j] = product;
+            slope[j] = derivative;
         }
-        value += point * product;
-        slope += point * derivative;
+        Self { base, value, slope }
     }
-    Interpolated { value, slope }
+
+    pub(crate) fn value(&self, history: &[f64]) -> f64 {
+        self.sum(&self.value, history)
+    }
+
+    /// Derivative by the index.
+    pub(crate) fn slope(&self, history: &[f64]) -> f64 {
+        self.sum(&self.slope, history)
+    }
+
+    fn sum(&self, weights: &[f64; 6], history: &[f64]) -> f64 {
+        let points = around::<6>(history, self.base, 2);
+        points.iter().zip(weights).map(|(p, w)| p * w).sum()
+    }
 }
 
 /// The values of a history from `before` ahead of the index `base` on; zero outside it, as before a rod moves.

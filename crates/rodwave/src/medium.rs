@@ -18,7 +18,8 @@
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::element::check_laplace_variable;
+use crate::error::{check_finite, check_positive, check_propagation};
 use crate::modulus::{ComplexModulus, LaplaceModulus, fourth_order_difference};
 
 /// How harmonic waves propagate in a material once its density is known.
@@ -118,6 +119,16 @@ impl<L: PropagationLaw> Medium<L> {
         self.law.propagation_coefficient(omega, self.density)
     }
 
+    /// [`Medium::propagation_coefficient`] for an `omega` [rad/s] that nobody has checked.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] for a frequency and [`RodwaveError::NoPropagation`] for a γ that is not finite.
+    pub fn try_propagation_coefficient(&self, omega: f64) -> Result<Complex64, RodwaveError> {
+        let omega = check_finite("angular frequency [rad/s]", omega)?;
+        let s = Complex64::new(0.0, omega);
+        check_propagation(self.propagation_coefficient(omega), s)
+    }
+
     /// Damping coefficient α = Re γ [1/m], an even function of `omega` [rad/s].
     #[must_use]
     pub fn damping_coefficient(&self, omega: f64) -> f64 {
@@ -187,6 +198,19 @@ impl<M: LaplaceModulus> Medium<M> {
     #[must_use]
     pub fn propagation_coefficient_at_s(&self, s: Complex64) -> Complex64 {
         root(self.law.at_s(s), s, self.density)
+    }
+
+    /// [`Medium::propagation_coefficient_at_s`] for an `s` [1/s] that nobody has checked.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless s is finite with Re s >= 0; [`RodwaveError::NoPropagation`] for a γ that is not
+    /// finite, as that of a fluid at s = 0.
+    pub fn try_propagation_coefficient_at_s(
+        &self,
+        s: Complex64,
+    ) -> Result<Complex64, RodwaveError> {
+        check_laplace_variable(s)?;
+        check_propagation(self.propagation_coefficient_at_s(s), s)
     }
 
     /// Characteristic impedance per unit area (E(s) ρ)^½ [Pa s/m] at the Laplace variable `s` [1/s], Re s > 0.

@@ -66,16 +66,26 @@ pub use zener::Zener;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
+use crate::element::check_laplace_variable;
+use crate::error::check_finite;
 
 /// A complex modulus E(ω).
 ///
 /// # Requirements
 /// For every finite ω: E(-ω) = conj E(ω), because histories are real, and ω E''(ω) >= 0, because no energy is created.
 /// E(0) is the static limit, and it is real. What is not a number goes in and comes out: callers check their
-/// frequencies.
+/// frequencies, or ask [`ComplexModulus::try_at`].
 pub trait ComplexModulus {
     /// Complex modulus E = E' + iE'' \[Pa\] at `omega` [rad/s], of either sign or 0.
     fn at(&self, omega: f64) -> Complex64;
+
+    /// [`ComplexModulus::at`] for an `omega` [rad/s] that nobody has checked.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the frequency and the modulus are finite.
+    fn try_at(&self, omega: f64) -> Result<Complex64, RodwaveError> {
+        check_modulus(self.at(check_finite("angular frequency [rad/s]", omega)?))
+    }
 
     /// Derivative dE/d(ln |ω|) = ω dE/dω \[Pa\] at `omega` [rad/s]; 0 at ω = 0.
     ///
@@ -98,6 +108,20 @@ pub trait LaplaceModulus: ComplexModulus {
     ///
     /// The laws of this module are analytic in the whole plane but for poles or a cut on the negative real axis.
     fn at_s(&self, s: Complex64) -> Complex64;
+
+    /// [`LaplaceModulus::at_s`] for an `s` [1/s] that nobody has checked.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless s is finite with Re s >= 0 and the modulus is finite.
+    fn try_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
+        check_modulus(self.at_s(check_laplace_variable(s)?))
+    }
+}
+
+/// Accepts a finite modulus.
+fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
+    check_finite("magnitude of the complex modulus [Pa]", modulus.norm())?;
+    Ok(modulus)
 }
 
 /// Derivative of `function` by ln |ω|; 0 at ω = 0.

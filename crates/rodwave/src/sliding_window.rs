@@ -1,19 +1,32 @@
 //! Values that travel along a grid without being moved.
 
+use crate::inelastic::LANES;
+
 /// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
+///
+/// Zeros behind the window, `padding` in number, make whole blocks of it.
 #[derive(Debug, Clone)]
 pub(crate) struct SlidingWindow {
     buffer: Vec<f64>,
     start: usize,
     len: usize,
+    padding: usize,
 }
 
 impl SlidingWindow {
+    pub(crate) fn zeros(len: usize) -> Self {
+        Self::filled(len, 0.0)
+    }
+
     pub(crate) fn filled(len: usize, value: f64) -> Self {
+        let padded = len.next_multiple_of(LANES);
+        let mut buffer = vec![0.0; 4 * padded];
+        buffer[..len].fill(value);
         Self {
-            buffer: vec![value; 4 * len],
+            buffer,
             start: 0,
             len,
+            padding: padded - len,
         }
     }
 
@@ -21,33 +34,89 @@ impl SlidingWindow {
         self.len
     }
 
+    /// Where the window ends and the padding begins.
+    fn end(&self) -> usize {
+        self.start + self.len
+    }
+
     pub(crate) fn as_slice(&self) -> &[f64] {
-        &self.buffer[self.start..self.start + self.len]
+        &self.buffer[self.start..self.end()]
     }
 
     pub(crate) fn as_mut_slice(&mut self) -> &mut [f64] {
-        &mut self.buffer[self.start..self.start + self.len]
+        let window = self.start..self.end();
+        &mut self.buffer[window]
+    }
+
+    /// The blocks that hold the first `count` values; behind the last value of the window they are filled up with zeros,
+    /// which have to stay zeros.
+    #[inline(always)]
+    pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
+        let end = self.start + count.next_multiple_of(LANES);
+        self.buffer[self.start..end].as_chunks_mut().0
     }
 
     /// Every value moves to the next higher index; the first is to be set by the caller.
     pub(crate) fn slide_towards_end(&mut self) {
         if self.start == 0 {
-            let target = self.buffer.len() - self.len;
+            let target = self.buffer.len() - self.len - self.padding;
             self.buffer.copy_within(0..self.len - 1, target + 1);
             self.start = target;
+            let end = self.end();
+            self.buffer[end..].fill(0.0);
         } else {
             self.start -= 1;
+            // the last value has gone into the padding
+            let end = self.end();
+            self.buffer[end] = 0.0;
         }
     }
 
     /// Every value moves to the next lower index; the last is to be set by the caller.
     pub(crate) fn slide_towards_start(&mut self) {
-        if self.start + self.len == self.buffer.len() {
-            self.buffer
-                .copy_within(self.start + 1..self.start + self.len, 0);
+        let padded_end = self.end() + self.padding;
+        if padded_end == self.buffer.len() {
+            let window = self.start + 1..self.end();
+            self.buffer.copy_within(window, 0);
             self.start = 0;
+            let padding = self.len..self.len + self.padding;
+            self.buffer[padding].fill(0.0);
         } else {
             self.start += 1;
+            self.buffer[padded_end] = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_slides_as_an_array_shifts_and_is_padded_with_zeros() {
+        // lengths below, at and above whole blocks; enough slides to come round several times
+        for len in 9..50 {
+            let (mut up, mut down) = (SlidingWindow::zeros(len), SlidingWindow::zeros(len));
+            let (mut shifted_up, mut shifted_down) = (vec![0.0; len], vec![0.0; len]);
+            let mut value = 0.0;
+            for _ in 0..700 {
+                value += 1.0;
+                up.slide_towards_end();
+                up.as_mut_slice()[0] = value;
+                shifted_up.rotate_right(1);
+                shifted_up[0] = value;
+                down.slide_towards_start();
+                down.as_mut_slice()[len - 1] = value;
+                shifted_down.rotate_left(1);
+                shifted_down[len - 1] = value;
+                for (window, expected) in [(&mut up, &shifted_up), (&mut down, &shifted_down)] {
+                    assert_eq!(window.as_slice(), expected, "{len} values");
+                    let cells = window.blocks_mut(len).as_flattened();
+                    assert_eq!(cells.len(), len.next_multiple_of(LANES));
+                    assert_eq!(&cells[..len], expected, "{len} values");
+                    assert!(cells[len..].iter().all(|cell| *cell == 0.0), "{len} values");
+                }
+            }
         }
     }
 }

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use super::element::Element;
 use super::{AngularFrequency, Argument, Chain, Termination, WaveMedium, in_element};
 use crate::RodwaveError;
-use crate::element::{CrossSection, Lumped, Segment};
+use crate::element::{CrossSection, IntoCrossSection, Lumped, Segment};
+use crate::error::check_positive;
 
 /// A chain in the making. The elements follow each other along x, the first at the impact face.
 ///
-/// A wrong element is reported by [`ChainBuilder::end`].
+/// A wrong element is reported by [`ChainBuilder::end`]; one may hand over the result of making a cross-section as it is, and
+/// its failure is reported there too.
 #[derive(Debug, Clone)]
 #[must_use = "a chain is made by `end`"]
 pub struct ChainBuilder<V: Argument = AngularFrequency> {
@@ -26,25 +28,33 @@ impl<V: Argument> ChainBuilder<V> {
     }
 
     /// A uniform rod of `medium` with this `section` and `length` \[m\].
-    pub fn rod<M>(self, medium: &M, section: impl Into<CrossSection>, length: f64) -> Self
+    pub fn rod<M>(self, medium: &M, section: impl IntoCrossSection, length: f64) -> Self
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        self.segment(medium, Segment::rod(section, length))
+        let section = section.into_cross_section();
+        self.segment(
+            medium,
+            section.and_then(|section| Segment::rod(section, length)),
+        )
     }
 
     /// A truncated cone of `medium` from the section `near` the impact face to the section `far` from it, of `length` \[m\].
     pub fn cone<M>(
         self,
         medium: &M,
-        near: impl Into<CrossSection>,
-        far: impl Into<CrossSection>,
+        near: impl IntoCrossSection,
+        far: impl IntoCrossSection,
         length: f64,
     ) -> Self
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        self.segment(medium, Segment::cone(near, far, length))
+        let ends = ends(near, far);
+        self.segment(
+            medium,
+            ends.and_then(|[near, far]| Segment::cone(near, far, length)),
+        )
     }
 
     /// An exponential horn of `medium` from the section `near` the impact face to the section `far` from it, of `length`
@@ -52,14 +62,18 @@ impl<V: Argument> ChainBuilder<V> {
     pub fn horn<M>(
         self,
         medium: &M,
-        near: impl Into<CrossSection>,
-        far: impl Into<CrossSection>,
+        near: impl IntoCrossSection,
+        far: impl IntoCrossSection,
         length: f64,
     ) -> Self
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        self.segment(medium, Segment::horn(near, far, length))
+        let ends = ends(near, far);
+        self.segment(
+            medium,
+            ends.and_then(|[near, far]| Segment::horn(near, far, length)),
+        )
     }
 
     /// A rigid mass \[kg\].
@@ -97,7 +111,9 @@ impl<V: Argument> ChainBuilder<V> {
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        self.element(segment.map(|segment| Element::Segment {
+        // a medium of another make has not been checked
+        let density = check_positive("density [kg/m^3]", medium.density());
+        self.element(density.and(segment).map(|segment| Element::Segment {
             medium: Arc::new(medium.clone()),
             segment,
         }))
@@ -115,4 +131,12 @@ impl<V: Argument> ChainBuilder<V> {
         }
         self
     }
+}
+
+/// The sections at both ends of an element.
+fn ends(
+    near: impl IntoCrossSection,
+    far: impl IntoCrossSection,
+) -> Result<[CrossSection; 2], RodwaveError> {
+    Ok([near.into_cross_section()?, far.into_cross_section()?])
 }

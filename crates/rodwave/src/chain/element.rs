@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::{Argument, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{Lumped, ScaledTransition, Segment, check_static_impedance};
-use crate::error::check_positive;
+use crate::error::{check_positive, check_propagation};
 
 /// One element of a chain.
 #[derive(Debug, Clone)]
@@ -105,6 +105,7 @@ impl<V: Argument> Element<V> {
             });
         };
         let gamma = medium.propagation_coefficient(argument);
+        let gamma = check_propagation(gamma, argument.s())?;
         check_positive(
             "magnitude of the propagation coefficient [1/m]",
             gamma.norm(),

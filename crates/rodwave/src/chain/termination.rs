@@ -9,6 +9,7 @@ use super::face::Face;
 use super::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{CrossSection, check_static_impedance};
+use crate::error::{check_positive, check_propagation};
 
 /// What stands behind the last element of a chain, as a relation between N and v on its far face.
 ///
@@ -81,11 +82,15 @@ impl<V: Argument> Termination<V> {
         }
     }
 
-    /// Accepts masses and resistances that are finite and not negative.
+    /// Accepts masses and resistances that are finite and not negative, and a density above 0.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
         let (quantity, value) = match self {
             Self::Mass(mass) => ("mass of the termination [kg]", *mass),
             Self::Dashpot(resistance) => ("resistance of the termination [kg/s]", *resistance),
+            Self::SemiInfinite { medium, .. } => {
+                check_positive("density of the termination [kg/m^3]", medium.density())?;
+                return Ok(());
+            }
             _ => return Ok(()),
         };
         if value.is_finite() && value >= 0.0 {
@@ -115,7 +120,7 @@ impl<V: Argument> Termination<V> {
                     return Face::of_impedance(static_impedance * section.area());
                 }
                 // Z = sρA/γ (paper E, eq. 6)
-                let gamma = medium.propagation_coefficient(argument);
+                let gamma = check_propagation(medium.propagation_coefficient(argument), s)?;
                 Face::of_impedance(s * (medium.density() * section.area()) / gamma)
             }
         }

@@ -45,10 +45,44 @@ const EXPONENTIAL: [f64; 13] = [
     1.0 / 479_001_600.0,
 ];
 
-/// Σ cₖ xᵏ by Horner's rule.
+/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs side by side, in
+/// place of the long one of Horner's rule.
 #[inline(always)]
 pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+    let square = x * x;
+    let fourth = square * square;
+    let mut groups = coefficients.chunks(4).rev().map(|terms| match terms {
+        [a, b, c, d] => (a + b * x) + (c + d * x) * square,
+        [a, b, c] => (a + b * x) + c * square,
+        [a, b] => a + b * x,
+        _ => terms[0],
+    });
+    let highest = groups.next().unwrap_or(0.0);
+    groups.fold(highest, |sum, group| sum * fourth + group)
+}
+
+/// The largest of several numbers, by halves; what is not a number may be passed over.
+#[inline(always)]
+pub(super) fn largest(x: &[f64; LANES]) -> f64 {
+    const HALF: usize = LANES / 2;
+    let mut largest = [0.0; HALF];
+    for i in 0..HALF {
+        largest[i] = larger(x[i], x[i + HALF]);
+    }
+    let mut width = HALF;
+    while width > 1 {
+        width /= 2;
+        for i in 0..width {
+            largest[i] = larger(largest[i], largest[i + width]);
+        }
+    }
+    largest[0]
+}
+
+/// One vector instruction, which `f64::max` is not.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// ln of numbers that are not negative, to 1e-14 (relative to 1 near 1); about -709 at zero.

@@ -1,7 +1,8 @@
 //! The linear Maxwell law, F = σ/η (Ödeen 1993, paper D, Table 1, model 1).
 
 use super::{
-    DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, check_count,
+    DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
+    check_count,
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
@@ -106,6 +107,19 @@ impl RelaxationFlow for MaxwellFlow {
     #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         lanes!(|i| stress[i] * self.decrement)
+    }
+
+    #[inline(always)]
+    fn change_with_sensitivity(&self, stress: &[f64; LANES], _parameters: usize) -> StressChange {
+        let by_log_rate = lanes!(|i| stress[i] * (-self.exponent * self.factor));
+        let mut result = StressChange {
+            stress: self.change(stress),
+            by_stress: [self.decrement; LANES],
+            by_log_modulus: by_log_rate,
+            ..StressChange::default()
+        };
+        result.by_parameter[0] = by_log_rate;
+        result
     }
 
     #[inline]

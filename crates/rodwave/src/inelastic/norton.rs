@@ -151,6 +151,13 @@ impl NortonFlow {
         a * elementary::polynomial(&self.series, a)
     }
 
+    /// The cells for which the series does not hold.
+    #[cold]
+    #[inline(never)]
+    fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
+        lanes!(|i| self.relax(stress[i]) - stress[i])
+    }
+
     /// ln(|σ|/σ_ref) and a of several cells.
     #[inline(always)]
     fn relative_steps(&self, stress: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
@@ -191,10 +198,10 @@ impl RelaxationFlow for NortonFlow {
     #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         let (_, a) = self.relative_steps(stress);
-        if a.iter().all(|a| self.is_short(*a)) {
+        if self.is_short(elementary::largest(&a)) {
             lanes!(|i| -stress[i] * self.short_decrement(a[i]))
         } else {
-            lanes!(|i| self.relax(stress[i]) - stress[i])
+            self.change_cell_by_cell(stress)
         }
     }
 
@@ -202,7 +209,7 @@ impl RelaxationFlow for NortonFlow {
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
         // at zero stress κ < 1 has no derivative and κ = 1 its limit: the exact path knows
-        if !a.iter().all(|a| self.is_short(*a)) || self.excess <= 0.0 && stress.contains(&0.0) {
+        if !self.is_short(elementary::largest(&a)) || self.excess <= 0.0 && stress.contains(&0.0) {
             return cell_by_cell(self, stress, parameters);
         }
         let mut result = StressChange::default();

@@ -112,15 +112,16 @@ impl Bar {
         if !self.tangents.is_empty() {
             return self.relax_with_tangents();
         }
-        let (right, left) = (self.right.as_mut_slice(), self.left.as_mut_slice());
+        let cells = self.cells();
         if let [flow] = &self.flows[..] {
             let waves = Waves {
-                right,
-                left,
+                right: self.right.blocks_mut(cells),
+                left: self.left.blocks_mut(cells),
                 impedance: self.specific_impedance,
             };
             return 0.5 * self.cell_volume / self.modulus * flow.relax_waves(waves);
         }
+        let (right, left) = (self.right.as_mut_slice(), self.left.as_mut_slice());
         let half_impedance = 0.5 * self.specific_impedance;
         let mut dissipated = 0.0;
         let [sum, stresses @ ..] = &mut self.scratch[..] else {

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, StressChange};
+use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, StressChange, lanes};
 
 /// A modulus and a law behind a pointer, so that a line may mix laws.
 #[derive(Debug, Clone)]
@@ -34,10 +34,10 @@ where
     }
 }
 
-/// Waves of one material: R = s - v and L = s + v [m/s], with s = σ/Z.
+/// Waves of one material, R = s - v and L = s + v [m/s] with s = σ/Z, in whole blocks filled up with cells at rest.
 pub(super) struct Waves<'a> {
-    pub(super) right: &'a mut [f64],
-    pub(super) left: &'a mut [f64],
+    pub(super) right: &'a mut [[f64; LANES]],
+    pub(super) left: &'a mut [[f64; LANES]],
     pub(super) impedance: f64,
 }
 
@@ -119,19 +119,13 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWaves<'_, F> {
         } = self.waves;
         let inverse = 1.0 / impedance;
         let mut loss = [0.0; LANES];
-        for (right, left) in right.chunks_mut(LANES).zip(left.chunks_mut(LANES)) {
-            // the last block is filled up with cells at rest
-            let mut stress = [0.0; LANES];
-            for ((stress, r), l) in stress.iter_mut().zip(right.iter()).zip(left.iter()) {
-                *stress = 0.5 * impedance * (r + l);
-            }
+        for (right, left) in right.iter_mut().zip(left) {
+            let stress = lanes!(|i| 0.5 * impedance * (right[i] + left[i]));
             let change = self.flow.change(&stress);
-            for ((loss, stress), change) in loss.iter_mut().zip(stress).zip(change) {
-                *loss -= change * (2.0 * stress + change);
-            }
-            for ((r, l), change) in right.iter_mut().zip(left).zip(change) {
-                *r += change * inverse;
-                *l += change * inverse;
+            for i in 0..LANES {
+                loss[i] -= change[i] * (2.0 * stress[i] + change[i]);
+                right[i] += change[i] * inverse;
+                left[i] += change[i] * inverse;
             }
         }
         loss.iter().sum()

@@ -4,6 +4,10 @@ use super::bar::Bar;
 use crate::inelastic::LANES;
 
 /// A section of a body, by its distance from the left end of that body.
+///
+/// Between the centres of cells a cubic interpolates; it rings for a few cells around a jump, and within half a cell of an end
+/// of a segment it extrapolates. What happens at the ends of a line is better taken from
+/// [`LineHistory::ends`](super::LineHistory::ends), which is exact there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
     /// Body, from 0 at the left.

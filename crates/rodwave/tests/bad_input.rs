@@ -1,0 +1,577 @@
+//! What cannot be is refused in words: the quantity, its value, what was expected and, in a body, the element.
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
+
+use std::fmt::{self, Display, Write};
+
+use insta::assert_snapshot;
+use num_complex::Complex64;
+use rodwave::chain::{AnalyticChain, AngularFrequency, ChainBuilder, LaplaceVariable, WaveMedium};
+use rodwave::element::{Circle, CrossSection, Segment};
+use rodwave::experiment::end_accelerations::HalfSine;
+use rodwave::experiment::strains_in_a_frame::{Excitation, FrameMember};
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::{self, InelasticLaw};
+use rodwave::lumped::LumpedRod;
+use rodwave::medium::Medium;
+use rodwave::modulus::{
+    ComplexModulus, Elastic, LaplaceModulus, PowerLawPropagation, Tabulated, Zener,
+};
+use rodwave::synthesis::DampedSynthesis;
+use rodwave::transition::TransitionMatrix;
+use rodwave::{Chain, DirectProblem, InelasticRod, RodwaveError, Termination};
+
+/// No length, area or density.
+const IMPOSSIBLE: [f64; 4] = [0.0, -0.5, f64::NAN, f64::INFINITY];
+
+/// One line for each error.
+#[derive(Default)]
+struct Refusals(String);
+
+impl Refusals {
+    fn add<T>(&mut self, what: impl Display, result: Result<T, RodwaveError>) {
+        match result {
+            Ok(_) => writeln!(self.0, "{what}: ACCEPTED").unwrap(),
+            Err(error) => writeln!(self.0, "{what}: {error}").unwrap(),
+        }
+    }
+}
+
+impl Display for Refusals {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+fn steel() -> Medium<Elastic> {
+    Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap()
+}
+
+fn circle() -> Circle {
+    Circle::of_diameter(0.02).unwrap()
+}
+
+/// Two sound elements, so that a wrong third one has the index 2.
+fn begun() -> ChainBuilder {
+    Chain::from_impact_face()
+        .rod(&steel(), circle(), 0.1)
+        .mass(0.1)
+}
+
+fn refuse(refusals: &mut Refusals, what: &str, builder: ChainBuilder) {
+    // what follows the first wrong element neither hides it nor moves its index
+    let ended = builder
+        .spring(-1.0)
+        .rod(&steel(), circle(), 0.1)
+        .end(Termination::Free);
+    refusals.add(what, ended);
+}
+
+#[test]
+fn lengths_of_elements() {
+    let mut refusals = Refusals::default();
+    for length in IMPOSSIBLE {
+        refuse(
+            &mut refusals,
+            "rod",
+            begun().rod(&steel(), circle(), length),
+        );
+        refuse(
+            &mut refusals,
+            "cone",
+            begun().cone(&steel(), circle(), circle(), length),
+        );
+        refuse(
+            &mut refusals,
+            "horn",
+            begun().horn(&steel(), circle(), circle(), length),
+        );
+    }
+    assert_snapshot!(refusals, @r"
+    rod: element 2: length [m] is 0, expected a finite value above 0
+    cone: element 2: length [m] is 0, expected a finite value above 0
+    horn: element 2: length [m] is 0, expected a finite value above 0
+    rod: element 2: length [m] is -0.5, expected a finite value above 0
+    cone: element 2: length [m] is -0.5, expected a finite value above 0
+    horn: element 2: length [m] is -0.5, expected a finite value above 0
+    rod: element 2: length [m] is NaN, expected a finite value above 0
+    cone: element 2: length [m] is NaN, expected a finite value above 0
+    horn: element 2: length [m] is NaN, expected a finite value above 0
+    rod: element 2: length [m] is inf, expected a finite value above 0
+    cone: element 2: length [m] is inf, expected a finite value above 0
+    horn: element 2: length [m] is inf, expected a finite value above 0
+    ");
+}
+
+#[test]
+fn areas_of_elements() {
+    let mut refusals = Refusals::default();
+    for area in IMPOSSIBLE {
+        let wrong = || CrossSection::of_area(area);
+        refuse(&mut refusals, "rod", begun().rod(&steel(), wrong(), 0.1));
+        refuse(
+            &mut refusals,
+            "cone, near",
+            begun().cone(&steel(), wrong(), circle(), 0.1),
+        );
+        refuse(
+            &mut refusals,
+            "cone, far",
+            begun().cone(&steel(), circle(), wrong(), 0.1),
+        );
+        refuse(
+            &mut refusals,
+            "horn, near",
+            begun().horn(&steel(), wrong(), circle(), 0.1),
+        );
+        refuse(
+            &mut refusals,
+            "horn, far",
+            begun().horn(&steel(), circle(), wrong(), 0.1),
+        );
+    }
+    for diameter in IMPOSSIBLE {
+        let wrong = Circle::of_diameter(diameter);
+        refuse(
+            &mut refusals,
+            "round rod",
+            begun().rod(&steel(), wrong, 0.1),
+        );
+    }
+    // each possible, but not with the other
+    let (least, most) = (
+        CrossSection::of_area(1e-300).unwrap(),
+        CrossSection::of_area(1e300).unwrap(),
+    );
+    refuse(
+        &mut refusals,
+        "cone, ratio",
+        begun().cone(&steel(), least, most, 0.1),
+    );
+    assert_snapshot!(refusals, @r"
+    rod: element 2: area of the cross-section [m^2] is 0, expected a finite value above 0
+    cone, near: element 2: area of the cross-section [m^2] is 0, expected a finite value above 0
+    cone, far: element 2: area of the cross-section [m^2] is 0, expected a finite value above 0
+    horn, near: element 2: area of the cross-section [m^2] is 0, expected a finite value above 0
+    horn, far: element 2: area of the cross-section [m^2] is 0, expected a finite value above 0
+    rod: element 2: area of the cross-section [m^2] is -0.5, expected a finite value above 0
+    cone, near: element 2: area of the cross-section [m^2] is -0.5, expected a finite value above 0
+    cone, far: element 2: area of the cross-section [m^2] is -0.5, expected a finite value above 0
+    horn, near: element 2: area of the cross-section [m^2] is -0.5, expected a finite value above 0
+    horn, far: element 2: area of the cross-section [m^2] is -0.5, expected a finite value above 0
+    rod: element 2: area of the cross-section [m^2] is NaN, expected a finite value above 0
+    cone, near: element 2: area of the cross-section [m^2] is NaN, expected a finite value above 0
+    cone, far: element 2: area of the cross-section [m^2] is NaN, expected a finite value above 0
+    horn, near: element 2: area of the cross-section [m^2] is NaN, expected a finite value above 0
+    horn, far: element 2: area of the cross-section [m^2] is NaN, expected a finite value above 0
+    rod: element 2: area of the cross-section [m^2] is inf, expected a finite value above 0
+    cone, near: element 2: area of the cross-section [m^2] is inf, expected a finite value above 0
+    cone, far: element 2: area of the cross-section [m^2] is inf, expected a finite value above 0
+    horn, near: element 2: area of the cross-section [m^2] is inf, expected a finite value above 0
+    horn, far: element 2: area of the cross-section [m^2] is inf, expected a finite value above 0
+    round rod: element 2: diameter [m] is 0, expected a finite value above 0
+    round rod: element 2: diameter [m] is -0.5, expected a finite value above 0
+    round rod: element 2: diameter [m] is NaN, expected a finite value above 0
+    round rod: element 2: diameter [m] is inf, expected a finite value above 0
+    cone, ratio: element 2: ratio of the end areas is inf, expected a finite value above 0
+    ");
+}
+
+/// A medium of another make, which may claim any density.
+#[derive(Debug, Clone)]
+struct Claimed {
+    density: f64,
+}
+
+impl WaveMedium<AngularFrequency> for Claimed {
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn propagation_coefficient(&self, argument: AngularFrequency) -> Complex64 {
+        Complex64::new(0.0, argument.omega() / 5000.0)
+    }
+
+    fn static_impedance(&self) -> Complex64 {
+        Complex64::ONE
+    }
+}
+
+#[test]
+fn densities() {
+    let mut refusals = Refusals::default();
+    for density in IMPOSSIBLE {
+        let law = Elastic::new(206e9).unwrap();
+        refusals.add("medium", Medium::new(density, law));
+        let rod = InelasticRod::new(0.4, density, 2.5e9, inelastic::Elastic);
+        refusals.add("inelastic rod", rod);
+        let claimed = Claimed { density };
+        refuse(&mut refusals, "rod", begun().rod(&claimed, circle(), 0.1));
+        refuse(
+            &mut refusals,
+            "cone",
+            begun().cone(&claimed, circle(), circle(), 0.1),
+        );
+        refuse(
+            &mut refusals,
+            "horn",
+            begun().horn(&claimed, circle(), circle(), 0.1),
+        );
+        let endless = Termination::semi_infinite(&claimed, circle());
+        refusals.add("endless rod", begun().end(endless));
+    }
+    assert_snapshot!(refusals, @r"
+    medium: density [kg/m^3] is 0, expected a finite value above 0
+    inelastic rod: density [kg/m^3] is 0, expected a finite value above 0
+    rod: element 2: density [kg/m^3] is 0, expected a finite value above 0
+    cone: element 2: density [kg/m^3] is 0, expected a finite value above 0
+    horn: element 2: density [kg/m^3] is 0, expected a finite value above 0
+    endless rod: density of the termination [kg/m^3] is 0, expected a finite value above 0
+    medium: density [kg/m^3] is -0.5, expected a finite value above 0
+    inelastic rod: density [kg/m^3] is -0.5, expected a finite value above 0
+    rod: element 2: density [kg/m^3] is -0.5, expected a finite value above 0
+    cone: element 2: density [kg/m^3] is -0.5, expected a finite value above 0
+    horn: element 2: density [kg/m^3] is -0.5, expected a finite value above 0
+    endless rod: density of the termination [kg/m^3] is -0.5, expected a finite value above 0
+    medium: density [kg/m^3] is NaN, expected a finite value above 0
+    inelastic rod: density [kg/m^3] is NaN, expected a finite value above 0
+    rod: element 2: density [kg/m^3] is NaN, expected a finite value above 0
+    cone: element 2: density [kg/m^3] is NaN, expected a finite value above 0
+    horn: element 2: density [kg/m^3] is NaN, expected a finite value above 0
+    endless rod: density of the termination [kg/m^3] is NaN, expected a finite value above 0
+    medium: density [kg/m^3] is inf, expected a finite value above 0
+    inelastic rod: density [kg/m^3] is inf, expected a finite value above 0
+    rod: element 2: density [kg/m^3] is inf, expected a finite value above 0
+    cone: element 2: density [kg/m^3] is inf, expected a finite value above 0
+    horn: element 2: density [kg/m^3] is inf, expected a finite value above 0
+    endless rod: density of the termination [kg/m^3] is inf, expected a finite value above 0
+    ");
+}
+
+#[test]
+fn lumped_elements_and_terminations() {
+    let mut refusals = Refusals::default();
+    for value in [-0.5, f64::NAN, f64::INFINITY] {
+        refuse(&mut refusals, "mass", begun().mass(value));
+        refuse(&mut refusals, "spring", begun().spring(value));
+        refuse(&mut refusals, "dashpot", begun().dashpot(value));
+        refusals.add("end", begun().end(Termination::Mass(value)));
+        refusals.add("end", begun().end(Termination::Dashpot(value)));
+    }
+    // a massless mass is nothing, but a spring or a dashpot of zero is a gap
+    refuse(&mut refusals, "spring", begun().spring(0.0));
+    refuse(&mut refusals, "dashpot", begun().dashpot(0.0));
+    assert!(begun().mass(0.0).end(Termination::Mass(0.0)).is_ok());
+    assert_snapshot!(refusals, @r"
+    mass: element 2: mass [kg] is -0.5, expected a finite value, 0 or above
+    spring: element 2: stiffness [N/m] is -0.5, expected a finite value above 0
+    dashpot: element 2: resistance of the dashpot [kg/s] is -0.5, expected a finite value above 0
+    end: mass of the termination [kg] is -0.5, expected a finite value, 0 or above
+    end: resistance of the termination [kg/s] is -0.5, expected a finite value, 0 or above
+    mass: element 2: mass [kg] is NaN, expected a finite value, 0 or above
+    spring: element 2: stiffness [N/m] is NaN, expected a finite value above 0
+    dashpot: element 2: resistance of the dashpot [kg/s] is NaN, expected a finite value above 0
+    end: mass of the termination [kg] is NaN, expected a finite value, 0 or above
+    end: resistance of the termination [kg/s] is NaN, expected a finite value, 0 or above
+    mass: element 2: mass [kg] is inf, expected a finite value, 0 or above
+    spring: element 2: stiffness [N/m] is inf, expected a finite value above 0
+    dashpot: element 2: resistance of the dashpot [kg/s] is inf, expected a finite value above 0
+    end: mass of the termination [kg] is inf, expected a finite value, 0 or above
+    end: resistance of the termination [kg/s] is inf, expected a finite value, 0 or above
+    spring: element 2: stiffness [N/m] is 0, expected a finite value above 0
+    dashpot: element 2: resistance of the dashpot [kg/s] is 0, expected a finite value above 0
+    ");
+}
+
+#[test]
+fn elements_without_a_chain() {
+    let mut refusals = Refusals::default();
+    for length in IMPOSSIBLE {
+        refusals.add("segment", Segment::rod(circle(), length));
+        let rod = InelasticRod::new(length, 910.0, 2.5e9, inelastic::Elastic);
+        refusals.add("inelastic rod", rod);
+        let gamma = Complex64::new(0.0, 1.0);
+        let matrix = TransitionMatrix::uniform_rod(gamma, Complex64::ONE, length);
+        refusals.add("matrix", matrix);
+    }
+    let segment = Segment::cone(circle(), Circle::of_diameter(0.04).unwrap(), 0.3).unwrap();
+    for distance in [-0.1, 0.31, f64::NAN] {
+        refusals.add("area", segment.area_at(distance));
+        refusals.add("cut", segment.cut(distance));
+    }
+    assert_snapshot!(refusals, @r"
+    segment: length [m] is 0, expected a finite value above 0
+    inelastic rod: length [m] is 0, expected a finite value above 0
+    matrix: length [m] is 0, expected a finite value above 0
+    segment: length [m] is -0.5, expected a finite value above 0
+    inelastic rod: length [m] is -0.5, expected a finite value above 0
+    matrix: length [m] is -0.5, expected a finite value above 0
+    segment: length [m] is NaN, expected a finite value above 0
+    inelastic rod: length [m] is NaN, expected a finite value above 0
+    matrix: length [m] is NaN, expected a finite value above 0
+    segment: length [m] is inf, expected a finite value above 0
+    inelastic rod: length [m] is inf, expected a finite value above 0
+    matrix: length [m] is inf, expected a finite value above 0
+    area: distance of the section [m] is -0.1, expected between 0 and the length of the element
+    cut: distance of the section [m] is -0.1, expected a finite value above 0
+    area: distance of the section [m] is 0.31, expected between 0 and the length of the element
+    cut: length behind the section [m] is -0.010000000000000009, expected a finite value above 0
+    area: distance of the section [m] is NaN, expected between 0 and the length of the element
+    cut: distance of the section [m] is NaN, expected a finite value above 0
+    ");
+}
+
+#[test]
+fn laws_outside_their_table() {
+    let lines = [(2.4e9, 1.6e8), (2.6e9, 1.5e8)].map(|(re, im)| Complex64::new(re, im));
+    let table = Tabulated::new(&[1e3, 1e4], &lines).unwrap();
+    let mut refusals = Refusals::default();
+    for omega in [0.0, 999.0, 1.1e4, -2e4, f64::NAN] {
+        refusals.add(format!("at {omega}"), table.lookup(omega));
+    }
+    assert!(table.lookup(-1e4).is_ok());
+    // a law that has no value beyond its band says so by what is not a number; a body tells which element it is in
+    let silent = Medium::new(1000.0, Banded(table)).unwrap();
+    let body = begun()
+        .rod(&silent, circle(), 0.1)
+        .end(Termination::Free)
+        .unwrap();
+    assert!(body.mobility(5e3).is_ok());
+    refusals.add("body", body.mobility(2e4));
+    let endless = begun().end(Termination::semi_infinite(&silent, circle()));
+    refusals.add("endless rod", endless.unwrap().mobility(2e4));
+    refusals.add("medium", silent.try_propagation_coefficient(2e4));
+    refusals.add("far face", body.far_face_mobility(2e4));
+    refusals.add("matrix", body.transition_matrix(2e4));
+    refusals.add("section", body.section(0, 0.05).unwrap().state(2e4));
+    assert_snapshot!(refusals, @r"
+    at 0: magnitude of the angular frequency [rad/s] is 0, expected a value from 1000 to 10000, where the table ends
+    at 999: magnitude of the angular frequency [rad/s] is 999, expected a value from 1000 to 10000, where the table ends
+    at 11000: magnitude of the angular frequency [rad/s] is 11000, expected a value from 1000 to 10000, where the table ends
+    at -20000: magnitude of the angular frequency [rad/s] is 20000, expected a value from 1000 to 10000, where the table ends
+    at NaN: magnitude of the angular frequency [rad/s] is NaN, expected a value from 1000 to 10000, where the table ends
+    body: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    endless rod: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    medium: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    far face: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    matrix: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    section: element 2: the law has no finite propagation coefficient at s = 0+20000i 1/s
+    ");
+}
+
+/// A table that is not continued.
+#[derive(Debug, Clone)]
+struct Banded(Tabulated);
+
+impl ComplexModulus for Banded {
+    fn at(&self, omega: f64) -> Complex64 {
+        self.0
+            .lookup(omega)
+            .unwrap_or(Complex64::new(f64::NAN, 0.0))
+    }
+}
+
+/// To the left of the axis, or nowhere.
+fn wrong_sides() -> [Complex64; 4] {
+    [
+        Complex64::new(-1.0, 5.0),
+        Complex64::new(f64::NAN, 5.0),
+        Complex64::new(1.0, f64::NAN),
+        Complex64::new(f64::INFINITY, 0.0),
+    ]
+}
+
+#[test]
+fn laplace_variable_on_the_wrong_side() {
+    let law = Zener::new(1e9, 2e9, 1e-4).unwrap();
+    let medium = Medium::new(1000.0, law).unwrap();
+    let body = AnalyticChain::analytic_from_impact_face()
+        .rod(&medium, circle(), 0.3)
+        .end(Termination::Free)
+        .unwrap();
+    let section = body.section(0, 0.1).unwrap();
+    let segment = Segment::rod(circle(), 0.3).unwrap();
+    let mut refusals = Refusals::default();
+    for s in wrong_sides() {
+        let mut texts = [
+            LaplaceVariable::new(s).map(|_| ()),
+            law.try_at_s(s).map(|_| ()),
+            medium.try_propagation_coefficient_at_s(s).map(|_| ()),
+            segment.transition_matrix_at_s(&medium, s).map(|_| ()),
+            body.mobility_at_s(s).map(|_| ()),
+            body.far_face_mobility_at_s(s).map(|_| ()),
+            section.state_at_s(s).map(|_| ()),
+        ]
+        .map(|result| result.unwrap_err().to_string());
+        // the same words wherever it is noticed
+        texts.sort();
+        assert_eq!(texts.first(), texts.last());
+        writeln!(refusals.0, "{s}: {}", texts[0]).unwrap();
+    }
+    // a propagation coefficient is of no use at a pole of the slowness
+    let fluid = Medium::new(1000.0, rodwave::modulus::Maxwell::new(1e9, 1e6).unwrap()).unwrap();
+    let at_rest = fluid.try_propagation_coefficient_at_s(Complex64::ZERO);
+    refusals.add("fluid at rest", at_rest);
+    assert!(law.try_at_s(Complex64::ZERO).is_ok());
+    assert_snapshot!(refusals, @r"
+    -1+5i: real part of the Laplace variable [1/s] is -1, expected a finite value, 0 or above
+    NaN+5i: real part of the Laplace variable [1/s] is NaN, expected a finite value, 0 or above
+    1+NaNi: imaginary part of the Laplace variable [rad/s] is NaN, expected a finite value
+    inf+0i: real part of the Laplace variable [1/s] is inf, expected a finite value, 0 or above
+    fluid at rest: the law has no finite propagation coefficient at s = 0+0i 1/s
+    ");
+}
+
+#[test]
+fn damped_synthesis() {
+    let mut refusals = Refusals::default();
+    for value in IMPOSSIBLE {
+        refusals.add("duration", DampedSynthesis::new(value, 1e-6));
+        refusals.add("interval", DampedSynthesis::new(1e-3, value));
+        let synthesis = DampedSynthesis::new(1e-3, 1e-6).unwrap();
+        refusals.add("smoothing", synthesis.smoothed(value));
+    }
+    let synthesis = DampedSynthesis::new(4e-6, 1e-6).unwrap();
+    refusals.add("smoothing", synthesis.smoothed(1e-6));
+    // it never asks for a transform on the wrong side
+    assert!(
+        synthesis
+            .arguments()
+            .all(|s| LaplaceVariable::new(s).is_ok() && s.re > 0.0)
+    );
+    let mut transform = vec![Complex64::ONE; synthesis.arguments().len()];
+    refusals.add("short", synthesis.history(&transform[1..]));
+    transform[2] = Complex64::new(f64::NAN, 0.0);
+    refusals.add("transform", synthesis.history(&transform));
+    assert_snapshot!(refusals, @r"
+    duration: duration [s] is 0, expected a finite value above 0
+    interval: interval between samples [s] is 0, expected a finite value above 0
+    smoothing: standard deviation of the smoothing [s] is 0, expected a finite value above 0
+    duration: duration [s] is -0.5, expected a finite value above 0
+    interval: interval between samples [s] is -0.5, expected a finite value above 0
+    smoothing: standard deviation of the smoothing [s] is -0.5, expected a finite value above 0
+    duration: duration [s] is NaN, expected a finite value above 0
+    interval: interval between samples [s] is NaN, expected a finite value above 0
+    smoothing: standard deviation of the smoothing [s] is NaN, expected a finite value above 0
+    duration: duration [s] is inf, expected a finite value above 0
+    interval: interval between samples [s] is inf, expected a finite value above 0
+    smoothing: standard deviation of the smoothing [s] is inf, expected a finite value above 0
+    smoothing: duration less 8 standard deviations of the smoothing [s] is -0.000004, expected a finite value above 0
+    short: transform has 4 entries, expected 5
+    transform: sample 2 of transform is NaN, expected a finite value
+    ");
+}
+
+#[test]
+fn frequencies_that_are_no_numbers() {
+    let power = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    let waves_only = Medium::new(1150.0, power).unwrap();
+    let body = begun().end(Termination::Free).unwrap();
+    let section = body.section(0, 0.05).unwrap();
+    let segment = Segment::rod(circle(), 0.3).unwrap();
+    let member = FrameMember::new(&steel(), circle(), 0.8, &[0.3], Termination::Free).unwrap();
+    let blow = HalfSine::new(50.0, 2e-4).unwrap();
+    let force = Excitation::Force(&blow);
+    let mut refusals = Refusals::default();
+    for omega in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut texts = [
+            Elastic::new(206e9).unwrap().try_at(omega).map(|_| ()),
+            steel().try_propagation_coefficient(omega).map(|_| ()),
+            waves_only.try_propagation_coefficient(omega).map(|_| ()),
+            segment.transition_matrix(&steel(), omega).map(|_| ()),
+            TransitionMatrix::lumped_mass(1.0, omega).map(|_| ()),
+            TransitionMatrix::spring(1.0, omega).map(|_| ()),
+            body.mobility(omega).map(|_| ()),
+            body.far_face_mobility(omega).map(|_| ()),
+            body.transition_matrix(omega).map(|_| ()),
+            section.state(omega).map(|_| ()),
+            section.waves(omega).map(|_| ()),
+            member.strain_spectra(&force, &[1e3, omega]).map(|_| ()),
+        ]
+        .map(|result| result.unwrap_err().to_string());
+        texts.sort();
+        assert_eq!(texts.first(), texts.last());
+        writeln!(refusals.0, "{}", texts[0]).unwrap();
+    }
+    assert_snapshot!(refusals, @r"
+    angular frequency [rad/s] is NaN, expected a finite value
+    angular frequency [rad/s] is inf, expected a finite value
+    angular frequency [rad/s] is -inf, expected a finite value
+    ");
+}
+
+#[test]
+fn sections_outside_the_rod() {
+    let body = begun().end(Termination::Free).unwrap();
+    let mut refusals = Refusals::default();
+    for (element, distance) in [(0, -0.01), (0, 0.11), (0, f64::NAN), (1, 0.01), (2, 0.0)] {
+        let section = body.section(element, distance);
+        refusals.add(format!("{distance} m into element {element}"), section);
+    }
+    for position in [-0.1, 0.9, f64::NAN] {
+        let positions = [0.3, position];
+        let member = FrameMember::new(&steel(), circle(), 0.8, &positions, Termination::Free);
+        refusals.add("gauge", member);
+    }
+    refusals.add(
+        "no gauge",
+        FrameMember::new(&steel(), circle(), 0.8, &[], Termination::Free),
+    );
+    for section_distance in [0.0, -0.1, 0.5, f64::NAN] {
+        let test = ImpactTest {
+            striker: Striker::PAPER_D,
+            rod: InelasticRod::new(0.4, 910.0, 2.5e9, inelastic::Elastic).unwrap(),
+            diameter: 0.02,
+            section_distance,
+        };
+        refusals.add("impact test", test.run(1e-3, 1e-3));
+    }
+    assert_snapshot!(refusals, @r"
+    -0.01 m into element 0: element 0: distance of the section [m] is -0.01, expected between 0 and the length of the element
+    0.11 m into element 0: element 0: distance of the section [m] is 0.11, expected between 0 and the length of the element
+    NaN m into element 0: element 0: distance of the section [m] is NaN, expected between 0 and the length of the element
+    0.01 m into element 1: element 1: distance of the section [m] is 0.01, expected 0 in an element without length
+    0 m into element 2: the row of elements up to the section has 3 entries, expected 2
+    gauge: element 0: distance of the section [m] is -0.1, expected between 0 and the length of the element
+    gauge: element 0: distance of the section [m] is 0.9, expected between 0 and the length of the element
+    gauge: element 0: distance of the section [m] is NaN, expected between 0 and the length of the element
+    no gauge: the list of positions has 0 samples, expected at least 1
+    impact test: distance of the section from the free end [m] is 0, expected above 0 and at most the length of the rod
+    impact test: distance of the section from the free end [m] is -0.1, expected above 0 and at most the length of the rod
+    impact test: distance of the section from the free end [m] is 0.5, expected above 0 and at most the length of the rod
+    impact test: section distance [m] is NaN, expected a finite value
+    ");
+}
+
+#[test]
+fn inelastic_laws_and_their_solvers() {
+    let mut refusals = Refusals::default();
+    let law = inelastic::MaxwellNorton::new(2.1, 7e13).unwrap();
+    let rod = || InelasticRod::new(0.4, 910.0, 2.5e9, law).unwrap();
+    refusals.add("modulus", InelasticRod::new(0.4, 910.0, 0.0, law));
+    refusals.add("parameters", law.with_parameters(&[2.0]));
+    refusals.add("parameters", law.with_parameters(&[f64::NAN, 0.0]));
+    refusals.add("parameters", law.with_parameters(&[2.0, f64::NAN]));
+    refusals.add("cells", DirectProblem::new(rod(), 7));
+    refusals.add("chain", LumpedRod::new(&rod(), 1, 0.8));
+    refusals.add("chain", LumpedRod::new(&rod(), 100, 1.1));
+    let problem = DirectProblem::new(rod(), 50).unwrap();
+    let excitation = rodwave::band_limited::SampledHistory::new(&[0.0; 52], 51_200.0).unwrap();
+    for time in [-1e-6, f64::NAN, 2e-3] {
+        refusals.add(
+            "response",
+            problem.free_end_velocity(&excitation, &[0.0, time]),
+        );
+    }
+    assert_snapshot!(refusals, @r"
+    modulus: Young's modulus [Pa] is 0, expected a finite value above 0
+    parameters: parameter array has 1 entries, expected 2
+    parameters: exponent kappa is NaN, expected a finite value
+    parameters: reference rate [1/s] is NaN, expected a finite value above 0
+    cells: number of cells is 7, expected at least 8
+    chain: number of cells is 1, expected at least 4
+    chain: Courant number is 1.1, expected above 0 and at most 0.95
+    response: time of the response [s] is -0.000001, expected a finite value not below 0
+    response: time of the response [s] is NaN, expected a finite value not below 0
+    response: the response is asked for until 0.002 s, but the excitation ends at 0.00099609375 s
+    ");
+}

@@ -1,0 +1,168 @@
+//! What runs millions of times takes no memory: the steps of a march, and a chain at one frequency. A counting allocator
+//! watches the thread; everything is built outside its sight.
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
+
+use std::hint::black_box;
+
+use allocation_counter::measure;
+use num_complex::Complex64;
+use rodwave::chain::AnalyticChain;
+use rodwave::element::Circle;
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+};
+use rodwave::medium::Medium;
+use rodwave::modulus::{self, MaxwellBranch};
+use rodwave::{Chain, DirectProblem, InelasticRod, Termination};
+
+#[test]
+fn the_allocator_counts() {
+    assert_eq!(measure(|| drop(black_box(vec![1.0; 8]))).count_total, 1);
+}
+
+/// Steps from the first one on, so that the windows come round, with the results that a program would read at each.
+fn march_allocates_nothing<L: InelasticLaw>(law: &L) {
+    for (cells, velocity) in [(8, 9.0), (47, 9.0), (400, 9.0), (100, 60.0)] {
+        let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
+        let problem = DirectProblem::new(rod, cells).unwrap();
+        let mut march = problem.march(velocity);
+        let mut sum = 0.0;
+        let allocated = measure(|| {
+            for _ in 0..3000 {
+                march.advance(black_box(velocity));
+                sum += march.free_end_velocity() + march.energy().dissipated;
+            }
+            sum += march.state().map(|node| node.stress).sum::<f64>();
+        });
+        assert!(sum.is_finite(), "{law:?}");
+        assert_eq!(allocated.count_total, 0, "{law:?}, {cells} cells");
+    }
+}
+
+#[test]
+fn a_march_allocates_nothing() {
+    march_allocates_nothing(&Elastic);
+    march_allocates_nothing(&Maxwell::new(4e6).unwrap());
+    march_allocates_nothing(&MaxwellNorton::new(2.108, 7e13).unwrap());
+    march_allocates_nothing(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
+    // the rare ways: steps too long for the series, stresses that vanish in finite time, viscosity that grows with stress
+    march_allocates_nothing(&MaxwellNorton::from_reference_rate(0.6, 1e4, 10e6).unwrap());
+    march_allocates_nothing(&MaxwellGurevichRabinovich::new(1e3, 5e6).unwrap());
+    march_allocates_nothing(
+        &MaxwellGurevichRabinovich::from_reference_rate(-1.5, 300.0, 10e6).unwrap(),
+    );
+}
+
+/// Every element, and laws of every kind: closed forms, sums, powers, a table, measured waves.
+fn body(termination: Termination) -> Chain {
+    let (thin, thick) = (
+        Circle::of_diameter(0.02).unwrap(),
+        Circle::of_diameter(0.05).unwrap(),
+    );
+    let prony = [(4e8, 1e-3), (5e8, 1e-5)].map(|(modulus, relaxation_time)| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    });
+    let lines = [(2.4e9, 1.6e8), (2.6e9, 1.5e8), (2.8e9, 1.5e8)];
+    let lines = lines.map(|(re, im)| Complex64::new(re, im));
+    let table = modulus::Tabulated::new(&[1e3, 1e4, 1e5], &lines).unwrap();
+    Chain::from_impact_face()
+        .rod(
+            &Medium::new(2700.0, modulus::Elastic::new(69e9).unwrap()).unwrap(),
+            thin,
+            0.1,
+        )
+        .cone(
+            &Medium::new(
+                912.0,
+                modulus::GeneralisedMaxwell::new(2e9, prony.to_vec()).unwrap(),
+            )
+            .unwrap(),
+            thin,
+            thick,
+            0.2,
+        )
+        .horn(
+            &Medium::new(1100.0, modulus::ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap(),
+            thick,
+            thin,
+            0.1,
+        )
+        .mass(0.01)
+        .rod(&Medium::new(1000.0, table.held()).unwrap(), thin, 0.1)
+        .spring(1e7)
+        .rod(
+            &Medium::new(
+                1150.0,
+                modulus::PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap(),
+            )
+            .unwrap(),
+            thin,
+            0.1,
+        )
+        .dashpot(1e3)
+        .rod(
+            &Medium::new(
+                950.0,
+                modulus::FractionalZener::new(1e9, 3e9, 1e-4, 0.4).unwrap(),
+            )
+            .unwrap(),
+            thin,
+            0.1,
+        )
+        .end(termination)
+        .unwrap()
+}
+
+#[test]
+fn a_chain_at_one_frequency_allocates_nothing() {
+    let steel = Medium::new(7780.0, modulus::Elastic::new(206e9).unwrap()).unwrap();
+    let circle = Circle::of_diameter(0.02).unwrap();
+    for termination in [
+        Termination::Free,
+        Termination::Fixed,
+        Termination::Mass(0.3),
+        Termination::Dashpot(80.0),
+        Termination::impedance(|omega| Complex64::new(3.0, omega)),
+        Termination::semi_infinite(&steel, circle),
+    ] {
+        let name = format!("{termination:?}");
+        let body = body(termination);
+        let section = body.section(2, 0.03).unwrap();
+        let mut sum = Complex64::ZERO;
+        let allocated = measure(|| {
+            for step in 1_u32..200 {
+                let omega = 400.0 * f64::from(step);
+                sum += body.mobility(omega).unwrap() + body.far_face_mobility(omega).unwrap();
+                sum += body.transition_matrix(omega).unwrap().determinant();
+                sum += section.state(omega).unwrap().velocity;
+                sum += section.waves(omega).unwrap().at(0.01);
+            }
+        });
+        assert!(sum.is_finite(), "{name}");
+        assert_eq!(allocated.count_total, 0, "{name}");
+    }
+}
+
+#[test]
+fn an_analytic_chain_at_one_complex_s_allocates_nothing() {
+    let law = modulus::HavriliakNegami::new(1e9, 3e9, 1e-4, 0.6, 0.8).unwrap();
+    let medium = Medium::new(1000.0, law).unwrap();
+    let circle = Circle::of_diameter(0.02).unwrap();
+    let rod = AnalyticChain::analytic_from_impact_face()
+        .rod(&medium, circle, 0.5)
+        .mass(0.1)
+        .end(Termination::Free)
+        .unwrap();
+    let section = rod.section(0, 0.2).unwrap();
+    let mut sum = Complex64::ZERO;
+    let allocated = measure(|| {
+        for step in 0_u32..200 {
+            let s = Complex64::new(300.0, 400.0 * f64::from(step));
+            sum += rod.mobility_at_s(s).unwrap() + rod.far_face_mobility_at_s(s).unwrap();
+            sum += section.state_at_s(s).unwrap().velocity;
+        }
+    });
+    assert!(sum.is_finite());
+    assert_eq!(allocated.count_total, 0);
+}
