@@ -1,12 +1,14 @@
 //! Virtual experiments: what the instruments of a test would have recorded.
 
+pub mod displacement_pair;
 pub mod end_accelerations;
 pub mod impact_of_two_bodies;
 pub mod strains_in_a_frame;
 
+use self::displacement_pair::DisplacementPair;
 use crate::band_limited::{Recorder, SampledHistory};
 use crate::error::RodwaveError;
-use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
+use crate::impact::{ImpactBalance, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
 /// How a test of paper D is recorded.
@@ -99,28 +101,9 @@ impl<L: InelasticLaw> ImpactTest<L> {
                 &fine,
                 recorder.rate_hz * FINER as f64,
             )?,
-            in_range_until: samples_before as f64 * interval + in_range(&history, transducer_range),
+            in_range_until: samples_before as f64 * interval
+                + DisplacementPair::of(&history).in_range_until(transducer_range),
             balance: history.balance,
         })
     }
-}
-
-/// Time after the impact at which a displacement first exceeds `range`, or the end of the history.
-#[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
-fn in_range(history: &ImpactHistory, range: f64) -> f64 {
-    let (mut section, mut free_end) = (0.0_f64, 0.0_f64);
-    let velocities = history
-        .section_velocity
-        .iter()
-        .zip(&history.free_end_velocity);
-    let mut steps = 0_usize;
-    for (at_section, at_end) in velocities {
-        section += at_section * history.step;
-        free_end += at_end * history.step;
-        if section.abs() > range || free_end.abs() > range {
-            break;
-        }
-        steps += 1;
-    }
-    steps as f64 * history.step
 }

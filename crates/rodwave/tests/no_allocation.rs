@@ -11,6 +11,7 @@ use rodwave::element::Circle;
 use rodwave::inelastic::{
     Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
+use rodwave::line::{Body, End, Line, Segment};
 use rodwave::medium::Medium;
 use rodwave::modulus::{self, MaxwellBranch};
 use rodwave::{Chain, DirectProblem, InelasticRod, Termination};
@@ -51,6 +52,37 @@ fn a_march_allocates_nothing() {
     march_allocates_nothing(
         &MaxwellGurevichRabinovich::from_reference_rate(-1.5, 300.0, 10e6).unwrap(),
     );
+}
+
+#[test]
+fn a_line_allocates_nothing() {
+    let segment = || Segment::new(0.2, 2e-4, 910.0).unwrap();
+    let norton = MaxwellNorton::new(2.108, 7e13).unwrap();
+    let several = segment()
+        .with_branch(2e9, Elastic)
+        .unwrap()
+        .with_branch(4e8, Maxwell::new(4e5).unwrap())
+        .unwrap()
+        .with_branch(3e8, norton)
+        .unwrap();
+    let single = segment().with_branch(2.58e9, norton).unwrap();
+    let striker = Segment::elastic(0.1, 2e-4, 2700.0, 69e9).unwrap();
+    let bodies = [
+        Body::new([striker]).unwrap().moving_at(9.0).unwrap(),
+        Body::new([several, single]).unwrap(),
+    ];
+    let line = Line::new(bodies).unwrap().with_gap(0, 1e-4).unwrap();
+    let line = line.with_right_end(End::Mass(0.02)).unwrap();
+    let mut march = line.march(1e-6).unwrap();
+    let mut sum = 0.0;
+    let allocated = measure(|| {
+        for _ in 0..3000 {
+            march.advance().unwrap();
+            sum += march.contact_force(0) + march.ledger().stored;
+        }
+    });
+    assert!(sum > 0.0);
+    assert_eq!(allocated.count_total, 0);
 }
 
 /// Every element, and laws of every kind: closed forms, sums, powers, a table, measured waves.
