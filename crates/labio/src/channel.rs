@@ -20,9 +20,34 @@ pub enum Quantity {
     Strain,
     /// Voltage \[V\]: a sensor's signal before calibration.
     Voltage,
+    /// Charge \[C\]: the signal of a piezoelectric sensor without electronics.
+    Charge,
+    /// Pressure or stress \[Pa\].
+    Pressure,
+    /// Temperature \[K\].
+    Temperature,
 }
 
 impl Quantity {
+    /// Every quantity there is.
+    pub const ALL: [Self; 9] = [
+        Self::Force,
+        Self::Displacement,
+        Self::Velocity,
+        Self::Acceleration,
+        Self::Strain,
+        Self::Voltage,
+        Self::Charge,
+        Self::Pressure,
+        Self::Temperature,
+    ];
+
+    /// The quantity of this dimension, if there is one; a pure number counts as strain.
+    #[must_use]
+    pub fn of_dimension(dimension: Dimension) -> Option<Self> {
+        Self::ALL.into_iter().find(|q| q.dimension() == dimension)
+    }
+
     /// The quantity in words.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -33,6 +58,9 @@ impl Quantity {
             Self::Acceleration => "acceleration",
             Self::Strain => "strain",
             Self::Voltage => "voltage",
+            Self::Charge => "charge",
+            Self::Pressure => "pressure",
+            Self::Temperature => "temperature",
         }
     }
 
@@ -46,6 +74,9 @@ impl Quantity {
             Self::Acceleration => "m/s^2",
             Self::Strain => "1",
             Self::Voltage => "V",
+            Self::Charge => "C",
+            Self::Pressure => "Pa",
+            Self::Temperature => "K",
         }
     }
 
@@ -53,19 +84,22 @@ impl Quantity {
     #[must_use]
     pub fn dimension(self) -> Dimension {
         let (length, mass, time, current) = match self {
+            Self::Temperature => (0, 0, 0, 0),
             Self::Force => (1, 1, -2, 0),
             Self::Displacement => (1, 0, 0, 0),
             Self::Velocity => (1, 0, -1, 0),
             Self::Acceleration => (1, 0, -2, 0),
             Self::Strain => (0, 0, 0, 0),
             Self::Voltage => (2, 1, -3, -1),
+            Self::Charge => (0, 0, 1, 1),
+            Self::Pressure => (-1, 1, -2, 0),
         };
         Dimension {
             length,
             mass,
             time,
             current,
-            temperature: 0,
+            temperature: i8::from(self == Self::Temperature),
         }
     }
 }

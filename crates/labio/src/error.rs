@@ -197,8 +197,36 @@ pub enum LabioError {
         what: String,
     },
     /// A text is no unit that is known.
-    #[error("`{found}` is no known unit")]
+    #[error("`{found}` is no known unit: `{token}` {reason}")]
     UnknownUnit {
+        /// The text.
+        found: String,
+        /// The part of it that is not understood.
+        token: String,
+        /// What is wrong with that part.
+        reason: &'static str,
+    },
+    /// A value is in a unit that does not fit.
+    #[error("{what} is in {found}, expected {expected}")]
+    UnitMismatch {
+        /// What has the unit.
+        what: String,
+        /// The unit found.
+        found: String,
+        /// What it should be.
+        expected: String,
+    },
+    /// A hit that is asked for cannot be had.
+    #[error("hit {number} {reason}")]
+    NoSuchHit {
+        /// Number of the hit, from 1.
+        number: usize,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A text is no day of the calendar.
+    #[error("`{found}` is no date, expected a day as 2026-11-21")]
+    NoDate {
         /// The text.
         found: String,
     },
@@ -265,6 +293,32 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
             quantity,
             value,
             expected: "a finite value above 0",
+        })
+    }
+}
+
+/// Accepts a finite value.
+pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(LabioError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value",
+        })
+    }
+}
+
+/// Accepts a finite value that is zero or above.
+pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, LabioError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(LabioError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value of at least 0",
         })
     }
 }

@@ -7,9 +7,10 @@
 //! ordinary coherence, the number of averages and the random error of every line. This is how (Ödeen 1993, paper E,
 //! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
 //!
-//! The walk is: a file ([`mod@format`]) becomes a [`Record`]; records become [`AveragedSpectra`] through a
-//! [`SpectrumAverager`], whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`]
-//! and a [`Coherence`].
+//! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each
+//! channel, and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`],
+//! whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`] and a [`Coherence`]. An
+//! [`instrument`] makes such records for virtual experiments.
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -43,24 +44,28 @@
 //! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
 //! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an even number of samples
 //!   puts a line on the Nyquist frequency, an odd number does not.
-//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it is
-//!   stated there.
+//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it
+//!   is stated there.
 //! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that neither a zero nor a large
 //!   number can pass for a measurement further on.
 //!
 //! # What this does not do
 //!
-//! No calibration and no conversion of units: what a file holds is taken as SI. No cutting of a long record into hits, no
-//! rejection of double hits, no overlapped segments, no force or exponential window. Time must be uniform; nothing is resampled. The
-//! number of averages counts hits and assumes them independent. Errors of bias (leakage, finite resolution, noise on the
-//! input of H1) are described, not estimated.
+//! No repair of double hits or of clipped samples. No overlapped segments, no force or exponential window. Time must be
+//! uniform; nothing is resampled. The number of averages counts hits and assumes them independent. Errors of bias (leakage,
+//! finite resolution, noise on the input of H1) are described, not estimated.
 
 pub mod format;
+pub mod hits;
+pub mod instrument;
 
+mod calibration;
 mod channel;
 mod dft;
 mod error;
+mod filter;
 mod frf;
+mod provenance;
 mod record;
 mod series;
 mod spectra;
@@ -68,10 +73,15 @@ mod stream;
 mod unit;
 mod window;
 
+pub use calibration::{
+    BridgeLayout, CalibratedBlocks, Date, Direction, Polarity, Position, Rating, SensorChain,
+    StrainBridge, Transducer,
+};
 pub use channel::{Channel, Quantity};
 pub use error::{LabioError, Place};
 pub use frf::{Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
-pub use record::{Provenance, Record};
+pub use provenance::{ContentHash, Provenance};
+pub use record::Record;
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
 pub use spectra::{AveragedSpectra, SpectrumAverager};
 pub use stream::BlockSource;

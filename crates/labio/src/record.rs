@@ -1,52 +1,14 @@
 //! Sampled channels of one test.
 
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::sync::Arc;
 
-use ndarray::{Array2, ArrayView1, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 
-use crate::LabioError;
 use crate::channel::{self, Channel};
-use crate::error::check_positive;
-
-/// Where the samples of a record come from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Provenance {
-    /// Read from a file.
-    File {
-        /// Path as it was given.
-        path: PathBuf,
-        /// Name of the format, as `npy`.
-        format: &'static str,
-    },
-    /// Read from bytes without a name.
-    Bytes {
-        /// Name of the format.
-        format: &'static str,
-    },
-    /// Computed.
-    Computed {
-        /// Name of the generator, which no method may share that inverts the record.
-        generator: String,
-    },
-}
-
-impl Provenance {
-    /// A computed record and the name of its generator.
-    #[must_use]
-    pub fn computed(generator: impl Into<String>) -> Self {
-        Self::Computed {
-            generator: generator.into(),
-        }
-    }
-
-    pub(crate) fn file(path: &Path, format: &'static str) -> Self {
-        Self::File {
-            path: path.to_path_buf(),
-            format,
-        }
-    }
-}
+use crate::error::{check_finite, check_positive};
+use crate::filter;
+use crate::{LabioError, Provenance, SensorChain};
 
 /// Simultaneously sampled channels: finite samples, equally spaced in time, each channel named.
 ///
@@ -55,6 +17,9 @@ impl Provenance {
 /// | samples | `(n_channels, n_samples)` | SI unit of the channel's quantity |
 /// | sampling rate | scalar | Hz |
 /// | start time | scalar | s, time of the first sample |
+///
+/// A record of volts becomes one of physical quantities by [`Record::calibrated`], which keeps what was recorded: a
+/// sensitivity that turns out wrong is corrected by calibrating again, without the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     samples: Array2<f64>,
@@ -62,6 +27,15 @@ pub struct Record {
     start_time: f64,
     channels: Vec<Channel>,
     provenance: Provenance,
+    recorded: Option<Recorded>,
+}
+
+/// What a calibrated record was before.
+#[derive(Debug, Clone, PartialEq)]
+struct Recorded {
+    samples: Arc<Array2<f64>>,
+    channels: Vec<Channel>,
+    chains: Vec<Option<SensorChain>>,
 }
 
 impl Record {
@@ -82,13 +56,7 @@ impl Record {
         provenance: Provenance,
     ) -> Result<Self, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
-        if !start_time.is_finite() {
-            return Err(LabioError::NonPhysical {
-                quantity: "start time [s]",
-                value: start_time,
-                expected: "a finite value",
-            });
-        }
+        check_finite("start time [s]", start_time)?;
         if channels.len() != samples.nrows() {
             return Err(LabioError::CountMismatch {
                 what: "channels named for the rows of samples",
@@ -105,13 +73,7 @@ impl Record {
         }
         channel::check_distinct(&channels)?;
         for (row, channel) in samples.rows().into_iter().zip(&channels) {
-            if let Some((index, &value)) = row.iter().enumerate().find(|(_, s)| !s.is_finite()) {
-                return Err(LabioError::NonFiniteSample {
-                    channel: channel.name().to_owned(),
-                    index,
-                    value,
-                });
-            }
+            check_samples(row, channel.name())?;
         }
         Ok(Self {
             samples,
@@ -119,7 +81,190 @@ impl Record {
             start_time,
             channels,
             provenance,
+            recorded: None,
         })
+    }
+
+    /// The same with the channel called `name` in the quantity that its sensor feels. What was recorded is kept, and a chain
+    /// that the channel had before is replaced.
+    ///
+    /// # Errors
+    ///
+    /// - [`LabioError::UnknownChannel`]: there is none of that name.
+    /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was recorded.
+    /// - [`LabioError::NonFiniteSample`]: a recorded number stands for nothing, as a voltage that no strain gives.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use labio::{Channel, Provenance, Quantity, Rating, Record, SensorChain};
+    /// use ndarray::array;
+    ///
+    /// # fn main() -> Result<(), labio::LabioError> {
+    /// let channels = vec![Channel::new("hammer", Quantity::Voltage)?];
+    /// let volts = array![[0.0, 0.5, 0.25]];
+    /// let record = Record::new(volts, 8000.0, 0.0, channels, Provenance::computed("example"))?;
+    ///
+    /// let sheet = SensorChain::of_sensitivity(Rating::new(2.0, "mV/N")?)?;
+    /// let record = record.calibrated("hammer", sheet)?;
+    /// assert_eq!(record.channel("hammer")?[1], 250.0);
+    ///
+    /// let certificate = SensorChain::of_sensitivity(Rating::new(2.5, "mV/N")?)?;
+    /// let record = record.calibrated("hammer", certificate)?;
+    /// assert_eq!(record.channel("hammer")?[1], 200.0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn calibrated(mut self, name: &str, chain: SensorChain) -> Result<Self, LabioError> {
+        let (index, _) = channel::find(&self.channels, name)?;
+        let recorded = self.recorded.get_or_insert_with(|| Recorded {
+            samples: Arc::new(self.samples.clone()),
+            channels: self.channels.clone(),
+            chains: vec![None; self.channels.len()],
+        });
+        let (_, channel) = channel::find(&recorded.channels, name)?;
+        let felt = Channel::new(name, chain.quantity_from(channel.quantity())?)?;
+        let mut row = self.samples.row_mut(index);
+        Zip::from(&mut row)
+            .and(recorded.samples.row(index))
+            .for_each(|sample, &number| *sample = chain.si_from(number));
+        check_samples(self.samples.row(index), name)?;
+        if let Some(slot) = recorded.chains.get_mut(index) {
+            *slot = Some(chain);
+        }
+        if let Some(slot) = self.channels.get_mut(index) {
+            *slot = felt;
+        }
+        Ok(self)
+    }
+
+    /// The sensor chain of the channel called `name`, if the record was calibrated by one.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`] if there is none of that name.
+    pub fn chain(&self, name: &str) -> Result<Option<&SensorChain>, LabioError> {
+        let (index, _) = channel::find(&self.channels, name)?;
+        let recorded = self.recorded.as_ref();
+        Ok(recorded
+            .and_then(|recorded| recorded.chains.get(index))
+            .and_then(Option::as_ref))
+    }
+
+    /// What was recorded of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples themselves
+    /// if nothing was calibrated.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`] if there is none of that name.
+    pub fn recorded(&self, name: &str) -> Result<ArrayView1<'_, f64>, LabioError> {
+        let (index, _) = channel::find(&self.channels, name)?;
+        Ok(match &self.recorded {
+            Some(recorded) => recorded.samples.row(index),
+            None => self.samples.row(index),
+        })
+    }
+
+    /// The channels as they were recorded, before any calibration.
+    #[must_use]
+    pub fn recorded_channels(&self) -> &[Channel] {
+        self.recorded
+            .as_ref()
+            .map_or(&self.channels, |recorded| &recorded.channels)
+    }
+
+    /// The samples `range` of every channel as a record of their own, on the same time axis.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] if fewer than two samples are asked for, or more than there are.
+    pub fn part(&self, range: Range<usize>) -> Result<Self, LabioError> {
+        if range.end > self.n_samples() {
+            return Err(LabioError::TooFewSamples {
+                what: "the record to take a part of",
+                found: self.n_samples(),
+                expected: range.end,
+            });
+        }
+        if range.len() < 2 {
+            return Err(LabioError::TooFewSamples {
+                what: "the part of a record",
+                found: range.len(),
+                expected: 2,
+            });
+        }
+        let of = |samples: &Array2<f64>| {
+            samples
+                .slice_axis(Axis(1), Slice::from(range.clone()))
+                .to_owned()
+        };
+        Ok(Self {
+            samples: of(&self.samples),
+            sampling_rate_hz: self.sampling_rate_hz,
+            start_time: self.time_at(range.start),
+            channels: self.channels.clone(),
+            provenance: self.provenance.clone(),
+            recorded: self.recorded.as_ref().map(|recorded| Recorded {
+                samples: Arc::new(of(&recorded.samples)),
+                ..recorded.clone()
+            }),
+        })
+    }
+
+    /// The same with every channel on the common time axis: what a chain's time skew says is late is taken back, by
+    /// band-limited interpolation of what was recorded. The chains of the result have no skew.
+    ///
+    /// # Validity
+    ///
+    /// Signals without content near half the sampling rate, at rest at both ends; else the first and last samples ring.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonFiniteSample`] if interpolation makes a number that stands for nothing, [`LabioError::NonPhysical`]
+    /// for a skew longer than the record.
+    pub fn aligned(self) -> Result<Self, LabioError> {
+        let Some(recorded) = &self.recorded else {
+            return Ok(self);
+        };
+        let mut samples = recorded.samples.as_ref().clone();
+        let mut chains = Vec::new();
+        for (mut row, (channel, chain)) in samples
+            .rows_mut()
+            .into_iter()
+            .zip(self.channels.iter().zip(&recorded.chains))
+        {
+            let skew = chain.as_ref().map_or(0.0, SensorChain::time_skew);
+            if skew != 0.0 {
+                if skew.abs() >= self.duration() {
+                    return Err(LabioError::NonPhysical {
+                        quantity: "time skew [s]",
+                        value: skew,
+                        expected: "less than the duration of the record",
+                    });
+                }
+                let in_place = filter::delayed(&row.to_vec(), skew * self.sampling_rate_hz);
+                for (slot, sample) in row.iter_mut().zip(in_place) {
+                    *slot = sample;
+                }
+            }
+            if let Some(chain) = chain {
+                chains.push((
+                    channel.name().to_owned(),
+                    chain.clone().with_time_skew(0.0)?,
+                ));
+            }
+        }
+        let mut aligned = Self::new(
+            samples,
+            self.sampling_rate_hz,
+            self.start_time,
+            recorded.channels.clone(),
+            self.provenance.clone(),
+        )?;
+        for (name, chain) in chains {
+            aligned = aligned.calibrated(&name, chain)?;
+        }
+        Ok(aligned)
     }
 
     /// All samples, shape `(n_channels, n_samples)`.
@@ -185,10 +330,21 @@ impl Record {
     }
 }
 
+fn check_samples(row: ArrayView1<'_, f64>, channel: &str) -> Result<(), LabioError> {
+    match row.iter().enumerate().find(|(_, s)| !s.is_finite()) {
+        None => Ok(()),
+        Some((index, &value)) => Err(LabioError::NonFiniteSample {
+            channel: channel.to_owned(),
+            index,
+            value,
+        }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quantity;
+    use crate::{BridgeLayout, Quantity, Rating, StrainBridge};
     use ndarray::array;
 
     fn channels() -> Vec<Channel> {
@@ -253,5 +409,103 @@ mod tests {
         )
         .unwrap_err();
         assert_eq!(error.to_string(), "channels 0 and 1 are both named `force`");
+    }
+
+    fn volts() -> Record {
+        let channels = ["force", "response"]
+            .map(|name| Channel::new(name, Quantity::Voltage).unwrap())
+            .to_vec();
+        Record::new(
+            array![[0.0, 0.5, 0.25, -0.5], [1.0, 2.0, 3.0, 4.0]],
+            8.0,
+            0.25,
+            channels,
+            Provenance::computed("test"),
+        )
+        .unwrap()
+    }
+
+    fn chain(sensitivity: f64, unit: &str) -> SensorChain {
+        SensorChain::of_sensitivity(Rating::new(sensitivity, unit).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn calibrating_again_starts_from_what_was_recorded() {
+        let once = volts().calibrated("force", chain(3.0, "mV/N")).unwrap();
+        assert_eq!(once.channels()[0].quantity(), Quantity::Force);
+        assert_eq!(once.channels()[1].quantity(), Quantity::Voltage);
+        let direct = volts().calibrated("force", chain(0.7, "mV/lbf")).unwrap();
+        let again = once.calibrated("force", chain(0.7, "mV/lbf")).unwrap();
+        assert_eq!(again, direct, "not a bit of the first chain is left");
+        assert_eq!(
+            again.recorded("force").unwrap(),
+            array![0.0, 0.5, 0.25, -0.5]
+        );
+        assert_eq!(again.recorded_channels(), volts().channels());
+        assert_eq!(
+            again.chain("force").unwrap().unwrap(),
+            &chain(0.7, "mV/lbf")
+        );
+        assert_eq!(again.chain("response").unwrap(), None);
+    }
+
+    #[test]
+    fn a_chain_that_does_not_fit_is_refused_with_the_channel() {
+        let wrong = volts().calibrated("force", chain(1.0, "pC/N")).unwrap_err();
+        assert!(matches!(wrong, LabioError::UnitMismatch { .. }));
+        let bridge = StrainBridge::new(
+            BridgeLayout::Quarter,
+            Rating::new(2.0, "1").unwrap(),
+            Rating::new(5.0, "V").unwrap(),
+        );
+        let beyond = volts()
+            .calibrated("response", SensorChain::of_bridge(bridge.unwrap()))
+            .unwrap_err();
+        assert_eq!(
+            beyond.to_string(),
+            "sample 2 of channel `response` is NaN, expected a finite value"
+        );
+    }
+
+    #[test]
+    fn a_part_stays_on_the_time_axis_and_can_be_calibrated() {
+        let whole = volts().calibrated("force", chain(2.0, "mV/N")).unwrap();
+        let part = whole.part(1..3).unwrap();
+        assert_eq!(part.start_time().to_bits(), 0.375_f64.to_bits());
+        assert_eq!(part.channel("force").unwrap(), array![250.0, 125.0]);
+        let part = part.calibrated("force", chain(1.0, "mV/N")).unwrap();
+        assert_eq!(part.channel("force").unwrap(), array![500.0, 250.0]);
+        assert!(whole.part(2..3).is_err());
+        assert!(whole.part(2..5).is_err());
+    }
+
+    #[test]
+    fn a_time_skew_is_taken_back_only_when_asked_for() {
+        let rate = 1000.0;
+        let skew = 0.0123;
+        let pulse = |t: f64| (-((t - 0.5) / 0.01).powi(2)).exp();
+        let n = 1000;
+        let samples = Array2::from_shape_fn((2, n), |(c, k)| {
+            let t = k as f64 / rate;
+            pulse(if c == 0 { t } else { t + skew }) // taken later than the axis says
+        });
+        let channels = volts().channels().to_vec();
+        let record = Record::new(samples, rate, 0.0, channels, Provenance::computed("test"))
+            .unwrap()
+            .calibrated("force", chain(1.0, "V/N"))
+            .unwrap()
+            .calibrated("response", chain(2.0, "V/N").with_time_skew(skew).unwrap())
+            .unwrap();
+        let as_recorded = record.channel("response").unwrap();
+        assert!((as_recorded[488] - pulse(0.5003) / 2.0).abs() < 1e-12);
+        let aligned = record.aligned().unwrap();
+        let force = aligned.channel("force").unwrap();
+        let response = aligned.channel("response").unwrap();
+        for (f, r) in force.iter().zip(response) {
+            // at half the rate the spectrum of the pulse has fallen to exp(-(π·500·0.01)²): only rounding is left
+            assert!((f / 2.0 - r).abs() < 1e-14);
+        }
+        let chain = aligned.chain("response").unwrap().unwrap();
+        assert!(chain.time_skew() == 0.0);
     }
 }

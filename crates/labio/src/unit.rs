@@ -1,8 +1,14 @@
 //! Units as they are written in files and sheets, and what they are in SI.
 
+mod parse;
+mod ratio;
+mod symbol;
+
 use std::fmt;
+use std::str::FromStr;
 
 use crate::{LabioError, Quantity};
+use ratio::Ratio;
 
 /// Exponents of the SI base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -19,12 +25,84 @@ pub struct Dimension {
     pub temperature: i8,
 }
 
+impl Dimension {
+    /// Of a pure number.
+    pub const NONE: Self = Self::of([0; 5]);
+
+    const fn of([length, mass, time, current, temperature]: [i8; 5]) -> Self {
+        Self {
+            length,
+            mass,
+            time,
+            current,
+            temperature,
+        }
+    }
+
+    const fn exponents(self) -> [i8; 5] {
+        [
+            self.length,
+            self.mass,
+            self.time,
+            self.current,
+            self.temperature,
+        ]
+    }
+
+    /// The dimension of a product, if no exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn product(self, other: Self) -> Option<Self> {
+        let mut sum = self.exponents();
+        for (exponent, added) in sum.iter_mut().zip(other.exponents()) {
+            *exponent = exponent.checked_add(added)?;
+        }
+        Some(Self::of(sum))
+    }
+
+    /// The dimension of a quotient, if no exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn quotient(self, other: Self) -> Option<Self> {
+        self.product(other.power(-1)?)
+    }
+
+    /// The dimension of a power, if no exponent leaves the range of `i8`.
+    #[must_use]
+    pub fn power(self, exponent: i8) -> Option<Self> {
+        let mut multiple = self.exponents();
+        for base in &mut multiple {
+            *base = base.checked_mul(exponent)?;
+        }
+        Some(Self::of(multiple))
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bases = ["m", "kg", "s", "A", "K"];
+        let mut separator = "";
+        for (base, exponent) in bases.iter().zip(self.exponents()) {
+            match exponent {
+                0 => continue,
+                1 => write!(f, "{separator}{base}")?,
+                _ => write!(f, "{separator}{base}^{exponent}")?,
+            }
+            separator = " ";
+        }
+        if separator.is_empty() {
+            f.write_str("1")?;
+        }
+        Ok(())
+    }
+}
+
 /// A unit that was read: its text, its dimension and the SI value of one of it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "String", into = "String"))]
 pub struct Unit {
     symbol: String,
     dimension: Dimension,
-    scale: f64,
+    ratio: Ratio,
     offset: f64,
 }
 
@@ -35,19 +113,59 @@ impl Unit {
         Self {
             symbol: quantity.unit().to_owned(),
             dimension: quantity.dimension(),
-            scale: 1.0,
+            ratio: Ratio::ONE,
             offset: 0.0,
         }
     }
 
-    /// The unit that `text` says.
+    /// The unit that `text` says; blanks and one pair of square brackets around it do not count.
+    ///
+    /// Known are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity, 9.80665
+    /// m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC`
+    /// and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`, `s2` or `s^-2`.
+    /// A pure number is `1`, `-` or `dimensionless`.
+    ///
+    /// # Validity
+    ///
+    /// - `g` is an acceleration here, for `mV/g` is what stands on every accelerometer; the gram is written `gram`, the
+    ///   kilogram `kg`. `mg` is therefore a thousandth of standard gravity.
+    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both count from another zero than the kelvin
+    ///   and stand alone: `mV/degC` is refused.
+    /// - A product after a slash needs brackets, `m/(N s)`: without them readers differ on what is meant.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownUnit`].
+    /// [`LabioError::UnknownUnit`] with the part of the text that is not understood.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use labio::{Quantity, Unit};
+    ///
+    /// # fn main() -> Result<(), labio::LabioError> {
+    /// let g = Unit::parse("g")?;
+    /// assert_eq!(g.to_si(2.0), 19.6133);
+    /// assert_eq!(g.quantity(), Some(Quantity::Acceleration));
+    ///
+    /// // an accelerometer's sheet: volts divided by its sensitivity are an acceleration
+    /// let sensitivity = Unit::parse("mV/g")?;
+    /// let quotient = Unit::parse("V")?.per(&sensitivity)?;
+    /// assert_eq!(quotient.dimension(), g.dimension());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn parse(text: &str) -> Result<Self, LabioError> {
-        Err(LabioError::UnknownUnit {
-            found: text.to_owned(),
+        let trimmed = text.trim();
+        let symbol = trimmed
+            .strip_prefix('[')
+            .and_then(|inner| inner.strip_suffix(']'))
+            .map_or(trimmed, str::trim);
+        let parsed = parse::parse(symbol)?;
+        Ok(Self {
+            symbol: symbol.to_owned(),
+            dimension: parsed.dimension,
+            ratio: parsed.ratio,
+            offset: parsed.offset,
         })
     }
 
@@ -63,21 +181,141 @@ impl Unit {
         self.dimension
     }
 
-    /// The SI value of `value` of this unit.
+    /// The quantity that a channel in this unit has, if there is one of this dimension; a pure number counts as strain.
+    #[must_use]
+    pub fn quantity(&self) -> Option<Quantity> {
+        Quantity::of_dimension(self.dimension)
+    }
+
+    /// The SI value of a difference of one.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.ratio.value()
+    }
+
+    /// The SI value of `value` of this unit. It is `value` itself, to the bit, for a unit of SI.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
-        value * self.scale + self.offset
+        if self.offset == 0.0 {
+            self.ratio.scale(value) // adding a zero would turn -0.0 into 0.0
+        } else {
+            self.ratio.scale(value) + self.offset
+        }
     }
 
     /// How many of this unit the SI value is.
     #[must_use]
     pub fn of_si(&self, si: f64) -> f64 {
-        (si - self.offset) / self.scale
+        if self.offset == 0.0 {
+            self.ratio.inverse().scale(si)
+        } else {
+            self.ratio.inverse().scale(si - self.offset)
+        }
+    }
+
+    /// The product of two units.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownUnit`] if one counts from another zero, or the product leaves the range of numbers.
+    pub fn times(&self, other: &Self) -> Result<Self, LabioError> {
+        Self::parse(&format!("{} * {}", self.bracketed(), other.bracketed()))
+    }
+
+    /// The quotient of two units.
+    ///
+    /// # Errors
+    ///
+    /// As [`Unit::times`].
+    pub fn per(&self, other: &Self) -> Result<Self, LabioError> {
+        Self::parse(&format!("{}/{}", self.bracketed(), other.bracketed()))
+    }
+
+    fn bracketed(&self) -> String {
+        match self.symbol.as_str() {
+            "-" | "dimensionless" => "1".to_owned(),
+            simple if simple.chars().all(char::is_alphanumeric) => simple.to_owned(),
+            compound => format!("({compound})"),
+        }
+    }
+}
+
+impl FromStr for Unit {
+    type Err = LabioError;
+
+    fn from_str(text: &str) -> Result<Self, LabioError> {
+        Self::parse(text)
+    }
+}
+
+impl TryFrom<String> for Unit {
+    type Error = LabioError;
+
+    fn try_from(text: String) -> Result<Self, LabioError> {
+        Self::parse(&text)
+    }
+}
+
+impl From<Unit> for String {
+    fn from(unit: Unit) -> Self {
+        unit.symbol
     }
 }
 
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.symbol)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousandths_are_rounded_once() {
+        let mm = Unit::parse("mm").unwrap();
+        // nine times the double nearest to 0.001 is another double than 0.009
+        assert_eq!(mm.to_si(9.0).to_bits(), 0.009_f64.to_bits());
+        assert_ne!((9.0_f64 * 0.001).to_bits(), 0.009_f64.to_bits());
+        assert_eq!(mm.of_si(0.009).to_bits(), 9.0_f64.to_bits());
+    }
+
+    #[test]
+    fn si_units_change_no_bit() {
+        for quantity in Quantity::ALL {
+            let unit = Unit::si(quantity);
+            assert_eq!(
+                Unit::parse(unit.symbol()).unwrap(),
+                unit,
+                "text and table of {}",
+                quantity.name()
+            );
+            for value in [-0.0, 0.1, 1e308, -5e-324] {
+                assert_eq!(unit.to_si(value).to_bits(), f64::to_bits(value));
+                assert_eq!(unit.of_si(value).to_bits(), f64::to_bits(value));
+            }
+        }
+    }
+
+    #[test]
+    fn dimensions_are_written_as_powers() {
+        let written = ["mV/g", "1", "m", "N/V"].map(|text| {
+            let unit = Unit::parse(text).unwrap();
+            unit.dimension().to_string()
+        });
+        assert_eq!(written, ["m kg s^-1 A^-1", "1", "m", "m^-1 s A"]);
+    }
+
+    #[test]
+    fn quotients_of_quotients_cancel() {
+        let volt = Unit::parse("V").unwrap();
+        let sensitivity = Unit::parse("mV/g").unwrap();
+        let quotient = volt.per(&sensitivity).unwrap();
+        assert_eq!(quotient.symbol(), "V/(mV/g)");
+        // 1 V over 1 mV/g is 1000 g, and 9806.65 is a double nearest to 980665/100
+        assert_eq!(quotient.to_si(1.0).to_bits(), 9806.65_f64.to_bits());
+        assert_eq!(quotient.dimension(), Quantity::Acceleration.dimension());
+        assert!(volt.times(&Unit::parse("degC").unwrap()).is_err());
     }
 }

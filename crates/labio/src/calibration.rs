@@ -1,0 +1,13 @@
+//! From the volts of a channel to what its sensor felt.
+
+mod blocks;
+mod bridge;
+mod date;
+mod rating;
+mod sensor_chain;
+
+pub use blocks::CalibratedBlocks;
+pub use bridge::{BridgeLayout, StrainBridge};
+pub use date::Date;
+pub use rating::Rating;
+pub use sensor_chain::{Direction, Polarity, Position, SensorChain, Transducer};

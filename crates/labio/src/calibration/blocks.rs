@@ -1,0 +1,153 @@
+//! Calibration of samples that come block by block.
+
+use ndarray::Array2;
+
+use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
+
+/// A source whose channels are turned into what their sensors feel, block by block.
+///
+/// # Examples
+///
+/// ```no_run
+/// # fn source() -> Box<dyn labio::BlockSource> { unimplemented!() }
+/// use labio::{CalibratedBlocks, Rating, SensorChain};
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// let hammer = SensorChain::of_sensitivity(Rating::new(2.3, "mV/N")?)?;
+/// let newtons = CalibratedBlocks::new(source(), vec![("hammer".to_owned(), hammer)])?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct CalibratedBlocks<S> {
+    source: S,
+    channels: Vec<Channel>,
+    /// Rows with their chains.
+    chains: Vec<(usize, SensorChain)>,
+}
+
+impl<S: BlockSource> CalibratedBlocks<S> {
+    /// `source` with a chain for each channel that is named; the others stay as they are. Time skews are not corrected.
+    ///
+    /// # Errors
+    ///
+    /// - [`LabioError::UnknownChannel`]: a name is not in the source.
+    /// - [`LabioError::DuplicateChannel`]: a name has two chains.
+    /// - [`LabioError::UnitMismatch`]: a chain does not fit its channel.
+    pub fn new(source: S, chains: Vec<(String, SensorChain)>) -> Result<Self, LabioError> {
+        let mut channels = source.channels().to_vec();
+        let mut rows: Vec<(usize, SensorChain)> = Vec::new();
+        for (name, chain) in chains {
+            let (row, recorded) = channel::find(source.channels(), &name)?;
+            if rows.iter().any(|(other, _)| *other == row) {
+                return Err(LabioError::DuplicateChannel {
+                    name,
+                    first: row,
+                    second: row,
+                });
+            }
+            let felt = Channel::new(name, chain.quantity_from(recorded.quantity())?)?;
+            if let Some(slot) = channels.get_mut(row) {
+                *slot = felt;
+            }
+            rows.push((row, chain));
+        }
+        Ok(Self {
+            source,
+            channels,
+            chains: rows,
+        })
+    }
+}
+
+impl<S: BlockSource> BlockSource for CalibratedBlocks<S> {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn sampling_rate_hz(&self) -> f64 {
+        self.source.sampling_rate_hz()
+    }
+
+    fn n_samples(&self) -> Option<u64> {
+        self.source.n_samples()
+    }
+
+    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        if block.nrows() != self.channels.len() {
+            return Err(LabioError::CountMismatch {
+                what: "rows of a block of samples",
+                found: block.nrows(),
+                expected: self.channels.len(),
+            });
+        }
+        let n = self.source.read_block(block)?;
+        for (row, chain) in &self.chains {
+            let mut samples = block.row_mut(*row);
+            for sample in samples.iter_mut().take(n) {
+                *sample = chain.si_from(*sample);
+            }
+        }
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Quantity, Rating};
+
+    /// Three samples of two channels, one a block.
+    #[derive(Debug)]
+    struct Ramp(Vec<Channel>, f64);
+
+    impl BlockSource for Ramp {
+        fn channels(&self) -> &[Channel] {
+            &self.0
+        }
+
+        fn sampling_rate_hz(&self) -> f64 {
+            10.0
+        }
+
+        fn n_samples(&self) -> Option<u64> {
+            Some(3)
+        }
+
+        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+            if self.1 > 2.5 {
+                return Ok(0);
+            }
+            block.column_mut(0).fill(self.1);
+            self.1 += 1.0;
+            Ok(1)
+        }
+    }
+
+    #[test]
+    fn named_channels_are_calibrated_and_the_others_pass() {
+        let channels = ["force", "trigger"].map(|n| Channel::new(n, Quantity::Voltage).unwrap());
+        let chain = |unit| {
+            let sensitivity = Rating::new(0.5, unit).unwrap();
+            SensorChain::of_sensitivity(sensitivity).unwrap()
+        };
+        let source = || Ramp(channels.to_vec(), 0.0);
+        let named = |unit| vec![("force".to_owned(), chain(unit))];
+        let mut newtons = CalibratedBlocks::new(source(), named("V/N")).unwrap();
+        assert_eq!(newtons.channels()[0].quantity(), Quantity::Force);
+        assert_eq!(newtons.n_samples(), Some(3));
+        let mut block = Array2::zeros((2, 4));
+        let mut seen = Vec::new();
+        while newtons.read_block(&mut block).unwrap() > 0 {
+            seen.push((block[[0, 0]], block[[1, 0]]));
+        }
+        // halves are exact
+        assert_eq!(seen, [(0.0, 0.0), (2.0, 1.0), (4.0, 2.0)]);
+        assert!(CalibratedBlocks::new(source(), named("pC/N")).is_err());
+        let twice = [named("V/N"), named("V/N")].concat();
+        assert!(matches!(
+            CalibratedBlocks::new(source(), twice),
+            Err(LabioError::DuplicateChannel { .. })
+        ));
+    }
+}

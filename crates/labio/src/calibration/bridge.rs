@@ -1,0 +1,238 @@
+//! Strain gauges in a Wheatstone bridge.
+
+use super::Rating;
+use crate::error::check_positive;
+use crate::{LabioError, Quantity};
+
+/// Which arms of the bridge carry gauges, and what these see of the normal strain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum BridgeLayout {
+    /// One axial gauge (a dummy gauge for temperature does not count).
+    Quarter,
+    /// Two axial gauges in opposite arms, on opposite sides of a rod: bending cancels.
+    HalfOpposite,
+    /// One axial and one transverse gauge in adjacent arms.
+    HalfPoisson {
+        /// Poisson's ratio of the rod \[-\].
+        poisson_ratio: f64,
+    },
+    /// Two gauges in adjacent arms with strains of opposite sign: bending.
+    HalfBending,
+    /// Two axial gauges and two transverse ones, each pair in opposite arms: bending cancels.
+    FullPoisson {
+        /// Poisson's ratio of the rod \[-\].
+        poisson_ratio: f64,
+    },
+    /// Four gauges, neighbours with strains of opposite sign: bending.
+    FullBending,
+}
+
+/// Gauges, their bridge and its excitation.
+///
+/// With the bridge balanced at rest and $`r = V/V_{\rm ex}`$, the strain $`\varepsilon = x/k`$ follows from the gauge factor
+/// $`k`$ and
+///
+/// | layout | $`x`$ |
+/// |---|---|
+/// | quarter | $`4r/(1-2r)`$ |
+/// | half, opposite | $`2r/(1-r)`$ |
+/// | half, Poisson | $`4r/(1+\nu-2r(1-\nu))`$ |
+/// | half, bending | $`2r`$ |
+/// | full, Poisson | $`2r/(1+\nu-r(1-\nu))`$ |
+/// | full, bending | $`r`$ |
+///
+/// which is exact: nothing is expanded in small strains. Positive output is tension; wiring that does the opposite is a
+/// matter of [`Polarity`](crate::Polarity).
+///
+/// # Validity
+///
+/// Leads without resistance, gauges of equal resistance and gauge factor, transverse sensitivity neglected.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StrainBridgeSheet"))]
+pub struct StrainBridge {
+    layout: BridgeLayout,
+    gauge_factor: Rating,
+    excitation: Rating,
+}
+
+impl StrainBridge {
+    /// A bridge of gauges with `gauge_factor` \[-\] under `excitation` \[V\].
+    ///
+    /// # Errors
+    ///
+    /// - [`LabioError::UnitMismatch`]: the gauge factor is no number or the excitation no voltage.
+    /// - [`LabioError::NonPhysical`]: one of them is not positive, or Poisson's ratio is outside 0..0.5.
+    pub fn new(
+        layout: BridgeLayout,
+        gauge_factor: Rating,
+        excitation: Rating,
+    ) -> Result<Self, LabioError> {
+        gauge_factor.expect_quantity("gauge factor", Quantity::Strain)?;
+        excitation.expect_quantity("bridge excitation", Quantity::Voltage)?;
+        check_positive("gauge factor [-]", gauge_factor.si())?;
+        check_positive("bridge excitation [V]", excitation.si())?;
+        if let BridgeLayout::HalfPoisson { poisson_ratio }
+        | BridgeLayout::FullPoisson { poisson_ratio } = layout
+            && !(0.0..=0.5).contains(&poisson_ratio)
+        {
+            return Err(LabioError::NonPhysical {
+                quantity: "Poisson's ratio [-]",
+                value: poisson_ratio,
+                expected: "a value from 0 to 0.5",
+            });
+        }
+        Ok(Self {
+            layout,
+            gauge_factor,
+            excitation,
+        })
+    }
+
+    /// Which arms carry gauges.
+    #[must_use]
+    pub fn layout(&self) -> BridgeLayout {
+        self.layout
+    }
+
+    /// Gauge factor \[-\].
+    #[must_use]
+    pub fn gauge_factor(&self) -> &Rating {
+        &self.gauge_factor
+    }
+
+    /// Excitation.
+    #[must_use]
+    pub fn excitation(&self) -> &Rating {
+        &self.excitation
+    }
+
+    /// The law of a bridge is $`x = n r/(a - b r)`$: its constants n, a and b.
+    fn constants(&self) -> [f64; 3] {
+        match self.layout {
+            BridgeLayout::Quarter => [4.0, 1.0, 2.0],
+            BridgeLayout::HalfOpposite => [2.0, 1.0, 1.0],
+            BridgeLayout::HalfPoisson { poisson_ratio: nu } => [4.0, 1.0 + nu, 2.0 * (1.0 - nu)],
+            BridgeLayout::HalfBending => [2.0, 1.0, 0.0],
+            BridgeLayout::FullPoisson { poisson_ratio: nu } => [2.0, 1.0 + nu, 1.0 - nu],
+            BridgeLayout::FullBending => [1.0, 1.0, 0.0],
+        }
+    }
+
+    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite resistance would reach.
+    pub(super) fn strain(&self, voltage: f64) -> f64 {
+        let [n, a, b] = self.constants();
+        let r = voltage / self.excitation.si();
+        if a - b * r <= 0.0 {
+            return f64::NAN;
+        }
+        n * r / (a - b * r) / self.gauge_factor.si()
+    }
+
+    /// Bridge voltage \[V\] at the strain \[-\], the inverse of [`Self::strain`].
+    pub(super) fn voltage(&self, strain: f64) -> f64 {
+        let [n, a, b] = self.constants();
+        let x = strain * self.gauge_factor.si();
+        a * x / (n + b * x) * self.excitation.si()
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StrainBridgeSheet {
+    layout: BridgeLayout,
+    gauge_factor: Rating,
+    excitation: Rating,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StrainBridgeSheet> for StrainBridge {
+    type Error = LabioError;
+
+    fn try_from(sheet: StrainBridgeSheet) -> Result<Self, LabioError> {
+        Self::new(sheet.layout, sheet.gauge_factor, sheet.excitation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bridge(layout: BridgeLayout) -> StrainBridge {
+        let gauge_factor = Rating::new(2.1, "1").unwrap();
+        let excitation = Rating::new(5000.0, "mV").unwrap();
+        StrainBridge::new(layout, gauge_factor, excitation).unwrap()
+    }
+
+    /// Voltage between the dividers R4-R3 and R1-R2, each from the bottom of the excitation.
+    fn divided(resistances: [f64; 4], excitation: f64) -> f64 {
+        let [r1, r2, r3, r4] = resistances;
+        excitation * (r3 / (r3 + r4) - r2 / (r1 + r2))
+    }
+
+    #[test]
+    fn every_layout_inverts_its_resistors() {
+        let nu = 0.35;
+        // relative changes of R1 (upper left), R2 (lower left), R3 (lower right), R4 (upper right) per axial strain
+        let cases = [
+            (BridgeLayout::Quarter, [0.0, 0.0, 1.0, 0.0]),
+            (BridgeLayout::HalfOpposite, [1.0, 0.0, 1.0, 0.0]),
+            (
+                BridgeLayout::HalfPoisson { poisson_ratio: nu },
+                [0.0, 0.0, 1.0, -nu],
+            ),
+            (BridgeLayout::HalfBending, [0.0, 0.0, 1.0, -1.0]),
+            (
+                BridgeLayout::FullPoisson { poisson_ratio: nu },
+                [1.0, -nu, 1.0, -nu],
+            ),
+            (BridgeLayout::FullBending, [1.0, -1.0, 1.0, -1.0]),
+        ];
+        for (layout, change) in cases {
+            let bridge = bridge(layout);
+            for strain in [0.1, 0.002, -0.03] {
+                let arms = change.map(|per_strain| 350.0 * (1.0 + per_strain * 2.1 * strain));
+                let voltage = divided(arms, 5.0);
+                // differences of two dividers near one half lose the digits of 1/strain
+                let tolerance = 1e-12;
+                assert!(
+                    (bridge.strain(voltage) / strain - 1.0).abs() < tolerance,
+                    "{layout:?} at {strain}: {}",
+                    bridge.strain(voltage)
+                );
+                assert!((bridge.voltage(strain) / voltage - 1.0).abs() < tolerance);
+            }
+        }
+    }
+
+    #[test]
+    fn a_voltage_that_no_strain_gives_is_no_strain() {
+        // a quarter bridge goes to half the excitation as the resistance grows without limit
+        assert!(bridge(BridgeLayout::Quarter).strain(2.5).is_nan());
+        assert!(bridge(BridgeLayout::Quarter).strain(2.4).is_finite());
+    }
+
+    #[test]
+    fn a_sheet_of_impossible_numbers_is_refused() {
+        let number = |value| Rating::new(value, "1").unwrap();
+        let volts = |value| Rating::new(value, "V").unwrap();
+        let rubber = BridgeLayout::HalfPoisson { poisson_ratio: 0.6 };
+        let refusals = [
+            StrainBridge::new(rubber, number(2.0), volts(5.0)),
+            StrainBridge::new(BridgeLayout::Quarter, volts(2.0), volts(5.0)),
+            StrainBridge::new(BridgeLayout::Quarter, number(2.0), number(5.0)),
+            StrainBridge::new(BridgeLayout::Quarter, number(-2.0), volts(5.0)),
+        ]
+        .map(|result| result.unwrap_err().to_string())
+        .join("\n");
+        insta::assert_snapshot!(refusals, @r"
+        Poisson's ratio [-] is 0.6, expected a value from 0 to 0.5
+        gauge factor is in V, expected a unit of 1
+        bridge excitation is in 1, expected a unit of V
+        gauge factor [-] is -2, expected a finite value above 0
+        ");
+    }
+}

@@ -1,0 +1,509 @@
+//! One channel from the quantity to the recorded number.
+
+use super::{Date, Rating, StrainBridge};
+use crate::error::{check_finite, check_not_negative, check_positive};
+use crate::{Dimension, LabioError, Quantity};
+
+/// What turns the physical quantity into an electrical one.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Transducer {
+    /// A sensor of constant sensitivity, as 10.2 mV/g or 4.1 pC/N.
+    Sensitivity(Rating),
+    /// Strain gauges.
+    Bridge(StrainBridge),
+}
+
+/// Sign of the signal for a positive quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Polarity {
+    /// Positive signal for a positive quantity.
+    #[default]
+    Normal,
+    /// Negative signal for a positive quantity.
+    Inverted,
+}
+
+impl Polarity {
+    fn sign(self) -> f64 {
+        match self {
+            Self::Normal => 1.0,
+            Self::Inverted => -1.0,
+        }
+    }
+}
+
+/// The direction in which a sensor feels; x goes along the rod.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[allow(missing_docs, reason = "the names say all there is")]
+pub enum Direction {
+    PlusX,
+    MinusX,
+    PlusY,
+    MinusY,
+    PlusZ,
+    MinusZ,
+}
+
+/// Where a sensor sits along the rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Position {
+    /// Coordinate along the rod \[m\].
+    pub x: f64,
+    /// Its standard uncertainty \[m\].
+    pub standard_uncertainty: f64,
+}
+
+/// One channel from the quantity to the recorded number: transducer, amplifier, wiring.
+///
+/// With a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, the polarity $`p = \pm 1`$ and an offset $`u_0`$ of
+/// the recorder, the recorded $`u`$ stands for
+///
+/// ```math
+/// y = p\,\frac{u - u_0}{G\,S}
+/// ```
+///
+/// and for strain gauges $`p(u-u_0)/G`$ is the voltage of their [`StrainBridge`]. Units are checked: $`u`$ over $`GS`$ must
+/// be a quantity that a channel can have.
+///
+/// # Examples
+///
+/// ```
+/// use labio::{Quantity, Rating, SensorChain};
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// let accelerometer = Rating::new(10.2, "mV/g")?.with_uncertainty(0.1)?;
+/// let chain = SensorChain::of_sensitivity(accelerometer)?.with_gain(Rating::new(10.0, "1")?)?;
+/// assert_eq!(chain.quantity_from(Quantity::Voltage)?, Quantity::Acceleration);
+/// // 0.102 V after the amplifier are 10.2 mV before it: one standard gravity
+/// assert!((chain.si_from(0.102) - 9.80665).abs() < 1e-14);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "SensorChainSheet"))]
+pub struct SensorChain {
+    transducer: Transducer,
+    gain: Rating,
+    polarity: Polarity,
+    offset: f64,
+    time_skew: f64,
+    position: Option<Position>,
+    direction: Option<Direction>,
+    serial: Option<String>,
+    calibrated_on: Option<Date>,
+}
+
+impl SensorChain {
+    /// A sensor of constant `sensitivity` behind an amplifier of gain 1.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the sensitivity is not positive: a negative one is a matter of [`Polarity`].
+    pub fn of_sensitivity(sensitivity: Rating) -> Result<Self, LabioError> {
+        positive("sensitivity", &sensitivity)?;
+        Ok(Self::of(Transducer::Sensitivity(sensitivity)))
+    }
+
+    /// Strain gauges behind an amplifier of gain 1.
+    #[must_use]
+    pub fn of_bridge(bridge: StrainBridge) -> Self {
+        Self::of(Transducer::Bridge(bridge))
+    }
+
+    fn of(transducer: Transducer) -> Self {
+        Self {
+            transducer,
+            gain: Rating::one(),
+            polarity: Polarity::Normal,
+            offset: 0.0,
+            time_skew: 0.0,
+            position: None,
+            direction: None,
+            serial: None,
+            calibrated_on: None,
+        }
+    }
+
+    /// With an amplifier of this gain, a number or, for a charge amplifier, as 10 mV/pC.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not positive.
+    pub fn with_gain(self, gain: Rating) -> Result<Self, LabioError> {
+        positive("amplifier gain", &gain)?;
+        Ok(Self { gain, ..self })
+    }
+
+    /// With this sign.
+    #[must_use]
+    pub fn with_polarity(self, polarity: Polarity) -> Self {
+        Self { polarity, ..self }
+    }
+
+    /// With the number that the recorder gives for nothing, in the SI unit of the recorded quantity.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not finite.
+    pub fn with_offset(self, offset: f64) -> Result<Self, LabioError> {
+        Ok(Self {
+            offset: check_finite("recorder offset", offset)?,
+            ..self
+        })
+    }
+
+    /// With samples that are taken this much later \[s\] than the record's time axis says.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not finite.
+    pub fn with_time_skew(self, time_skew: f64) -> Result<Self, LabioError> {
+        Ok(Self {
+            time_skew: check_finite("time skew [s]", time_skew)?,
+            ..self
+        })
+    }
+
+    /// At this place.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the coordinate is not finite or its uncertainty negative.
+    pub fn with_position(self, position: Position) -> Result<Self, LabioError> {
+        check_finite("sensor position [m]", position.x)?;
+        check_not_negative(
+            "uncertainty of the sensor position [m]",
+            position.standard_uncertainty,
+        )?;
+        Ok(Self {
+            position: Some(position),
+            ..self
+        })
+    }
+
+    /// Feeling in this direction.
+    #[must_use]
+    pub fn with_direction(self, direction: Direction) -> Self {
+        Self {
+            direction: Some(direction),
+            ..self
+        }
+    }
+
+    /// With the serial number of the sensor.
+    #[must_use]
+    pub fn with_serial(self, serial: impl Into<String>) -> Self {
+        Self {
+            serial: Some(serial.into()),
+            ..self
+        }
+    }
+
+    /// Calibrated on this day.
+    #[must_use]
+    pub fn with_calibration_date(self, date: Date) -> Self {
+        Self {
+            calibrated_on: Some(date),
+            ..self
+        }
+    }
+
+    /// The transducer.
+    #[must_use]
+    pub fn transducer(&self) -> &Transducer {
+        &self.transducer
+    }
+
+    /// Gain of the amplifier.
+    #[must_use]
+    pub fn gain(&self) -> &Rating {
+        &self.gain
+    }
+
+    /// Sign of the signal.
+    #[must_use]
+    pub fn polarity(&self) -> Polarity {
+        self.polarity
+    }
+
+    /// What the recorder gives for nothing.
+    #[must_use]
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// How much later than the time axis says the samples are taken \[s\].
+    #[must_use]
+    pub fn time_skew(&self) -> f64 {
+        self.time_skew
+    }
+
+    /// Where the sensor sits.
+    #[must_use]
+    pub fn position(&self) -> Option<Position> {
+        self.position
+    }
+
+    /// In which direction it feels.
+    #[must_use]
+    pub fn direction(&self) -> Option<Direction> {
+        self.direction
+    }
+
+    /// Its serial number.
+    #[must_use]
+    pub fn serial(&self) -> Option<&str> {
+        self.serial.as_deref()
+    }
+
+    /// The day of its calibration.
+    #[must_use]
+    pub fn calibrated_on(&self) -> Option<Date> {
+        self.calibrated_on
+    }
+
+    /// Relative standard uncertainty of a quantity found by this chain: those of its factors, taken as independent, added in
+    /// squares.
+    ///
+    /// # Validity
+    ///
+    /// For a bridge to first order in the strain, which leaves out a thousandth of it at a strain of a thousandth.
+    #[must_use]
+    pub fn relative_uncertainty(&self) -> f64 {
+        let gain = self.gain.relative_uncertainty();
+        match &self.transducer {
+            Transducer::Sensitivity(sensitivity) => gain.hypot(sensitivity.relative_uncertainty()),
+            Transducer::Bridge(bridge) => gain
+                .hypot(bridge.gauge_factor().relative_uncertainty())
+                .hypot(bridge.excitation().relative_uncertainty()),
+        }
+    }
+
+    /// The quantity that a channel recorded as `recorded` becomes.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnitMismatch`] if no channel has a quantity of that dimension.
+    pub fn quantity_from(&self, recorded: Quantity) -> Result<Quantity, LabioError> {
+        let at_transducer = recorded.dimension().quotient(self.gain.unit().dimension());
+        let felt = match &self.transducer {
+            Transducer::Sensitivity(sensitivity) => at_transducer
+                .and_then(|signal| signal.quotient(sensitivity.unit().dimension()))
+                .and_then(Quantity::of_dimension),
+            Transducer::Bridge(_) => {
+                (at_transducer == Some(Quantity::Voltage.dimension())).then_some(Quantity::Strain)
+            }
+        };
+        felt.ok_or_else(|| LabioError::UnitMismatch {
+            what: format!("a channel recorded in {}", recorded.unit()),
+            found: match &self.transducer {
+                Transducer::Sensitivity(sensitivity) => format!(
+                    "{} over {} and {}",
+                    recorded.unit(),
+                    self.gain.unit(),
+                    sensitivity.unit()
+                ),
+                Transducer::Bridge(_) => format!("{} over {}", recorded.unit(), self.gain.unit()),
+            },
+            expected: match &self.transducer {
+                Transducer::Sensitivity(_) => {
+                    "a quotient that is a quantity of a channel".to_owned()
+                }
+                Transducer::Bridge(_) => "the voltage of a bridge".to_owned(),
+            },
+        })
+    }
+
+    /// The quantity, in SI, that the recorded number `recorded` (in SI) stands for; NaN for a voltage that no strain gives.
+    #[must_use]
+    pub fn si_from(&self, recorded: f64) -> f64 {
+        let signal = self.polarity.sign() * (recorded - self.offset);
+        match &self.transducer {
+            Transducer::Sensitivity(sensitivity) => signal / (self.gain.si() * sensitivity.si()),
+            Transducer::Bridge(bridge) => bridge.strain(signal / self.gain.si()),
+        }
+    }
+
+    /// The number that is recorded for the quantity `si`: the inverse of [`Self::si_from`].
+    #[must_use]
+    pub fn recorded_from(&self, si: f64) -> f64 {
+        let signal = match &self.transducer {
+            Transducer::Sensitivity(sensitivity) => si * (self.gain.si() * sensitivity.si()),
+            Transducer::Bridge(bridge) => bridge.voltage(si) * self.gain.si(),
+        };
+        self.polarity.sign() * signal + self.offset
+    }
+
+    /// Dimension of what the chain records for `quantity`, the inverse of [`Self::quantity_from`].
+    pub(crate) fn recorded_dimension(&self, quantity: Quantity) -> Option<Dimension> {
+        let signal = match &self.transducer {
+            Transducer::Sensitivity(sensitivity) => quantity
+                .dimension()
+                .product(sensitivity.unit().dimension())?,
+            Transducer::Bridge(_) if quantity == Quantity::Strain => Quantity::Voltage.dimension(),
+            Transducer::Bridge(_) => return None,
+        };
+        signal.product(self.gain.unit().dimension())
+    }
+}
+
+fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
+    check_positive(what, rating.value())?;
+    Ok(())
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SensorChainSheet {
+    transducer: Transducer,
+    #[serde(default)]
+    gain: Option<Rating>,
+    #[serde(default)]
+    polarity: Polarity,
+    #[serde(default)]
+    offset: f64,
+    #[serde(default)]
+    time_skew: f64,
+    #[serde(default)]
+    position: Option<Position>,
+    #[serde(default)]
+    direction: Option<Direction>,
+    #[serde(default)]
+    serial: Option<String>,
+    #[serde(default)]
+    calibrated_on: Option<Date>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SensorChainSheet> for SensorChain {
+    type Error = LabioError;
+
+    fn try_from(sheet: SensorChainSheet) -> Result<Self, LabioError> {
+        let mut chain = match sheet.transducer {
+            Transducer::Sensitivity(sensitivity) => Self::of_sensitivity(sensitivity)?,
+            Transducer::Bridge(bridge) => Self::of_bridge(bridge),
+        };
+        if let Some(gain) = sheet.gain {
+            chain = chain.with_gain(gain)?;
+        }
+        if let Some(position) = sheet.position {
+            chain = chain.with_position(position)?;
+        }
+        let chain = chain
+            .with_polarity(sheet.polarity)
+            .with_offset(sheet.offset)?
+            .with_time_skew(sheet.time_skew)?;
+        Ok(Self {
+            direction: sheet.direction,
+            serial: sheet.serial,
+            calibrated_on: sheet.calibrated_on,
+            ..chain
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::BridgeLayout;
+    use proptest::prelude::*;
+
+    fn rating(value: f64, unit: &str) -> Rating {
+        Rating::new(value, unit).unwrap()
+    }
+
+    #[test]
+    fn a_charge_amplifier_goes_from_newtons_to_volts_and_back() {
+        let chain = SensorChain::of_sensitivity(rating(4.0, "pC/N"))
+            .unwrap()
+            .with_gain(rating(10.0, "mV/pC"))
+            .unwrap()
+            .with_polarity(Polarity::Inverted)
+            .with_offset(0.25)
+            .unwrap();
+        assert_eq!(
+            chain.quantity_from(Quantity::Voltage).unwrap(),
+            Quantity::Force
+        );
+        // 100 N give 400 pC, these 4 V, inverted and lifted by the offset; a few roundings
+        assert!((chain.recorded_from(100.0) + 3.75).abs() < 1e-14);
+        assert!((chain.si_from(-3.75) - 100.0).abs() < 1e-12);
+        assert_eq!(
+            chain.recorded_dimension(Quantity::Force),
+            Some(Quantity::Voltage.dimension())
+        );
+    }
+
+    #[test]
+    fn units_that_do_not_fit_are_refused() {
+        let accelerometer = SensorChain::of_sensitivity(rating(10.0, "mV/g")).unwrap();
+        let bridge = StrainBridge::new(BridgeLayout::Quarter, rating(2.0, "1"), rating(5.0, "V"));
+        let gauges = SensorChain::of_bridge(bridge.unwrap());
+        let refusals = [
+            accelerometer.quantity_from(Quantity::Charge),
+            gauges.quantity_from(Quantity::Charge),
+            SensorChain::of_sensitivity(rating(1.0, "V/s"))
+                .unwrap()
+                .quantity_from(Quantity::Voltage),
+        ]
+        .map(|result| result.unwrap_err().to_string())
+        .join("\n");
+        insta::assert_snapshot!(refusals, @r"
+        a channel recorded in C is in C over 1 and mV/g, expected a quotient that is a quantity of a channel
+        a channel recorded in C is in C over 1, expected the voltage of a bridge
+        a channel recorded in V is in V over 1 and V/s, expected a quotient that is a quantity of a channel
+        ");
+        assert!(SensorChain::of_sensitivity(rating(-10.0, "mV/g")).is_err());
+        assert!(accelerometer.with_gain(rating(0.0, "1")).is_err());
+    }
+
+    #[test]
+    fn uncertainties_of_factors_add_in_squares() {
+        let sensitivity = rating(10.0, "mV/g").with_uncertainty(0.3).unwrap();
+        let gain = rating(100.0, "1").with_uncertainty(4.0).unwrap();
+        let chain = SensorChain::of_sensitivity(sensitivity).unwrap();
+        let chain = chain.with_gain(gain).unwrap();
+        // 3 and 4 percent are 5 percent, within roundings
+        assert!((chain.relative_uncertainty() - 0.05).abs() < 1e-15);
+    }
+
+    fn chains() -> impl Strategy<Value = SensorChain> {
+        let transducer = prop_oneof![
+            (0.1..1000.0).prop_map(|s| SensorChain::of_sensitivity(rating(s, "mV/g")).unwrap()),
+            (0.0..0.5, 1.0..200.0).prop_map(|(poisson_ratio, factor)| {
+                let layout = BridgeLayout::FullPoisson { poisson_ratio };
+                let bridge = StrainBridge::new(layout, rating(factor, "1"), rating(5.0, "V"));
+                SensorChain::of_bridge(bridge.unwrap())
+            }),
+        ];
+        (transducer, 0.01..1000.0, any::<bool>(), -1.0..1.0).prop_map(
+            |(chain, gain, inverted, offset)| {
+                let polarity = if inverted {
+                    Polarity::Inverted
+                } else {
+                    Polarity::Normal
+                };
+                let chain = chain.with_gain(rating(gain, "1")).unwrap();
+                chain.with_polarity(polarity).with_offset(offset).unwrap()
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_recorded_of_a_quantity_stands_for_it(chain in chains(), y in -1e-3..1e-3) {
+            let back = chain.si_from(chain.recorded_from(y));
+            // one volt of offset costs the digits by which the signal is smaller
+            let signal = (chain.recorded_from(y) - chain.offset()).abs();
+            let lost = 1e-15 * (1.0 + chain.offset().abs() / signal.max(1e-300));
+            prop_assert!((back - y).abs() <= 4.0 * lost * y.abs(), "{back} {y}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Linear filters given by their frequency response, applied to samples by the discrete Fourier transform.
+
+use num_complex::Complex64;
+use realfft::RealFftPlanner;
+
+/// The response of the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
+///
+/// The transform repeats the samples without end. Between two repetitions lies a stretch of at least the length of the
+/// samples, in which the last sample goes over into the first by half a cosine: what a filter draws out of one end does not
+/// reach the other, and a signal at rest at any level stays at rest.
+pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> Vec<f64> {
+    let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
+        return Vec::new();
+    };
+    let n = samples.len();
+    let n_total = (2 * n).next_power_of_two();
+    let n_between = (n_total - n) as f64;
+
+    let mut planner = RealFftPlanner::new();
+    let forward = planner.plan_fft_forward(n_total);
+    let inverse = planner.plan_fft_inverse(n_total);
+    let mut history = forward.make_input_vec();
+    let mut lines = forward.make_output_vec();
+    let (ours, between) = history.split_at_mut(n);
+    ours.copy_from_slice(samples);
+    for (k, sample) in between.iter_mut().enumerate() {
+        let phase = std::f64::consts::PI * (k + 1) as f64 / (n_between + 1.0);
+        *sample = last + (first - last) * (1.0 - phase.cos()) / 2.0;
+    }
+    transform(forward.process(&mut history, &mut lines));
+    let step = std::f64::consts::TAU / n_total as f64;
+    for (k, line) in lines.iter_mut().enumerate() {
+        *line *= response(k as f64 * step) / n_total as f64;
+    }
+    // of the line at half the sampling rate only the real part is a history
+    if let Some(nyquist) = lines.last_mut() {
+        nyquist.im = 0.0;
+    }
+    if let Some(mean) = lines.first_mut() {
+        mean.im = 0.0;
+    }
+    transform(inverse.process(&mut lines, &mut history));
+    history.truncate(n);
+    history
+}
+
+/// `samples` a number of sampling intervals later, by band-limited interpolation; earlier if `shift` is negative.
+pub(crate) fn delayed(samples: &[f64], shift: f64) -> Vec<f64> {
+    filtered(samples, |omega| Complex64::cis(-omega * shift))
+}
+
+#[expect(
+    clippy::expect_used,
+    reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
+)]
+fn transform(result: Result<(), realfft::FftError>) {
+    result.expect("buffers of the plan");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_stays_a_level_and_a_whole_shift_moves_samples() {
+        let mut samples = vec![3.0; 100];
+        for sample in delayed(&samples, 0.37) {
+            assert!((sample - 3.0).abs() < 1e-13); // roundings of a transform of 256 lines
+        }
+        samples[40] = 5.0;
+        let moved = delayed(&samples, 7.0);
+        for (k, sample) in moved.iter().enumerate() {
+            let expected = if k == 47 { 5.0 } else { 3.0 };
+            assert!((sample - expected).abs() < 1e-13);
+        }
+        assert!(delayed(&[], 1.0).is_empty());
+    }
+}

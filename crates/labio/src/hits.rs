@@ -1,0 +1,19 @@
+//! Hits: where they are in a long record, and which of them can be trusted.
+//!
+//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] judge each of them; the [`HitLog`] keeps what was found,
+//! with the reason of every rejection and the user's last word. Only [`HitLog::accepted`] goes on to the spectra.
+
+mod criteria;
+mod double_hit;
+mod judgement;
+mod log;
+mod reason;
+mod rest;
+mod segment;
+mod trigger;
+
+pub use criteria::Criteria;
+pub use log::{Hit, HitLog, Ruling};
+pub use reason::Reason;
+pub use segment::{find_hits, find_hits_in_blocks};
+pub use trigger::{Extent, Slope, Trigger};

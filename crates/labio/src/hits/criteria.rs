@@ -1,0 +1,236 @@
+//! What a hit must be to be accepted.
+
+use std::collections::BTreeMap;
+
+use crate::LabioError;
+use crate::error::check_positive;
+
+/// Limits of the checks, each with a default and the reason for it. `None` leaves a check out.
+///
+/// | check | default | because |
+/// |---|---|---|
+/// | peak over noise | 10 | below 20 dB the coherence of a single line falls under 0.99 |
+/// | double hit: smaller peak over larger | 0.05 | a second pulse of 5 % ripples the force spectrum by ±5 % |
+/// | clipped: equal extreme samples | 3 | two can be chance, and a round peak of three has steps of less than two numbers of the converter beside it |
+/// | drop-out: equal samples in a row | 8 | shorter ones the resolution of a slow signal can make |
+/// | static offset over peak | 0.25 | more means that the range was spent on something else than the hit |
+/// | level shift over peak | 0.02 | integrated once, it would outgrow the hit after 50 times its duration |
+/// | remainder at the end over peak | 0.01 | what is cut off spreads over the spectrum at -40 dB of the peak |
+///
+/// Level shift and remainder are not asked of velocities and displacements: a free body that is struck goes on moving.
+/// The range of the recorder ([`Self::with_full_scale`]) has no default.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "CriteriaSheet"))]
+pub struct Criteria {
+    pub(super) force_channel: Option<String>,
+    pub(super) full_scales: BTreeMap<String, f64>,
+    pub(super) peak_over_noise: Option<f64>,
+    pub(super) double_hit: Option<f64>,
+    pub(super) clipped_run: Option<usize>,
+    pub(super) drop_out_run: Option<usize>,
+    pub(super) static_offset: Option<f64>,
+    pub(super) level_shift: Option<f64>,
+    pub(super) remainder: Option<f64>,
+}
+
+impl Default for Criteria {
+    fn default() -> Self {
+        Self {
+            force_channel: None,
+            full_scales: BTreeMap::new(),
+            peak_over_noise: Some(10.0),
+            double_hit: Some(0.05),
+            clipped_run: Some(3),
+            drop_out_run: Some(8),
+            static_offset: Some(0.25),
+            level_shift: Some(0.02),
+            remainder: Some(0.01),
+        }
+    }
+}
+
+impl Criteria {
+    /// Looks for double hits in this channel. By default it is the channel that triggers, if that is a force.
+    #[must_use]
+    pub fn with_force_channel(self, name: impl Into<String>) -> Self {
+        Self {
+            force_channel: Some(name.into()),
+            ..self
+        }
+    }
+
+    /// Calls a channel overloaded that reaches 0.99 of `full_scale`, in the SI unit in which it was recorded: the largest
+    /// number of an 8-bit converter is 0.992 of its range.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not positive.
+    pub fn with_full_scale(
+        mut self,
+        channel: impl Into<String>,
+        full_scale: f64,
+    ) -> Result<Self, LabioError> {
+        check_positive("full scale of a channel", full_scale)?;
+        self.full_scales.insert(channel.into(), full_scale);
+        Ok(self)
+    }
+
+    /// Wants the peak of the channel that triggers to be this many standard deviations of its noise.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the limit is not positive, as with all that follow.
+    pub fn with_peak_over_noise(self, limit: Option<f64>) -> Result<Self, LabioError> {
+        let peak_over_noise = checked("peak over noise", limit)?;
+        Ok(Self {
+            peak_over_noise,
+            ..self
+        })
+    }
+
+    /// Takes a second contact for a double hit from this fraction of the larger peak on.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`].
+    pub fn with_double_hit(self, limit: Option<f64>) -> Result<Self, LabioError> {
+        let double_hit = checked("ratio of two contacts", limit)?;
+        Ok(Self { double_hit, ..self })
+    }
+
+    /// Takes this many equal extreme samples for clipping.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] for fewer than two.
+    pub fn with_clipped_run(self, limit: Option<usize>) -> Result<Self, LabioError> {
+        let clipped_run = counted("a run of clipped samples", limit)?;
+        Ok(Self {
+            clipped_run,
+            ..self
+        })
+    }
+
+    /// Takes this many equal samples in the middle of a movement for a drop-out.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] for fewer than two.
+    pub fn with_drop_out_run(self, limit: Option<usize>) -> Result<Self, LabioError> {
+        let drop_out_run = counted("a run of lost samples", limit)?;
+        Ok(Self {
+            drop_out_run,
+            ..self
+        })
+    }
+
+    /// Accepts a rest level of up to this fraction of the peak.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`].
+    pub fn with_static_offset(self, limit: Option<f64>) -> Result<Self, LabioError> {
+        let static_offset = checked("static offset over peak", limit)?;
+        Ok(Self {
+            static_offset,
+            ..self
+        })
+    }
+
+    /// Accepts rest levels before and after that differ by up to this fraction of the peak.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`].
+    pub fn with_level_shift(self, limit: Option<f64>) -> Result<Self, LabioError> {
+        let level_shift = checked("level shift over peak", limit)?;
+        Ok(Self {
+            level_shift,
+            ..self
+        })
+    }
+
+    /// Accepts an end of up to this fraction of the peak (root mean square).
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`].
+    pub fn with_remainder(self, limit: Option<f64>) -> Result<Self, LabioError> {
+        let remainder = checked("remainder over peak", limit)?;
+        Ok(Self { remainder, ..self })
+    }
+}
+
+fn checked(quantity: &'static str, limit: Option<f64>) -> Result<Option<f64>, LabioError> {
+    limit
+        .map(|limit| check_positive(quantity, limit))
+        .transpose()
+}
+
+fn counted(what: &'static str, limit: Option<usize>) -> Result<Option<usize>, LabioError> {
+    match limit {
+        Some(found) if found < 2 => Err(LabioError::TooFewSamples {
+            what,
+            found,
+            expected: 2,
+        }),
+        limit => Ok(limit),
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct CriteriaSheet {
+    force_channel: Option<String>,
+    full_scales: BTreeMap<String, f64>,
+    peak_over_noise: Option<f64>,
+    double_hit: Option<f64>,
+    clipped_run: Option<usize>,
+    drop_out_run: Option<usize>,
+    static_offset: Option<f64>,
+    level_shift: Option<f64>,
+    remainder: Option<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl Default for CriteriaSheet {
+    fn default() -> Self {
+        let criteria = Criteria::default();
+        Self {
+            force_channel: criteria.force_channel,
+            full_scales: criteria.full_scales,
+            peak_over_noise: criteria.peak_over_noise,
+            double_hit: criteria.double_hit,
+            clipped_run: criteria.clipped_run,
+            drop_out_run: criteria.drop_out_run,
+            static_offset: criteria.static_offset,
+            level_shift: criteria.level_shift,
+            remainder: criteria.remainder,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<CriteriaSheet> for Criteria {
+    type Error = LabioError;
+
+    fn try_from(sheet: CriteriaSheet) -> Result<Self, LabioError> {
+        let mut criteria = Self::default()
+            .with_peak_over_noise(sheet.peak_over_noise)?
+            .with_double_hit(sheet.double_hit)?
+            .with_clipped_run(sheet.clipped_run)?
+            .with_drop_out_run(sheet.drop_out_run)?
+            .with_static_offset(sheet.static_offset)?
+            .with_level_shift(sheet.level_shift)?
+            .with_remainder(sheet.remainder)?;
+        for (channel, full_scale) in sheet.full_scales {
+            criteria = criteria.with_full_scale(channel, full_scale)?;
+        }
+        Ok(Self {
+            force_channel: sheet.force_channel,
+            ..criteria
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! A second contact, told from the ringing of a sensor.
+
+/// One contact in a history of force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Contact {
+    begin: usize,
+    end: usize,
+    peak: f64,
+    peak_at: usize,
+}
+
+/// A contact beside the main one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SecondContact {
+    /// Its peak over that of the main contact.
+    pub(super) ratio: f64,
+    /// Samples between the peaks.
+    pub(super) separation: usize,
+}
+
+/// How much larger than the opposite swings beside it a contact must be. A decaying oscillation never exceeds the opposite
+/// swing before it, and one that a filter makes before a pulse never that after it; half as much again leaves room for
+/// noise.
+const CONTACT_OVER_SWING: f64 = 1.5;
+
+/// The largest contact beside the main one that exceeds `threshold`, in `force` with the rest level taken off and positive
+/// in the main contact.
+///
+/// A contact ends when the force falls below half the threshold, and the next begins when it exceeds the threshold. Ringing
+/// swings to both sides: what is not [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main
+/// contact, is taken for ringing, and so is a weak second contact that hides in it. Beside means within twice its own width
+/// and the duration of the main contact, which is longer than a period of the sensor or it could not measure the contact.
+pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondContact> {
+    let contacts = contacts(force, threshold);
+    let main = contacts
+        .iter()
+        .max_by(|a, b| a.peak.total_cmp(&b.peak))
+        .copied()?;
+    contacts
+        .iter()
+        .filter(|contact| contact.begin != main.begin)
+        .filter(|contact| {
+            let near = main.end - main.begin + 2 * (contact.end - contact.begin);
+            let between = if contact.begin > main.begin {
+                main.end.max(contact.begin.saturating_sub(near))..contact.begin
+            } else {
+                contact.end..main.begin.min(contact.end + near)
+            };
+            let swing = force
+                .get(between)
+                .unwrap_or_default()
+                .iter()
+                .fold(0.0, |swing: f64, f| swing.max(-f));
+            contact.peak > CONTACT_OVER_SWING * swing
+        })
+        .max_by(|a, b| a.peak.total_cmp(&b.peak))
+        .map(|contact| SecondContact {
+            ratio: contact.peak / main.peak,
+            separation: contact.peak_at.abs_diff(main.peak_at),
+        })
+}
+
+fn contacts(force: &[f64], threshold: f64) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    let mut open: Option<Contact> = None;
+    for (index, &f) in force.iter().enumerate() {
+        match &mut open {
+            None if f > threshold => {
+                open = Some(Contact {
+                    begin: index,
+                    end: index + 1,
+                    peak: f,
+                    peak_at: index,
+                });
+            }
+            None => {}
+            Some(contact) if f < threshold / 2.0 => {
+                contacts.push(Contact {
+                    end: index,
+                    ..*contact
+                });
+                open = None;
+            }
+            Some(contact) => {
+                contact.end = index + 1;
+                if f > contact.peak {
+                    (contact.peak, contact.peak_at) = (f, index);
+                }
+            }
+        }
+    }
+    contacts.extend(open);
+    contacts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn half_sine(force: &mut [f64], begin: usize, length: usize, peak: f64) {
+        for k in 0..length {
+            force[begin + k] += peak * (std::f64::consts::PI * k as f64 / length as f64).sin();
+        }
+    }
+
+    /// Ringing of `amplitude` that begins with a swing to the other side.
+    fn ring(force: &mut [f64], begin: usize, amplitude: f64) {
+        for (k, f) in force[begin..].iter_mut().enumerate() {
+            let t = k as f64;
+            *f -= amplitude * (-t / 40.0).exp() * (std::f64::consts::TAU * t / 9.0).sin();
+        }
+    }
+
+    #[test]
+    fn a_bounce_is_found_before_and_after_the_main_contact() {
+        let mut force = vec![0.0; 400];
+        half_sine(&mut force, 50, 20, 100.0);
+        assert_eq!(second_contact(&force, 5.0), None);
+        half_sine(&mut force, 150, 30, 20.0);
+        let found = second_contact(&force, 5.0).unwrap();
+        // half of 30 after 150 against half of 20 after 50, both peaks on a sample
+        assert_eq!(found.separation, 105);
+        assert!((found.ratio - 0.2).abs() < 1e-12);
+        force.reverse();
+        assert_eq!(second_contact(&force, 5.0).unwrap().separation, 105);
+    }
+
+    #[test]
+    fn ringing_is_no_contact_but_a_contact_within_it_is() {
+        let mut force = vec![0.0; 400];
+        half_sine(&mut force, 50, 20, 100.0);
+        ring(&mut force, 70, 15.0);
+        assert_eq!(second_contact(&force, 5.0), None);
+        let mut mirrored = force.clone();
+        mirrored.reverse();
+        assert_eq!(
+            second_contact(&mirrored, 5.0),
+            None,
+            "ringing of a filter before"
+        );
+        half_sine(&mut force, 150, 30, 40.0);
+        let found = second_contact(&force, 5.0).unwrap();
+        // the ringing has fallen to 15·exp(-2) there
+        assert!((found.ratio - 0.4).abs() < 0.021, "{found:?}");
+    }
+
+    #[test]
+    fn a_force_with_two_peaks_that_never_lets_go_is_one_contact() {
+        let mut force = vec![0.0; 400];
+        half_sine(&mut force, 50, 40, 100.0);
+        half_sine(&mut force, 80, 40, 60.0);
+        assert_eq!(second_contact(&force, 5.0), None);
+    }
+}

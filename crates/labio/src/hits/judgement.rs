@@ -1,0 +1,406 @@
+//! The checks of one hit.
+
+use super::double_hit::second_contact;
+use super::rest::{Rest, smallest_step};
+use super::{Criteria, Reason};
+use crate::{LabioError, Quantity, Record};
+
+/// Samples that a rest level needs: with fewer, one odd sample in three moves its median.
+const LEAST_REST: usize = 8;
+/// Standard deviations that noise does not reach in the number of samples of a record.
+const BEYOND_NOISE: f64 = 10.0;
+/// Standard errors by which two levels must differ to be different.
+const LEVELS_APART: f64 = 5.0;
+/// Part of a hit, at its end, in which it should be over.
+const TAIL: usize = 10;
+/// Fraction of its range that a converter of 8 bits still reaches.
+const FULL: f64 = 0.99;
+
+impl Criteria {
+    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force;
+    /// `onset` the sample at which the hit begins, found from the largest step of that channel if it is not known.
+    ///
+    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute
+    /// deviation; both bear up to half of odd samples.
+    ///
+    /// # Validity
+    ///
+    /// Clipping before an analogue or digital filter leaves no equal samples: only [`Self::with_full_scale`] finds it. A
+    /// second contact weaker than the ringing of the force sensor is not found.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`] if the record does not have the reference, or not the channel of force that was named.
+    pub fn judge(
+        &self,
+        hit: &Record,
+        reference: &str,
+        onset: Option<usize>,
+    ) -> Result<Vec<Reason>, LabioError> {
+        let trigger_samples = hit.channel(reference)?.to_vec();
+        let onset = onset
+            .unwrap_or_else(|| onset_of(&trigger_samples))
+            .min(hit.n_samples());
+        let mut reasons = Vec::new();
+        if onset < LEAST_REST {
+            reasons.push(Reason::CutAtStart {
+                missing: LEAST_REST - onset,
+            });
+        }
+        let force_channel = match &self.force_channel {
+            Some(name) => {
+                hit.channel(name)?;
+                Some(name.as_str())
+            }
+            None => hit
+                .channels()
+                .iter()
+                .find(|c| c.name() == reference && c.quantity() == Quantity::Force)
+                .map(|c| c.name()),
+        };
+        for channel in hit.channels() {
+            let name = channel.name();
+            let samples = hit.channel(name)?.to_vec();
+            let recorded = match hit.chain(name)? {
+                Some(_) => Some(hit.recorded(name)?.to_vec()),
+                None => None,
+            };
+            let recorded = recorded.as_ref().unwrap_or(&samples);
+            let is_force = force_channel == Some(name);
+            if let Some(value) = only_value(&samples) {
+                reasons.push(Reason::Dead {
+                    channel: name.to_owned(),
+                    value,
+                });
+                continue;
+            }
+            self.check_range(name, recorded, &mut reasons);
+            let Some(signal) = Signal::of(name, &samples, onset) else {
+                continue;
+            };
+            let is_offset = self.check_offset(&signal, &mut reasons);
+            // what drifts from far off has no noise to compare a peak with
+            if name == reference && !is_offset {
+                self.check_peak(&signal, &mut reasons);
+            }
+            if let Some(raw) = Signal::of(name, recorded, onset) {
+                self.check_standstill(&raw, is_force, &mut reasons);
+            }
+            if is_force {
+                self.check_contacts(&signal, hit.sampling_rate_hz(), &mut reasons);
+            }
+            let goes_on = matches!(
+                channel.quantity(),
+                Quantity::Velocity | Quantity::Displacement
+            );
+            if !goes_on {
+                self.check_levels(&signal, &mut reasons);
+            }
+        }
+        Ok(reasons)
+    }
+
+    fn check_range(&self, channel: &str, recorded: &[f64], reasons: &mut Vec<Reason>) {
+        let Some(&full_scale) = self.full_scales.get(channel) else {
+            return;
+        };
+        let is_full = |u: &f64| u.abs() >= FULL * full_scale;
+        if let Some(index) = recorded.iter().position(is_full) {
+            reasons.push(Reason::Overload {
+                channel: channel.to_owned(),
+                full_scale,
+                n_samples: recorded.iter().filter(|u| is_full(u)).count(),
+                index,
+            });
+        }
+    }
+
+    fn check_peak(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) {
+        if let Some(limit) = self.peak_over_noise
+            && signal.peak <= limit * signal.rest.noise
+        {
+            reasons.push(Reason::NoHit {
+                channel: signal.channel.to_owned(),
+                peak: signal.peak,
+                noise: signal.rest.noise,
+            });
+        }
+    }
+
+    fn check_contacts(&self, signal: &Signal<'_>, rate_hz: f64, reasons: &mut Vec<Reason>) {
+        let Some(limit) = self.double_hit else {
+            return;
+        };
+        let sign = signal.sign;
+        let force: Vec<f64> = signal
+            .samples
+            .iter()
+            .map(|f| sign * (f - signal.rest.level))
+            .collect();
+        let threshold = (limit * signal.peak).max(BEYOND_NOISE * signal.rest.noise);
+        if let Some(second) = second_contact(&force, threshold) {
+            reasons.push(Reason::DoubleHit {
+                channel: signal.channel.to_owned(),
+                ratio: second.ratio,
+                separation: second.separation as f64 / rate_hz,
+            });
+        }
+    }
+
+    /// Runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless the signal is at rest.
+    fn check_standstill(&self, signal: &Signal<'_>, is_force: bool, reasons: &mut Vec<Reason>) {
+        let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
+            return;
+        };
+        let step = smallest_step(signal.samples);
+        let noise = signal.rest.noise;
+        let (mut clipped, mut dropped) = (None, None);
+        for run in runs(signal.samples, shortest) {
+            let from_rest = (run.value - signal.rest.level).abs();
+            let is_extreme = same(run.value, signal.least) || same(run.value, signal.greatest);
+            // Beside the n equal samples at a round peak the next is at most 4(n+1)/n² steps of the converter lower, for a
+            // parabola: less than two from n = 3 on.
+            let leaps =
+                |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
+            if is_extreme {
+                let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE));
+                if self.clipped_run.is_some_and(|n| run.length >= n)
+                    && from_rest > BEYOND_NOISE * noise
+                    && (into || out)
+                {
+                    clipped.get_or_insert(run);
+                }
+                continue;
+            }
+            let [into, out] = leaps(BEYOND_NOISE * noise.max(step));
+            let at_rest = from_rest <= (3.0 * noise).max(step);
+            let moving = if at_rest {
+                // a force is at rest between two contacts
+                into && out && !is_force
+            } else {
+                into || out
+            };
+            if run.begin >= signal.onset
+                && self.drop_out_run.is_some_and(|n| run.length >= n)
+                && moving
+            {
+                dropped.get_or_insert(run);
+            }
+        }
+        let channel = signal.channel;
+        reasons.extend(clipped.map(|run| Reason::Clipped {
+            channel: channel.to_owned(),
+            value: run.value,
+            run: run.length,
+            index: run.begin,
+        }));
+        reasons.extend(dropped.map(|run| Reason::DropOut {
+            channel: channel.to_owned(),
+            value: run.value,
+            run: run.length,
+            index: run.begin,
+        }));
+    }
+
+    fn check_offset(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) -> bool {
+        let (level, peak) = (signal.rest.level, signal.peak);
+        let Some(limit) = self.static_offset.filter(|l| level.abs() > l * peak) else {
+            return false;
+        };
+        reasons.push(Reason::StaticOffset {
+            channel: signal.channel.to_owned(),
+            level,
+            peak,
+            limit,
+        });
+        true
+    }
+
+    fn check_levels(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) {
+        let (rest, peak) = (signal.rest, signal.peak);
+        let after_onset = signal.samples.len() - signal.onset;
+        let n_tail = (signal.samples.len() / TAIL)
+            .max(LEAST_REST)
+            .min(after_onset / 2);
+        let tail = signal
+            .samples
+            .get(signal.samples.len() - n_tail..)
+            .unwrap_or_default();
+        let Some(end) = Rest::of(tail) else {
+            return;
+        };
+        if let Some(limit) = self.level_shift {
+            let shift = (end.level - rest.level).abs();
+            let error = rest.level_error().hypot(end.level_error());
+            if shift > limit * peak && shift > LEVELS_APART * error {
+                reasons.push(Reason::LevelShift {
+                    channel: signal.channel.to_owned(),
+                    before: rest.level,
+                    after: end.level,
+                    peak,
+                    limit,
+                });
+            }
+        }
+        if let Some(limit) = self.remainder {
+            let squares: f64 = tail.iter().map(|x| (x - end.level).powi(2)).sum();
+            let remainder = (squares / n_tail as f64 - rest.noise.powi(2))
+                .max(0.0)
+                .sqrt();
+            // noise itself is no movement, and its own estimate from few samples errs by a good part of it
+            if remainder > limit * peak && remainder > 3.0 * rest.noise {
+                reasons.push(Reason::NotDecayed {
+                    channel: signal.channel.to_owned(),
+                    remainder,
+                    peak,
+                    limit,
+                });
+            }
+        }
+    }
+}
+
+/// One channel of a hit, with what the checks ask of it.
+struct Signal<'a> {
+    channel: &'a str,
+    samples: &'a [f64],
+    onset: usize,
+    rest: Rest,
+    /// Largest excursion from the rest level after the onset.
+    peak: f64,
+    /// Its sign.
+    sign: f64,
+    least: f64,
+    greatest: f64,
+}
+
+impl<'a> Signal<'a> {
+    /// None if there is nothing before or after the onset.
+    fn of(channel: &'a str, samples: &'a [f64], onset: usize) -> Option<Self> {
+        let (before, after) = samples.split_at_checked(onset)?;
+        let rest = Rest::of(before)?;
+        let (down, up) = extremes(after)?;
+        let (down, up) = (rest.level - down, up - rest.level);
+        let (least, greatest) = extremes(samples)?;
+        Some(Self {
+            channel,
+            samples,
+            onset,
+            rest,
+            peak: up.max(down).max(0.0),
+            sign: if down > up { -1.0 } else { 1.0 },
+            least,
+            greatest,
+        })
+    }
+}
+
+/// Smallest and largest sample.
+fn extremes(samples: &[f64]) -> Option<(f64, f64)> {
+    let &first = samples.first()?;
+    Some(
+        samples
+            .iter()
+            .fold((first, first), |(least, greatest), &x| {
+                let least = if x < least { x } else { least };
+                (least, if x > greatest { x } else { greatest })
+            }),
+    )
+}
+
+/// Equal samples in a row.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    begin: usize,
+    length: usize,
+    value: f64,
+    /// Distance to the sample before, if there is one.
+    step_in: Option<f64>,
+    /// Distance to the sample after, if there is one.
+    step_out: Option<f64>,
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a - b == 0.0
+}
+
+/// The runs of at least `shortest` samples.
+fn runs(samples: &[f64], shortest: usize) -> Vec<Run> {
+    let mut runs = Vec::new();
+    let mut begin = 0;
+    for chunk in samples.chunk_by(|a, b| same(*a, *b)) {
+        let end = begin + chunk.len();
+        if let (true, Some(&value)) = (chunk.len() >= shortest, chunk.first()) {
+            let distance = |other: Option<&f64>| other.map(|x| (x - value).abs());
+            runs.push(Run {
+                begin,
+                length: chunk.len(),
+                value,
+                step_in: begin.checked_sub(1).and_then(|b| distance(samples.get(b))),
+                step_out: distance(samples.get(end)),
+            });
+        }
+        begin = end;
+    }
+    runs
+}
+
+fn only_value(samples: &[f64]) -> Option<f64> {
+    let first = *samples.first()?;
+    samples.iter().all(|x| same(*x, first)).then_some(first)
+}
+
+/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets
+/// and drifts.
+fn onset_of(samples: &[f64]) -> usize {
+    let steps = samples
+        .windows(2)
+        .enumerate()
+        .filter_map(|(k, pair)| match pair {
+            [a, b] => Some((k, (b - a).abs())),
+            _ => None,
+        });
+    let Some((steepest, _)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return 0;
+    };
+    let (before, _) = samples.split_at(steepest + 1);
+    let Some(rest) = Rest::of(before) else {
+        return 0;
+    };
+    let peak = samples
+        .iter()
+        .map(|x| (x - rest.level).abs())
+        .fold(0.0, f64::max);
+    before
+        .iter()
+        .rposition(|x| (x - rest.level).abs() <= 0.1 * peak)
+        .map_or(0, |last_at_rest| last_at_rest + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_onset_is_found_on_an_offset_and_on_either_slope() {
+        // steepest on its falling side
+        let mut pulse = vec![40.0; 100];
+        for (k, x) in [1.0, 3.0, 6.0, 10.0, 1.0].into_iter().enumerate() {
+            pulse[30 + k] += x;
+        }
+        // 1.0 is not above a tenth of the peak
+        assert_eq!(onset_of(&pulse), 31);
+        assert_eq!(onset_of(&[]), 0);
+        assert_eq!(onset_of(&[1.0, 1.0]), 1, "no step at all");
+    }
+
+    #[test]
+    fn runs_have_their_steps() {
+        let found = runs(&[1.0, 1.0, 2.0, 5.0, 5.0, 5.0, 4.0], 2);
+        let figures: Vec<_> = found.iter().map(|r| (r.begin, r.length)).collect();
+        assert_eq!(figures, [(0, 2), (3, 3)]);
+        assert_eq!(found[0].step_in, None);
+        assert_eq!(found[1].step_in, Some(3.0));
+        assert_eq!(found[1].step_out, Some(1.0));
+    }
+}

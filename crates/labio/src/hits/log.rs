@@ -1,0 +1,230 @@
+//! What was found, what was decided, and by whom.
+
+use std::fmt;
+
+use super::{Criteria, Reason};
+use crate::{LabioError, Record};
+
+/// A decision by hand, which stands above the checks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ruling {
+    /// Accepted whatever the checks say.
+    Accepted {
+        /// Why.
+        because: String,
+    },
+    /// Rejected whatever the checks say.
+    Rejected {
+        /// Why.
+        because: String,
+    },
+}
+
+/// One hit, or what was taken for one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hit {
+    time: f64,
+    record: Option<Record>,
+    reasons: Vec<Reason>,
+    ruling: Option<Ruling>,
+}
+
+impl Hit {
+    pub(super) fn new(time: f64, record: Option<Record>, reasons: Vec<Reason>) -> Self {
+        Self {
+            time,
+            record,
+            reasons,
+            ruling: None,
+        }
+    }
+
+    /// Time at which the trigger fired, or at which the record begins \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The samples; none if the record was cut within the hit or lost samples.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record> {
+        self.record.as_ref()
+    }
+
+    /// What the checks have against it.
+    #[must_use]
+    pub fn reasons(&self) -> &[Reason] {
+        &self.reasons
+    }
+
+    /// The decision by hand, if there is one.
+    #[must_use]
+    pub fn ruling(&self) -> Option<&Ruling> {
+        self.ruling.as_ref()
+    }
+
+    /// Whether it goes on to the spectra: by hand if so decided, else if the checks have nothing against it.
+    #[must_use]
+    pub fn is_accepted(&self) -> bool {
+        match &self.ruling {
+            Some(Ruling::Accepted { .. }) => true,
+            Some(Ruling::Rejected { .. }) => false,
+            None => self.reasons.is_empty(),
+        }
+    }
+}
+
+/// All hits of a test in their order, numbered from 1.
+///
+/// # Examples
+///
+/// ```
+/// use labio::hits::{Criteria, HitLog, Reason};
+/// use labio::{Channel, Provenance, Quantity, Record};
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// // a blow of 100 N, and another of 30 N that came too soon
+/// let blow = |t: f64| if (0.0..0.002).contains(&t) { (t * 500.0 * 3.14159).sin() } else { 0.0 };
+/// let force = Array2::from_shape_fn((1, 1000), |(_, k)| {
+///     let t = k as f64 / 10_000.0;
+///     100.0 * blow(t - 0.01) + 30.0 * blow(t - 0.03)
+/// });
+/// let channels = vec![Channel::new("force", Quantity::Force)?];
+/// let record = Record::new(force, 10_000.0, 0.0, channels, Provenance::computed("example"))?;
+///
+/// let mut log = HitLog::of_records([record], "force", &Criteria::default())?;
+/// assert!(matches!(log.hits()[0].reasons(), [Reason::DoubleHit { .. }]));
+/// assert_eq!(log.accepted().count(), 0);
+///
+/// log.accept(1, "the specimen bounces, and both blows are in the record")?;
+/// assert_eq!(log.accepted().count(), 1);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct HitLog {
+    channel: String,
+    hits: Vec<Hit>,
+}
+
+impl HitLog {
+    pub(super) fn new(channel: &str) -> Self {
+        Self {
+            channel: channel.to_owned(),
+            hits: Vec::new(),
+        }
+    }
+
+    pub(super) fn push(&mut self, hit: Hit) {
+        self.hits.push(hit);
+    }
+
+    /// Judges records that hold one hit each; `channel` is the one that triggered them.
+    ///
+    /// # Errors
+    ///
+    /// As [`Criteria::judge`].
+    pub fn of_records(
+        records: impl IntoIterator<Item = Record>,
+        channel: &str,
+        criteria: &Criteria,
+    ) -> Result<Self, LabioError> {
+        let mut log = Self::new(channel);
+        for record in records {
+            let reasons = criteria.judge(&record, channel, None)?;
+            log.push(Hit::new(record.start_time(), Some(record), reasons));
+        }
+        Ok(log)
+    }
+
+    /// The hits in their order.
+    #[must_use]
+    pub fn hits(&self) -> &[Hit] {
+        &self.hits
+    }
+
+    /// The records of the accepted hits, as [`AveragedSpectra::of`](crate::AveragedSpectra::of) takes them.
+    pub fn accepted(&self) -> impl Iterator<Item = &Record> {
+        self.hits
+            .iter()
+            .filter(|hit| hit.is_accepted())
+            .filter_map(Hit::record)
+    }
+
+    /// Accepts hit `number`, whatever the checks say.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples.
+    pub fn accept(&mut self, number: usize, because: impl Into<String>) -> Result<(), LabioError> {
+        let hit = self.hit_mut(number)?;
+        if hit.record.is_none() {
+            return Err(LabioError::NoSuchHit {
+                number,
+                reason: "has no samples",
+            });
+        }
+        hit.ruling = Some(Ruling::Accepted {
+            because: because.into(),
+        });
+        Ok(())
+    }
+
+    /// Rejects hit `number`, whatever the checks say.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    pub fn reject(&mut self, number: usize, because: impl Into<String>) -> Result<(), LabioError> {
+        self.hit_mut(number)?.ruling = Some(Ruling::Rejected {
+            because: because.into(),
+        });
+        Ok(())
+    }
+
+    /// Leaves hit `number` to the checks again.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    pub fn withdraw_ruling(&mut self, number: usize) -> Result<(), LabioError> {
+        self.hit_mut(number)?.ruling = None;
+        Ok(())
+    }
+
+    fn hit_mut(&mut self, number: usize) -> Result<&mut Hit, LabioError> {
+        number
+            .checked_sub(1)
+            .and_then(|index| self.hits.get_mut(index))
+            .ok_or(LabioError::NoSuchHit {
+                number,
+                reason: "does not exist",
+            })
+    }
+}
+
+impl fmt::Display for HitLog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "hits by `{}`: {} found, {} accepted",
+            self.channel,
+            self.hits.len(),
+            self.accepted().count()
+        )?;
+        for (index, hit) in self.hits.iter().enumerate() {
+            let verdict = match &hit.ruling {
+                Some(Ruling::Accepted { because }) => format!("accepted by hand ({because})"),
+                Some(Ruling::Rejected { because }) => format!("rejected by hand ({because})"),
+                None if hit.reasons.is_empty() => "accepted".to_owned(),
+                None => "rejected".to_owned(),
+            };
+            write!(f, "\n{:>5}  {:>10.4} s  {verdict}", index + 1, hit.time)?;
+            for reason in &hit.reasons {
+                write!(f, "\n                      {reason}")?;
+            }
+        }
+        Ok(())
+    }
+}

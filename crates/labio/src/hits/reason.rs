@@ -1,0 +1,276 @@
+//! Why a hit is not to be trusted.
+
+use std::fmt;
+
+/// A reason to reject a hit, with its figures. Levels and peaks are in the SI unit of the channel.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// Nothing stands out of the noise.
+    NoHit {
+        /// The channel.
+        channel: String,
+        /// Largest excursion from the rest level.
+        peak: f64,
+        /// Standard deviation of the noise.
+        noise: f64,
+    },
+    /// The trigger never fired.
+    NotTriggered {
+        /// The channel that triggers.
+        channel: String,
+        /// The level that it waits for.
+        level: f64,
+        /// Smallest sample.
+        least: f64,
+        /// Largest sample.
+        greatest: f64,
+    },
+    /// The record begins too late.
+    CutAtStart {
+        /// Number of samples that are missing before the hit.
+        missing: usize,
+    },
+    /// The record ends too early.
+    CutAtEnd {
+        /// Number of samples that are missing after the hit.
+        missing: usize,
+    },
+    /// A sample is NaN or infinite, as some recorders mark what they lost.
+    NonFinite {
+        /// The channel.
+        channel: String,
+        /// Position of the first such sample in the hit.
+        index: usize,
+    },
+    /// All samples of a channel are the same.
+    Dead {
+        /// The channel.
+        channel: String,
+        /// The one value.
+        value: f64,
+    },
+    /// There was a second contact.
+    DoubleHit {
+        /// The channel of the force.
+        channel: String,
+        /// Peak of the smaller contact over that of the larger.
+        ratio: f64,
+        /// Time between the two peaks \[s\].
+        separation: f64,
+    },
+    /// Samples reach the range of the recorder.
+    Overload {
+        /// The channel.
+        channel: String,
+        /// The range that was given, in the recorded unit.
+        full_scale: f64,
+        /// Number of samples at the range.
+        n_samples: usize,
+        /// Position of the first in the hit.
+        index: usize,
+    },
+    /// The largest or smallest value stands still where the signal was moving.
+    Clipped {
+        /// The channel.
+        channel: String,
+        /// The value, in the recorded unit.
+        value: f64,
+        /// Number of equal samples.
+        run: usize,
+        /// Position of the first in the hit.
+        index: usize,
+    },
+    /// The signal stands still in the middle of a movement.
+    DropOut {
+        /// The channel.
+        channel: String,
+        /// The value, in the recorded unit.
+        value: f64,
+        /// Number of equal samples.
+        run: usize,
+        /// Position of the first in the hit.
+        index: usize,
+    },
+    /// The channel rests far from zero.
+    StaticOffset {
+        /// The channel.
+        channel: String,
+        /// Rest level before the hit.
+        level: f64,
+        /// Largest excursion from it.
+        peak: f64,
+        /// Largest level over peak that is accepted.
+        limit: f64,
+    },
+    /// The rest levels before and after differ.
+    LevelShift {
+        /// The channel.
+        channel: String,
+        /// Before the hit.
+        before: f64,
+        /// At the end.
+        after: f64,
+        /// Largest excursion.
+        peak: f64,
+        /// Largest shift over peak that is accepted.
+        limit: f64,
+    },
+    /// The signal still moves at the end.
+    NotDecayed {
+        /// The channel.
+        channel: String,
+        /// Root mean square of the last part about its level, without the noise.
+        remainder: f64,
+        /// Largest excursion.
+        peak: f64,
+        /// Largest remainder over peak that is accepted.
+        limit: f64,
+    },
+}
+
+/// A number with as many digits as a reason needs.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.0.abs();
+        if magnitude == 0.0 || (0.01..100_000.0).contains(&magnitude) {
+            // four significant digits, as many decimals as that leaves
+            let decimals = [(10.0, 3), (100.0, 2), (1000.0, 1)];
+            let decimals = decimals.iter().find(|(limit, _)| magnitude < *limit);
+            write!(f, "{:.*}", decimals.map_or(0, |(_, n)| *n), self.0)
+        } else {
+            write!(f, "{:.3e}", self.0)
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoHit {
+                channel,
+                peak,
+                noise,
+            } => write!(
+                f,
+                "no hit: the largest excursion of `{channel}` is {}, its noise {}",
+                Short(*peak),
+                Short(*noise)
+            ),
+            Self::NotTriggered {
+                channel,
+                level,
+                least,
+                greatest,
+            } => write!(
+                f,
+                "not triggered: `{channel}` never passes {}, it lies between {} and {}",
+                Short(*level),
+                Short(*least),
+                Short(*greatest)
+            ),
+            Self::CutAtStart { missing } => {
+                write!(
+                    f,
+                    "cut at the start: {missing} samples are missing before it"
+                )
+            }
+            Self::CutAtEnd { missing } => {
+                write!(f, "cut at the end: {missing} samples are missing after it")
+            }
+            Self::NonFinite { channel, index } => {
+                write!(
+                    f,
+                    "lost samples: `{channel}` has no number at sample {index}"
+                )
+            }
+            Self::Dead { channel, value } => {
+                write!(
+                    f,
+                    "dead channel: `{channel}` is {} throughout",
+                    Short(*value)
+                )
+            }
+            Self::DoubleHit {
+                channel,
+                ratio,
+                separation,
+            } => write!(
+                f,
+                "double hit: two contacts in `{channel}`, peaks in the ratio {}, {} ms apart",
+                Short(*ratio),
+                Short(1e3 * separation)
+            ),
+            Self::Overload {
+                channel,
+                full_scale,
+                n_samples,
+                index,
+            } => write!(
+                f,
+                "overload: {n_samples} samples of `{channel}` from {index} on at the range of {}",
+                Short(*full_scale)
+            ),
+            Self::Clipped {
+                channel,
+                value,
+                run,
+                index,
+            } => write!(
+                f,
+                "clipped: `{channel}` stays at its extreme {} for {run} samples from {index} on",
+                Short(*value)
+            ),
+            Self::DropOut {
+                channel,
+                value,
+                run,
+                index,
+            } => write!(
+                f,
+                "drop-out: `{channel}` stays at {} for {run} samples from {index} on",
+                Short(*value)
+            ),
+            Self::StaticOffset {
+                channel,
+                level,
+                peak,
+                limit,
+            } => write!(
+                f,
+                "static offset: `{channel}` rests at {}, more than {} of its peak {}",
+                Short(*level),
+                Short(*limit),
+                Short(*peak)
+            ),
+            Self::LevelShift {
+                channel,
+                before,
+                after,
+                peak,
+                limit,
+            } => write!(
+                f,
+                "level shift: `{channel}` rests at {} before and {} after, more than {} of its peak {} apart",
+                Short(*before),
+                Short(*after),
+                Short(*limit),
+                Short(*peak)
+            ),
+            Self::NotDecayed {
+                channel,
+                remainder,
+                peak,
+                limit,
+            } => write!(
+                f,
+                "not decayed: `{channel}` ends at {} rms, more than {} of its peak {}",
+                Short(*remainder),
+                Short(*limit),
+                Short(*peak)
+            ),
+        }
+    }
+}

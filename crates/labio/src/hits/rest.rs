@@ -1,0 +1,102 @@
+//! Rest level and noise, by figures that a few odd samples cannot move.
+
+/// A stretch of samples at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rest {
+    /// Median.
+    pub(super) level: f64,
+    /// Standard deviation of Gaussian noise with the median absolute deviation found.
+    pub(super) noise: f64,
+    pub(super) n_samples: usize,
+}
+
+/// Standard deviation of a Gaussian over its median absolute deviation, 1/Φ⁻¹(3/4).
+const DEVIATION_OVER_MAD: f64 = 1.482602218505602;
+
+impl Rest {
+    /// Of `samples`, if there are any.
+    pub(super) fn of(samples: &[f64]) -> Option<Self> {
+        let mut sorted = samples.to_vec();
+        let level = median(&mut sorted)?;
+        let mut deviations: Vec<f64> = samples.iter().map(|x| (x - level).abs()).collect();
+        Some(Self {
+            level,
+            noise: DEVIATION_OVER_MAD * median(&mut deviations)?,
+            n_samples: samples.len(),
+        })
+    }
+
+    /// Standard error of the level: that of a median is √(π/2) times that of a mean.
+    pub(super) fn level_error(&self) -> f64 {
+        self.noise * (std::f64::consts::FRAC_PI_2 / self.n_samples as f64).sqrt()
+    }
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    let n = values.len();
+    if n == 0 {
+        return None;
+    }
+    let (below, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
+    if n.is_multiple_of(2) {
+        let lower = below.iter().copied().reduce(f64::max)?;
+        Some(lower + (upper - lower) / 2.0)
+    } else {
+        Some(upper)
+    }
+}
+
+/// The smallest difference of consecutive samples that is not zero: the step of the recorder's numbers, or less.
+pub(super) fn smallest_step(samples: &[f64]) -> f64 {
+    let mut smallest = f64::INFINITY;
+    for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
+        let step = (b - a).abs();
+        if step > 0.0 && step < smallest {
+            smallest = step;
+        }
+    }
+    if smallest.is_finite() { smallest } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn medians_of_odd_and_even_numbers() {
+        for (values, expected) in [
+            (vec![3.0], 3.0),
+            (vec![3.0, 1.0], 2.0),
+            (vec![5.0, 1.0, 2.0], 2.0),
+            (vec![4.0, 1.0, 3.0, 2.0], 2.5),
+        ] {
+            let found = median(&mut values.clone()).unwrap();
+            assert!((found - expected).abs() < 1e-15, "{values:?}: {found}");
+        }
+        assert_eq!(Rest::of(&[]), None);
+    }
+
+    #[test]
+    fn a_tenth_of_wild_samples_moves_neither_level_nor_noise_much() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let n = 10_000;
+        let mut samples: Vec<f64> = (0..n)
+            .map(|_| {
+                let unit: f64 = StandardNormal.sample(&mut rng);
+                7.0 + 0.5 * unit
+            })
+            .collect();
+        let clean = Rest::of(&samples).unwrap();
+        // the median of n deviates errs by 0.5·√(π/2n) = 0.0063, the scaled deviation by 0.5·1.17/√n = 0.0058: four of each
+        assert!((clean.level - 7.0).abs() < 0.025 && (clean.noise - 0.5).abs() < 0.023);
+        assert!((clean.level_error() - 0.0063).abs() < 0.0005);
+        for sample in samples.iter_mut().step_by(10) {
+            *sample = 1e6;
+        }
+        let spoiled = Rest::of(&samples).unwrap();
+        // the median is then the quantile 5/9 of the clean ones, 0.14 deviations up
+        assert!((spoiled.level - 7.07).abs() < 0.03 && (spoiled.noise - 0.5).abs() < 0.1);
+    }
+}

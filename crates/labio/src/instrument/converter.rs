@@ -1,0 +1,166 @@
+//! The analogue-digital converter.
+
+use rand::Rng;
+use rand_distr::{Distribution, StandardUniform};
+
+use crate::LabioError;
+use crate::error::check_positive;
+
+/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1} \ldots 2^{b-1}-1`$,
+/// rounded to the nearest.
+///
+/// A busy signal gets noise of the variance $`q^2/12`$ from it. With dither (the difference of two uniform numbers of one
+/// step, added before rounding) the variance is $`q^2/4`$ whatever the signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Converter {
+    bits: u32,
+    range: f64,
+    dither: bool,
+}
+
+impl Converter {
+    /// A converter of `bits` over `-range..range`, in the SI unit that the channel has there.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the bits are not 1 to 32 or the range not positive.
+    pub fn new(bits: u32, range: f64) -> Result<Self, LabioError> {
+        check_positive("range of the converter", range)?;
+        if !(1..=32).contains(&bits) {
+            return Err(LabioError::NonPhysical {
+                quantity: "bits of the converter",
+                value: bits.into(),
+                expected: "a number from 1 to 32",
+            });
+        }
+        Ok(Self {
+            bits,
+            range,
+            dither: false,
+        })
+    }
+
+    /// With dither.
+    #[must_use]
+    pub fn with_dither(self) -> Self {
+        Self {
+            dither: true,
+            ..self
+        }
+    }
+
+    /// Size of a step.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        self.range / self.half()
+    }
+
+    /// Half the number of steps, 2ᵇ⁻¹.
+    fn half(&self) -> f64 {
+        f64::from(1_u32 << (self.bits - 1))
+    }
+
+    /// Converts in place; returns how many samples are at an end of the range because they lie beyond it.
+    pub(super) fn convert<'a, R: Rng + ?Sized>(
+        &self,
+        samples: impl Iterator<Item = &'a mut f64>,
+        rng: &mut R,
+    ) -> usize {
+        let (half, step) = (self.half(), self.step());
+        let mut n_saturated = 0;
+        for sample in samples {
+            let mut steps = *sample / step;
+            if self.dither {
+                let uniform = |rng: &mut R| -> f64 { StandardUniform.sample(rng) };
+                steps += uniform(rng) - uniform(rng);
+            }
+            let number = steps.round();
+            let held = number.clamp(-half, half - 1.0);
+            // rounding to the number past the last is beyond the range, too
+            if (number - held).abs() > 0.0 {
+                n_saturated += 1;
+            }
+            *sample = held * step;
+        }
+        n_saturated
+    }
+
+    pub(super) fn name(&self) -> String {
+        let dither = if self.dither { " with dither" } else { "" };
+        format!("{} bits over ±{}{dither}", self.bits, self.range)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn a_converter_has_the_numbers_of_twos_complement() {
+        // three bits over ±4: steps of 1 from -4 to 3
+        let converter = Converter::new(3, 4.0).unwrap();
+        let mut samples = [-9.0, -4.4, -4.6, -0.4, 0.6, 3.4, 3.6, 4.0];
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let n = converter.convert(samples.iter_mut(), &mut rng);
+        assert!(samples.iter().all(|sample| sample.fract() == 0.0));
+        assert_eq!(
+            samples.map(|s| format!("{s:+.0}")).join(" "),
+            "-4 -4 -4 -0 +1 +3 +3 +3"
+        );
+        assert_eq!(n, 4);
+        assert!((Converter::new(1, 2.0).unwrap().step() - 2.0).abs() < 1e-15);
+        assert!(Converter::new(0, 2.0).is_err() && Converter::new(33, 2.0).is_err());
+        assert!(Converter::new(16, 0.0).is_err());
+    }
+
+    #[test]
+    fn rounding_has_a_variance_of_a_twelfth_and_dither_of_a_quarter() {
+        let n = 400_000;
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let error = |converter: Converter, rng: &mut ChaCha8Rng, busy: bool| {
+            let signal: Vec<f64> = (0..n)
+                .map(|k| {
+                    let k = f64::from(k);
+                    // an irrational rotation visits every place between two steps equally often
+                    if busy {
+                        0.7 * (0.6180339887498949 * k).sin() + 1e-3 * k / f64::from(n)
+                    } else {
+                        0.1234
+                    }
+                })
+                .collect();
+            let mut samples = signal.clone();
+            assert_eq!(converter.convert(samples.iter_mut(), rng), 0);
+            let errors = samples
+                .iter()
+                .zip(&signal)
+                .map(|(s, x)| (s - x) / converter.step());
+            let errors: Vec<f64> = errors.collect();
+            let mean = errors.iter().sum::<f64>() / f64::from(n);
+            (
+                mean,
+                errors.iter().map(|e| e * e).sum::<f64>() / f64::from(n),
+            )
+        };
+        let plain = Converter::new(12, 1.0).unwrap();
+        let (mean, variance) = error(plain, &mut rng, true);
+        // of n independent uniform errors: variance 1/12 ± 1/√(180 n), mean 0 ± 1/√(12 n); four of each
+        let n = f64::from(n);
+        assert!(
+            (variance - 1.0 / 12.0).abs() < 4.0 / (180.0 * n).sqrt(),
+            "{variance}"
+        );
+        assert!(mean.abs() < 4.0 / (12.0 * n).sqrt(), "{mean}");
+        for busy in [true, false] {
+            let (mean, variance) = error(plain.with_dither(), &mut rng, busy);
+            // the fourth moment of the error is below 1/5, its square 1/16
+            assert!(
+                (variance - 0.25).abs() < 4.0 * (0.2 / n).sqrt(),
+                "{variance}"
+            );
+            assert!(mean.abs() < 4.0 / (4.0 * n).sqrt(), "{mean}");
+        }
+    }
+}

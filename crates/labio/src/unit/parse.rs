@@ -1,0 +1,304 @@
+//! The grammar of compound units.
+//!
+//! ```text
+//! product = factor { ("*" | "." | "·" | blank | "/") factor }
+//! factor  = ( symbol | "1" | "(" product ")" ) [ exponent ]
+//! exponent = [ "^" | "**" ] [ "-" ] digit | superscript digit
+//! ```
+
+use std::iter::Peekable;
+use std::str::Chars;
+
+use super::ratio::Ratio;
+use super::symbol;
+use crate::{Dimension, LabioError};
+
+/// No unit in use is longer, and a longer text is a comment in the wrong column.
+const LONGEST: usize = 64;
+/// Brackets within brackets; none of the units in use goes beyond two.
+const DEEPEST: usize = 8;
+
+/// What a text amounts to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Parsed {
+    pub(super) dimension: Dimension,
+    pub(super) ratio: Ratio,
+    pub(super) offset: f64,
+}
+
+impl Parsed {
+    const NUMBER: Self = Self {
+        dimension: Dimension::NONE,
+        ratio: Ratio::ONE,
+        offset: 0.0,
+    };
+
+    fn times(self, other: Self, exponent: i8) -> Option<Self> {
+        Some(Self {
+            dimension: self.dimension.product(other.dimension.power(exponent)?)?,
+            ratio: self.ratio.times(other.ratio.power(exponent)),
+            offset: 0.0,
+        })
+    }
+}
+
+/// Why a text is no unit: the token and what is wrong with it.
+#[derive(Debug)]
+struct Fault {
+    token: String,
+    reason: &'static str,
+}
+
+fn fault<T>(token: impl Into<String>, reason: &'static str) -> Result<T, Fault> {
+    Err(Fault {
+        token: token.into(),
+        reason,
+    })
+}
+
+/// Reads the whole of `text`, which has no blanks around it.
+pub(super) fn parse(text: &str) -> Result<Parsed, LabioError> {
+    let parsed = if text.chars().count() > LONGEST {
+        let start: String = text.chars().take(16).collect();
+        fault(start, "begins a text that is longer than any unit")
+    } else if text == "-" || text == "dimensionless" {
+        Ok(Parsed::NUMBER)
+    } else {
+        whole(text)
+    };
+    parsed.map_err(|Fault { token, reason }| LabioError::UnknownUnit {
+        found: text.chars().take(LONGEST).collect(),
+        token,
+        reason,
+    })
+}
+
+fn whole(text: &str) -> Result<Parsed, Fault> {
+    // an offset has a meaning only where the unit stands alone
+    if let Some(alone) = symbol::find(text) {
+        return Ok(Parsed {
+            dimension: alone.dimension,
+            ratio: alone.ratio,
+            offset: alone.offset,
+        });
+    }
+    let mut scanner = Scanner {
+        chars: text.chars().peekable(),
+    };
+    let parsed = scanner.product(0)?;
+    if let Some(&rest) = scanner.chars.peek() {
+        return fault(rest, "does not belong there");
+    }
+    if !parsed.ratio.is_usable() {
+        return fault(text, "has a scale beyond the range of numbers");
+    }
+    Ok(parsed)
+}
+
+/// What stands between two factors.
+#[derive(Clone, Copy, PartialEq)]
+enum Operator {
+    Times,
+    Over,
+}
+
+struct Scanner<'a> {
+    chars: Peekable<Chars<'a>>,
+}
+
+impl Scanner<'_> {
+    fn product(&mut self, depth: usize) -> Result<Parsed, Fault> {
+        if depth > DEEPEST {
+            return fault("(", "is nested too deep");
+        }
+        let mut product = Parsed::NUMBER;
+        let mut operator = Operator::Times;
+        let mut divided = false;
+        loop {
+            let (factor, exponent, token) = self.factor(depth)?;
+            let signed = if operator == Operator::Over {
+                -exponent
+            } else {
+                exponent
+            };
+            let Some(next) = product.times(factor, signed) else {
+                return fault(token, "brings the exponents out of range");
+            };
+            product = next;
+            operator = match self.operator()? {
+                None => return Ok(product),
+                // a/b*c is a*c/b to some and a/(b*c) to others
+                Some(Operator::Times) if divided => {
+                    return fault("/", "needs brackets around the product after it");
+                }
+                Some(next) => next,
+            };
+            divided |= operator == Operator::Over;
+        }
+    }
+
+    /// A symbol or a bracket with its exponent and, for messages, its text.
+    fn factor(&mut self, depth: usize) -> Result<(Parsed, i8, String), Fault> {
+        self.skip_blanks();
+        let (base, token) = match self.chars.peek().copied() {
+            None => return fault("", "ends where a symbol is missing"),
+            Some('(') => {
+                self.chars.next();
+                let inner = self.product(depth + 1)?;
+                self.skip_blanks();
+                if self.chars.next() != Some(')') {
+                    return fault("(", "is not closed");
+                }
+                (inner, "(...)".to_owned())
+            }
+            Some('1') => {
+                self.chars.next();
+                if let Some(&digit) = self.chars.peek()
+                    && (digit.is_ascii_digit() || digit == '.')
+                {
+                    return fault(digit, "makes a factor other than 1, which no unit has");
+                }
+                (Parsed::NUMBER, "1".to_owned())
+            }
+            Some(_) => self.symbol()?,
+        };
+        let exponent = self.exponent()?;
+        Ok((base, exponent, token))
+    }
+
+    fn symbol(&mut self) -> Result<(Parsed, String), Fault> {
+        let mut token = String::new();
+        while let Some(&c) = self.chars.peek()
+            && (c.is_alphabetic() || matches!(c, '%' | '°' | '\u{b5}' | '\u{2126}' | '_'))
+        {
+            token.push(c);
+            self.chars.next();
+        }
+        if token.is_empty() {
+            let found: String = self.chars.next().into_iter().collect();
+            return fault(found, "stands where a symbol is expected");
+        }
+        match symbol::find(&token) {
+            Some(found) if found.offset == 0.0 => {
+                let parsed = Parsed {
+                    dimension: found.dimension,
+                    ratio: found.ratio,
+                    offset: 0.0,
+                };
+                Ok((parsed, token))
+            }
+            Some(_) => fault(
+                token,
+                "counts from another zero and cannot be part of a compound",
+            ),
+            None => match token.as_str() {
+                "lb" | "lbs" | "Pounds" => fault(
+                    token,
+                    "is a mass to some and a force to others, expected lbm or lbf",
+                ),
+                "dB" => fault(token, "is a logarithm, not a unit"),
+                _ => fault(token, "is not among the known symbols"),
+            },
+        }
+    }
+
+    fn exponent(&mut self) -> Result<i8, Fault> {
+        let marked = self.raising_mark();
+        let sign = match self.chars.peek() {
+            Some('-' | '⁻' | '\u{2212}') => {
+                self.chars.next();
+                -1
+            }
+            Some('+') if marked => {
+                self.chars.next();
+                1
+            }
+            _ => 0,
+        };
+        let digit = self.chars.peek().copied().and_then(digit_of);
+        match digit {
+            Some(value) => {
+                self.chars.next();
+                if let Some(&next) = self.chars.peek()
+                    && (digit_of(next).is_some() || next == '.' && self.is_decimal())
+                {
+                    return fault(
+                        next,
+                        "makes an exponent that is not a whole number of one digit",
+                    );
+                }
+                Ok(if sign < 0 { -value } else { value })
+            }
+            None if marked || sign != 0 => fault(
+                self.chars.peek().map(char::to_string).unwrap_or_default(),
+                "stands where an exponent is expected",
+            ),
+            None => Ok(1),
+        }
+    }
+
+    /// Passes `^` or `**` with the blanks before it, or nothing: one asterisk multiplies.
+    fn raising_mark(&mut self) -> bool {
+        let mut ahead = self.chars.clone();
+        while ahead.next_if(|c| c.is_whitespace()).is_some() {}
+        let marked = match ahead.next() {
+            Some('^') => true,
+            Some('*') => ahead.next() == Some('*'),
+            _ => false,
+        };
+        if marked {
+            self.chars = ahead;
+        }
+        marked
+    }
+
+    /// Whether a point has a digit after it: `m^2.5` is an exponent, `m^2.s` a product.
+    fn is_decimal(&self) -> bool {
+        let mut ahead = self.chars.clone();
+        ahead.next();
+        ahead.next().is_some_and(|c| c.is_ascii_digit())
+    }
+
+    fn operator(&mut self) -> Result<Option<Operator>, Fault> {
+        let blanks = self.skip_blanks();
+        match self.chars.peek() {
+            None | Some(')') => Ok(None),
+            Some('/') => {
+                self.chars.next();
+                Ok(Some(Operator::Over))
+            }
+            Some('*' | '.' | '·' | '\u{22c5}') => {
+                self.chars.next();
+                Ok(Some(Operator::Times))
+            }
+            Some('(') => Ok(Some(Operator::Times)),
+            Some(_) if blanks => Ok(Some(Operator::Times)),
+            Some(&c) => fault(c, "does not belong there"),
+        }
+    }
+
+    fn skip_blanks(&mut self) -> bool {
+        let mut any = false;
+        while self.chars.next_if(|c| c.is_whitespace()).is_some() {
+            any = true;
+        }
+        any
+    }
+}
+
+/// An ordinary or a raised digit.
+fn digit_of(c: char) -> Option<i8> {
+    match c {
+        '0' | '⁰' => Some(0),
+        '1' | '¹' => Some(1),
+        '2' | '²' => Some(2),
+        '3' | '³' => Some(3),
+        '4' | '⁴' => Some(4),
+        '5' | '⁵' => Some(5),
+        '6' | '⁶' => Some(6),
+        '7' | '⁷' => Some(7),
+        '8' | '⁸' => Some(8),
+        '9' | '⁹' => Some(9),
+        _ => None,
+    }
+}

@@ -1,0 +1,166 @@
+//! The symbols that are known, each with its definition.
+
+use super::ratio::Ratio;
+use crate::Dimension;
+
+/// What a symbol without a prefix stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Definition {
+    pub(super) dimension: Dimension,
+    pub(super) ratio: Ratio,
+    /// SI value of zero of the unit.
+    pub(super) offset: f64,
+}
+
+/// Exponents of m, kg, s, A and K.
+const fn dimension([length, mass, time, current, temperature]: [i8; 5]) -> Dimension {
+    Dimension {
+        length,
+        mass,
+        time,
+        current,
+        temperature,
+    }
+}
+
+const NUMBER: Dimension = dimension([0, 0, 0, 0, 0]);
+const LENGTH: Dimension = dimension([1, 0, 0, 0, 0]);
+const MASS: Dimension = dimension([0, 1, 0, 0, 0]);
+const TIME: Dimension = dimension([0, 0, 1, 0, 0]);
+const CURRENT: Dimension = dimension([0, 0, 0, 1, 0]);
+const TEMPERATURE: Dimension = dimension([0, 0, 0, 0, 1]);
+const FREQUENCY: Dimension = dimension([0, 0, -1, 0, 0]);
+const ACCELERATION: Dimension = dimension([1, 0, -2, 0, 0]);
+const FORCE: Dimension = dimension([1, 1, -2, 0, 0]);
+const PRESSURE: Dimension = dimension([-1, 1, -2, 0, 0]);
+const ENERGY: Dimension = dimension([2, 1, -2, 0, 0]);
+const POWER: Dimension = dimension([2, 1, -3, 0, 0]);
+const CHARGE: Dimension = dimension([0, 0, 1, 1, 0]);
+const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
+const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
+const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
+
+/// Symbols that take an SI prefix, among them the words of acquisition drivers: names, dimension, numerator and denominator
+/// of the SI value.
+const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
+    (&["m", "Meters"], LENGTH, 1.0, 1.0),
+    (
+        &["s", "sec", "second", "seconds", "Seconds"],
+        TIME,
+        1.0,
+        1.0,
+    ),
+    (&["gram"], MASS, 1.0, 1000.0),
+    (&["A", "Amps"], CURRENT, 1.0, 1.0),
+    (&["K", "Kelvins"], TEMPERATURE, 1.0, 1.0),
+    (&["Hz"], FREQUENCY, 1.0, 1.0),
+    (&["N", "Newtons"], FORCE, 1.0, 1.0),
+    (&["Pa", "Pascals"], PRESSURE, 1.0, 1.0),
+    (&["bar", "Bar"], PRESSURE, 100_000.0, 1.0),
+    (&["J"], ENERGY, 1.0, 1.0),
+    (&["W"], POWER, 1.0, 1.0),
+    (&["C"], CHARGE, 1.0, 1.0),
+    (&["V", "volt", "Volt", "volts", "Volts"], VOLTAGE, 1.0, 1.0),
+    (
+        &["ohm", "Ohm", "Ohms", "Ω", "\u{2126}"],
+        RESISTANCE,
+        1.0,
+        1.0,
+    ),
+    (&["F"], CAPACITANCE, 1.0, 1.0),
+    (&["rad"], NUMBER, 1.0, 1.0),
+    (&["strain", "Strain", "ε"], NUMBER, 1.0, 1.0),
+    // standard gravity, third General Conference on Weights and Measures (1901)
+    (&["g", "gn"], ACCELERATION, 980_665.0, 100_000.0),
+];
+
+/// Symbols that stand alone: names, dimension, numerator, denominator and SI value of zero.
+const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
+    (&["kg"], MASS, 1.0, 1.0, 0.0),
+    (&["%"], NUMBER, 1.0, 100.0, 0.0),
+    (&["ue", "uE", "microstrain"], NUMBER, 1.0, 1e6, 0.0),
+    (&["millistrain"], NUMBER, 1.0, 1e3, 0.0),
+    (&["min"], TIME, 60.0, 1.0, 0.0),
+    (&["h"], TIME, 3600.0, 1.0, 0.0),
+    // international yard and pound agreement (1959)
+    (&["in", "inch", "Inches"], LENGTH, 254.0, 10_000.0, 0.0),
+    (&["ft"], LENGTH, 3048.0, 10_000.0, 0.0),
+    (&["lbm"], MASS, 45_359_237.0, 1e8, 0.0),
+    // 0.45359237 kg times 9.80665 m/s^2
+    (&["lbf"], FORCE, 44_482_216_152_605.0, 1e13, 0.0),
+    (&["kgf", "kp"], FORCE, 980_665.0, 100_000.0, 0.0),
+    // lbf over (0.0254 m)^2
+    (
+        &["psi"],
+        PRESSURE,
+        44_482_216_152_605.0,
+        6_451_600_000.0,
+        0.0,
+    ),
+    (&["ksi"], PRESSURE, 44_482_216_152_605.0, 6_451_600.0, 0.0),
+    (&["deg", "°"], NUMBER, std::f64::consts::PI, 180.0, 0.0),
+    (&["degC", "°C", "Deg C"], TEMPERATURE, 1.0, 1.0, 273.15),
+    // 0 °F is 459.67 · 5/9 K
+    (
+        &["degF", "°F", "Deg F"],
+        TEMPERATURE,
+        5.0,
+        9.0,
+        2298.35 / 9.0,
+    ),
+];
+
+/// Prefixes with numerator and denominator; the micro sign of ISO 8859-1 and the Greek letter are both in use.
+const PREFIXES: &[(&str, f64, f64)] = &[
+    ("T", 1e12, 1.0),
+    ("G", 1e9, 1.0),
+    ("M", 1e6, 1.0),
+    ("k", 1e3, 1.0),
+    ("c", 1.0, 1e2),
+    ("m", 1.0, 1e3),
+    ("u", 1.0, 1e6),
+    ("\u{b5}", 1.0, 1e6),
+    ("\u{3bc}", 1.0, 1e6),
+    ("n", 1.0, 1e9),
+    ("p", 1.0, 1e12),
+    ("f", 1.0, 1e15),
+];
+
+/// The definition behind `token`; symbols that stand alone win over a prefix with a symbol.
+pub(super) fn find(token: &str) -> Option<Definition> {
+    whole(token)
+        .or_else(|| prefixable(token))
+        .or_else(|| prefixed(token))
+}
+
+fn whole(token: &str) -> Option<Definition> {
+    let row = WHOLE.iter().find(|(names, ..)| names.contains(&token));
+    row.map(
+        |&(_, dimension, numerator, denominator, offset)| Definition {
+            dimension,
+            ratio: Ratio::of(numerator, denominator),
+            offset,
+        },
+    )
+}
+
+fn prefixable(token: &str) -> Option<Definition> {
+    let row = PREFIXABLE.iter().find(|(names, ..)| names.contains(&token));
+    row.map(|&(_, dimension, numerator, denominator)| Definition {
+        dimension,
+        ratio: Ratio::of(numerator, denominator),
+        offset: 0.0,
+    })
+}
+
+fn prefixed(token: &str) -> Option<Definition> {
+    PREFIXES
+        .iter()
+        .find_map(|&(prefix, numerator, denominator)| {
+            let base = prefixable(token.strip_prefix(prefix)?)?;
+            Some(Definition {
+                ratio: base.ratio.times(Ratio::of(numerator, denominator)),
+                ..base
+            })
+        })
+}

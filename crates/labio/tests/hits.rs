@@ -1,0 +1,676 @@
+//! Every failure of a hit, made on purpose and found with its reason; and the measured records, if they are there.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    clippy::float_cmp,
+    reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
+)]
+
+use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+
+use labio::format::npy;
+use labio::hits::{
+    Criteria, Extent, HitLog, Reason, Slope, Trigger, find_hits, find_hits_in_blocks,
+};
+use labio::{
+    AveragedSpectra, BlockSource, Channel, LabioError, Provenance, Quantity, Rating, Record,
+    SensorChain, Window,
+};
+use ndarray::Array2;
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const RATE_HZ: f64 = 10_000.0;
+const ONSET: usize = 500;
+const N: usize = 10_000;
+const FORCE: &str = "force";
+
+fn noise(rng: &mut ChaCha8Rng, deviation: f64) -> f64 {
+    let unit: f64 = StandardNormal.sample(rng);
+    deviation * unit
+}
+
+/// Contact of 2 ms with a peak of 1 at its middle.
+fn contact(t: f64) -> f64 {
+    if (0.0..0.002).contains(&t) {
+        (PI * t / 0.002).sin()
+    } else {
+        0.0
+    }
+}
+
+/// What a force sensor of 3 kHz adds after a contact, beginning with a swing to the other side.
+fn ringing(t: f64) -> f64 {
+    let t = t - 0.002;
+    if t > 0.0 {
+        -0.1 * (-t / 0.001).exp() * (TAU * 3000.0 * t).sin()
+    } else {
+        0.0
+    }
+}
+
+fn response(t: f64) -> f64 {
+    if t > 0.0 {
+        400.0 * (-t / 0.05).exp() * (TAU * 700.0 * t).sin()
+    } else {
+        0.0
+    }
+}
+
+/// A good hit of 80 N with noise and ringing: what is done to it decides what is found.
+fn hit(change: impl Fn(usize, f64, &mut f64, &mut f64)) -> Record {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let mut samples = Array2::zeros((2, N));
+    for k in 0..N {
+        let t = (k as f64 - ONSET as f64) / RATE_HZ;
+        let mut force = 80.0 * (contact(t) + ringing(t)) + noise(&mut rng, 0.05);
+        let mut acceleration = response(t) + noise(&mut rng, 0.2);
+        change(k, t, &mut force, &mut acceleration);
+        samples[[0, k]] = force;
+        samples[[1, k]] = acceleration;
+    }
+    let channels = vec![
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    Record::new(
+        samples,
+        RATE_HZ,
+        0.0,
+        channels,
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+fn reasons(record: &Record) -> Vec<Reason> {
+    Criteria::default().judge(record, FORCE, None).unwrap()
+}
+
+/// The one reason, or what was found instead.
+fn only(record: &Record) -> Reason {
+    let mut found = reasons(record);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    found.remove(0)
+}
+
+#[test]
+fn a_good_hit_is_accepted_with_its_noise_and_ringing() {
+    assert_eq!(reasons(&hit(|_, _, _, _| {})), []);
+    // and from the other side
+    assert_eq!(reasons(&hit(|_, _, f, a| (*f, *a) = (-*f, -*a))), []);
+}
+
+#[test]
+fn a_second_contact_is_found_above_its_limit_only() {
+    let bounce = |fraction: f64| hit(move |_, t, f, _| *f += 80.0 * fraction * contact(t - 0.03));
+    let Reason::DoubleHit {
+        ratio, separation, ..
+    } = only(&bounce(0.2))
+    else {
+        panic!("expected a double hit")
+    };
+    // noise of 0.05/80 on both peaks; the second lies on the ringing, exp(-28) by then
+    assert!((ratio - 0.2).abs() < 0.005, "{ratio}");
+    assert!((separation - 0.03).abs() < 1.5 / RATE_HZ, "{separation}");
+    assert_eq!(reasons(&bounce(0.03)), []);
+    let strict = Criteria::default().with_double_hit(Some(0.02)).unwrap();
+    assert_eq!(strict.judge(&bounce(0.03), FORCE, None).unwrap().len(), 1);
+    let careless = Criteria::default().with_double_hit(None).unwrap();
+    assert_eq!(careless.judge(&bounce(0.2), FORCE, None).unwrap(), []);
+}
+
+#[test]
+fn a_smaller_contact_before_the_hit_is_a_double_hit_too() {
+    let record = hit(|_, t, f, _| *f += 16.0 * contact(t + 0.02));
+    assert!(matches!(only(&record), Reason::DoubleHit { .. }));
+}
+
+#[test]
+fn a_signal_cut_at_the_range_of_the_recorder_is_clipped() {
+    let record = hit(|_, _, f, _| *f = f.min(60.0));
+    let Reason::Clipped {
+        channel,
+        value,
+        run,
+        index,
+    } = only(&record)
+    else {
+        panic!("expected clipping")
+    };
+    // sin > 3/4 from 0.54 ms to 1.46 ms after the onset: samples 6 to 14 of 10 kHz
+    assert_eq!((channel.as_str(), run, index), (FORCE, 9, ONSET + 6));
+    assert!((value - 60.0).abs() < 1e-12);
+    let negative = hit(|_, _, _, a| *a = a.max(-200.0));
+    assert!(matches!(only(&negative), Reason::Clipped { channel, .. } if channel == "response"));
+}
+
+#[test]
+fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
+    // a contact of 200 samples in steps of 1 N: the sine is within half a step of its peak for 14 samples
+    let record = hit(|k, _, f, _| {
+        let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
+        *f = (80.0 * contact(t)).round();
+    });
+    let top = record.channel(FORCE).unwrap();
+    assert!(top.iter().filter(|f| (**f - 80.0).abs() < 1e-12).count() > 10);
+    assert_eq!(reasons(&record), []);
+    let cut = hit(|k, _, f, _| {
+        let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
+        *f = (80.0 * contact(t)).min(40.0).round();
+    });
+    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in so coarse steps cannot be told from a flat top
+    let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
+    assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));
+    let known = Criteria::default().with_full_scale(FORCE, 40.0).unwrap();
+    let found = known.judge(&cut, FORCE, None).unwrap();
+    let [Reason::Overload { n_samples, .. }] = found.as_slice() else {
+        panic!("expected an overload: {found:?}")
+    };
+    // asin(39.5/80) = 0.517 rad: 33 samples of 200 on either side are below
+    assert_eq!(*n_samples, 200 - 2 * 33 + 1);
+}
+
+#[test]
+fn the_range_counts_in_volts_where_volts_were_recorded() {
+    let volts = hit(|_, _, f, _| *f *= 0.01);
+    let channels = ["force", "response"].map(|n| Channel::new(n, Quantity::Voltage).unwrap());
+    let record = Record::new(
+        volts.samples().to_owned(),
+        RATE_HZ,
+        0.0,
+        channels.to_vec(),
+        Provenance::computed("test"),
+    )
+    .unwrap();
+    let sensor = SensorChain::of_sensitivity(Rating::new(10.0, "mV/N").unwrap()).unwrap();
+    let record = record.calibrated(FORCE, sensor).unwrap();
+    // 80 N are 0.8 V
+    let judge = |volts: f64| {
+        let criteria = Criteria::default().with_full_scale(FORCE, volts).unwrap();
+        criteria.judge(&record, FORCE, None).unwrap()
+    };
+    assert!(matches!(judge(0.75)[..], [Reason::Overload { .. }]));
+    assert_eq!(judge(1.0), []);
+}
+
+#[test]
+fn a_signal_that_stands_still_is_a_drop_out() {
+    for held in [None, Some(0.0)] {
+        let lost = 600..625;
+        let last = hit(|_, _, _, _| {}).channel("response").unwrap()[599];
+        let record = hit(|k, _, _, a| {
+            if lost.contains(&k) {
+                *a = held.unwrap_or(last);
+            }
+        });
+        let Reason::DropOut { run, index, .. } = only(&record) else {
+            panic!("expected a drop-out")
+        };
+        // the value that is held counts with the run
+        let expected = if held.is_some() { (25, 600) } else { (26, 599) };
+        assert_eq!((run, index), expected);
+    }
+}
+
+#[test]
+fn levels_before_and_after_must_agree() {
+    let record = hit(|k, _, _, a| *a += if k > 700 { 12.0 } else { 0.0 });
+    let Reason::LevelShift { before, after, .. } = only(&record) else {
+        panic!("expected a level shift")
+    };
+    // medians of 500 and 1000 samples of noise 0.2
+    assert!(before.abs() < 0.05 && (after - 12.0).abs() < 0.05);
+    // 2 % of 400 is 8
+    assert_eq!(
+        reasons(&hit(|k, _, _, a| *a += if k > 700 { 7.0 } else { 0.0 })),
+        []
+    );
+}
+
+#[test]
+fn a_channel_that_rests_far_from_zero_is_refused() {
+    // as the documented failure of a shock test: an amplifier that comes back from 140 000
+    let record = hit(|k, _, _, a| *a = *a * 100.0 + 140_000.0 * (-(k as f64) / 3000.0).exp());
+    let found = reasons(&record);
+    assert!(matches!(found[0], Reason::StaticOffset { .. }), "{found:?}");
+    assert!(matches!(found[1], Reason::LevelShift { .. }), "{found:?}");
+    let lifted = hit(|_, _, _, a| *a += 150.0);
+    let Reason::StaticOffset { level, .. } = only(&lifted) else {
+        panic!("expected a static offset")
+    };
+    assert!((level - 150.0).abs() < 0.05);
+    assert_eq!(reasons(&hit(|_, _, _, a| *a += 50.0)), []);
+}
+
+#[test]
+fn a_signal_must_be_over_at_the_end() {
+    // a decay of 0.05 s over 0.95 s leaves nothing; one of 0.5 s leaves 400·exp(-1.8)/√2 on average over the last tenth
+    let record = hit(|_, t, _, a| {
+        if t > 0.0 {
+            *a = 400.0 * (-t / 0.5).exp() * (TAU * 700.0 * t).sin();
+        }
+    });
+    let Reason::NotDecayed { remainder, .. } = only(&record) else {
+        panic!("expected a remainder")
+    };
+    assert!((remainder / (400.0 * (-1.8_f64).exp() / 2.0_f64.sqrt()) - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn free_bodies_may_go_on_moving() {
+    let record = hit(|_, t, _, a| *a = if t > 0.0 { 3.0 * t } else { 0.0 });
+    let named = |quantity| {
+        let channels = vec![
+            Channel::new(FORCE, Quantity::Force).unwrap(),
+            Channel::new("response", quantity).unwrap(),
+        ];
+        let record = Record::new(
+            record.samples().to_owned(),
+            RATE_HZ,
+            0.0,
+            channels,
+            Provenance::computed("test"),
+        );
+        reasons(&record.unwrap())
+    };
+    assert_eq!(named(Quantity::Displacement), []);
+    assert!(!named(Quantity::Acceleration).is_empty());
+}
+
+#[test]
+fn nothing_and_a_dead_channel_are_no_hit() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let quiet: Vec<f64> = (0..N).map(|_| noise(&mut rng, 0.05)).collect();
+    let record = hit(|k, _, f, a| (*f, *a) = (quiet[k], -1.0));
+    let found = reasons(&record);
+    assert!(
+        found.iter().any(|r| matches!(r, Reason::NoHit { .. })),
+        "{found:?}"
+    );
+    assert!(
+        found.iter().any(|r| matches!(r, Reason::Dead { .. })),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_record_that_begins_too_late_is_refused() {
+    // the force of a measured hit, which rises in two samples
+    let pulse = [0.0, 36.5, 64.8, 68.6, 55.9, 38.0, 32.4, 14.9];
+    let steep = |_: usize, t: f64, f: &mut f64, _: &mut f64| {
+        let k = (t * RATE_HZ).round();
+        let sample = pulse.iter().zip(0..).find(|(_, at)| f64::from(*at) == k);
+        *f = sample.map_or(0.0, |(f, _)| *f) + *f * 1e-3;
+    };
+    let short = hit(steep).part(ONSET - 3..N).unwrap();
+    // three samples and the zero at which the pulse begins, of eight
+    assert_eq!(reasons(&short), [Reason::CutAtStart { missing: 4 }]);
+    // within the contact there is no rest level: what is taken for it is not the level at the end
+    let late = hit(|_, _, _, _| {}).part(ONSET + 5..N).unwrap();
+    let found = reasons(&late);
+    assert!(
+        found.iter().any(|r| matches!(r, Reason::LevelShift { .. })),
+        "{found:?}"
+    );
+}
+
+/// Five contacts in one record: good, good, double, and one cut at either end.
+fn long_record() -> Record {
+    let n = 60_000;
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let onsets = [50, 10_000, 25_000, 40_000, 59_000];
+    let samples = Array2::from_shape_fn((2, n), |(channel, k)| {
+        let mut sum = noise(&mut rng, if channel == 0 { 0.05 } else { 0.2 });
+        for onset in onsets {
+            let t = (k as f64 - f64::from(onset)) / RATE_HZ;
+            sum += match channel {
+                0 => 80.0 * (contact(t) + ringing(t)),
+                _ => response(t),
+            };
+            if channel == 0 && onset == 40_000 {
+                sum += 30.0 * contact(t - 0.03);
+            }
+        }
+        sum
+    });
+    let channels = vec![
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    Record::new(
+        samples,
+        RATE_HZ,
+        2.0,
+        channels,
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+fn trigger() -> Trigger {
+    Trigger::new(FORCE, 20.0, Extent::Seconds(0.8))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(400))
+}
+
+#[test]
+fn a_long_record_is_cut_into_hits_with_their_reasons() {
+    let log = find_hits(&long_record(), &trigger(), &Criteria::default()).unwrap();
+    // a contact passes 20 N in its second sample; the time axis of the record begins at 2 s
+    insta::assert_snapshot!(log.to_string(), @r"
+    hits by `force`: 5 found, 2 accepted
+        1      2.0052 s  rejected
+                          cut at the start: 348 samples are missing before it
+        2      3.0002 s  accepted
+        3      4.5002 s  accepted
+        4      6.0002 s  rejected
+                          double hit: two contacts in `force`, peaks in the ratio 0.375, 30.00 ms apart
+        5      7.9002 s  rejected
+                          cut at the end: 6602 samples are missing after it
+    ");
+    let starts: Vec<f64> = log.accepted().map(Record::start_time).collect();
+    // 2 + (10 002 - 400)/10 000, to the rounding of one sum
+    assert!((starts[0] - 2.9602).abs() < 1e-12 && (starts[1] - 4.4602).abs() < 1e-12);
+    let spectra = AveragedSpectra::of(log.accepted(), Window::Rectangular).unwrap();
+    assert_eq!(spectra.h1(FORCE, "response").unwrap().n_averages, 2);
+}
+
+#[test]
+fn the_last_word_is_the_users() {
+    let mut log = find_hits(&long_record(), &trigger(), &Criteria::default()).unwrap();
+    log.reject(2, "the hammer slipped").unwrap();
+    log.accept(4, "the bounce is wanted").unwrap();
+    assert!(!log.hits()[1].is_accepted() && log.hits()[3].is_accepted());
+    assert_eq!(log.accepted().count(), 2);
+    assert!(
+        log.to_string()
+            .contains("rejected by hand (the hammer slipped)")
+    );
+    log.withdraw_ruling(4).unwrap();
+    assert!(!log.hits()[3].is_accepted());
+    assert_eq!(
+        log.accept(1, "why not").unwrap_err().to_string(),
+        "hit 1 has no samples"
+    );
+    assert_eq!(
+        log.reject(6, "").unwrap_err().to_string(),
+        "hit 6 does not exist"
+    );
+    assert!(log.accept(0, "").is_err());
+}
+
+#[test]
+fn a_trigger_that_never_fires_is_an_entry_with_the_reason() {
+    let record = hit(|_, _, f, _| *f += 500.0);
+    let log = find_hits(&record, &trigger(), &Criteria::default()).unwrap();
+    let [entry] = log.hits() else { panic!("{log}") };
+    assert!(matches!(entry.reasons()[0], Reason::NotTriggered { .. }));
+    assert!(matches!(entry.reasons()[1], Reason::StaticOffset { .. }));
+    let negative = hit(|_, _, f, _| *f = -*f);
+    let at_minus_20 = Trigger::new(FORCE, -20.0, Extent::Seconds(0.8))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(400))
+        .with_slope(Slope::Falling);
+    let log = find_hits(&negative, &at_minus_20, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 1, "{log}");
+    let unknown = Trigger::new("hammer", 1.0, Extent::Seconds(0.1)).unwrap();
+    assert!(matches!(
+        find_hits(&record, &unknown, &Criteria::default()),
+        Err(LabioError::UnknownChannel { .. })
+    ));
+}
+
+/// A record handed out in blocks.
+struct InBlocks {
+    record: Record,
+    at: usize,
+    most: usize,
+    spoil: Option<usize>,
+}
+
+impl BlockSource for InBlocks {
+    fn channels(&self) -> &[Channel] {
+        self.record.channels()
+    }
+
+    fn sampling_rate_hz(&self) -> f64 {
+        self.record.sampling_rate_hz()
+    }
+
+    fn n_samples(&self) -> Option<u64> {
+        None
+    }
+
+    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        let left = self.record.n_samples() - self.at;
+        let n = left.min(block.ncols()).min(self.most);
+        for k in 0..n {
+            for channel in 0..block.nrows() {
+                let spoiled = self.spoil == Some(self.at + k) && channel == 1;
+                block[[channel, k]] = if spoiled {
+                    f64::NAN
+                } else {
+                    self.record.samples()[[channel, self.at + k]]
+                };
+            }
+        }
+        self.at += n;
+        Ok(n)
+    }
+}
+
+#[test]
+fn a_stream_gives_the_hits_of_the_record_whatever_its_blocks() {
+    let record = long_record();
+    let whole = find_hits(&record, &trigger(), &Criteria::default()).unwrap();
+    for most in [7, 1000, 8192, 100_000] {
+        let mut source = InBlocks {
+            record: record.clone(),
+            at: 0,
+            most,
+            spoil: None,
+        };
+        let provenance = Provenance::computed("test");
+        let log = find_hits_in_blocks(&mut source, &provenance, &trigger(), &Criteria::default())
+            .unwrap();
+        assert_eq!(log.hits().len(), whole.hits().len());
+        for (streamed, cut) in log.hits().iter().zip(whole.hits()) {
+            assert_eq!(streamed.reasons(), cut.reasons());
+            assert_eq!(
+                streamed.record().map(Record::samples),
+                cut.record().map(Record::samples)
+            );
+            // the stream begins at 0, the record at 2 s
+            assert!((streamed.time() + 2.0 - cut.time()).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
+    let mut source = InBlocks {
+        record: long_record(),
+        at: 0,
+        most: 5000,
+        spoil: Some(10_100),
+    };
+    let provenance = Provenance::computed("test");
+    let log =
+        find_hits_in_blocks(&mut source, &provenance, &trigger(), &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 1);
+    // the hit begins at 10 002 - 400
+    assert_eq!(
+        log.hits()[1].reasons(),
+        [Reason::NonFinite {
+            channel: "response".to_owned(),
+            index: 498
+        }]
+    );
+}
+
+/// Records as ugly as they come: levels, runs, spikes and a few very large numbers.
+fn ugly() -> impl Strategy<Value = Vec<f64>> {
+    let piece = prop_oneof![
+        (-5.0..5.0, 1_usize..20).prop_map(|(level, n)| vec![level; n]),
+        proptest::collection::vec(-2.0..2.0, 1..20),
+        prop_oneof![Just(1e308), Just(-1e308), Just(0.0), Just(5e-324)].prop_map(|x| vec![x]),
+    ];
+    proptest::collection::vec(piece, 2..12).prop_map(|pieces| pieces.concat())
+}
+
+proptest! {
+    #[test]
+    fn no_record_panics_and_streams_agree(
+        samples in ugly(),
+        level in -3.0..3.0,
+        length in 2_usize..40,
+        before in 0_usize..12,
+        hold_off in 1_usize..30,
+        hysteresis in 0.0..2.0,
+        most in 1_usize..30,
+    ) {
+        prop_assume!(samples.len() > 1 && before < length);
+        let n = samples.len();
+        let both = Array2::from_shape_fn((2, n), |(channel, k)| {
+            if channel == 0 { samples[k] } else { samples[n - 1 - k] }
+        });
+        let channels = ["force", "response"].map(|name| Channel::new(name, Quantity::Force).unwrap());
+        let record = Record::new(both, 1.0, 0.0, channels.to_vec(), Provenance::computed("test")).unwrap();
+        let trigger = Trigger::new(FORCE, level, Extent::Samples(length))
+            .unwrap()
+            .with_pre_trigger(Extent::Samples(before))
+            .with_slope(Slope::Either)
+            .with_hold_off(Extent::Samples(hold_off))
+            .with_hysteresis(hysteresis)
+            .unwrap();
+        let criteria = Criteria::default().with_full_scale(FORCE, 4.0).unwrap();
+        let whole = find_hits(&record, &trigger, &criteria).unwrap();
+        let mut source = InBlocks { record, at: 0, most, spoil: None };
+        let provenance = Provenance::computed("test");
+        let streamed = find_hits_in_blocks(&mut source, &provenance, &trigger, &criteria).unwrap();
+        if !matches!(whole.hits()[0].reasons(), [Reason::NotTriggered { .. }, ..]) {
+            prop_assert_eq!(whole, streamed);
+        }
+    }
+}
+
+fn measured() -> Option<PathBuf> {
+    let folder = std::env::var_os("RODLAB_DATA").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: RODLAB_DATA names no folder of measured records");
+    }
+    folder
+}
+
+#[test]
+fn the_measured_hammer_hits_are_accepted() {
+    let Some(folder) = measured() else { return };
+    let channels = [
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    let hits = (1..=5).map(|number| {
+        let path = folder.join(format!("hammer/measurements_{number}.npy"));
+        npy::read(path, &channels).unwrap()
+    });
+    let log = HitLog::of_records(hits, FORCE, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
+}
+
+#[test]
+fn measured_hits_in_one_long_record_are_found_again() {
+    let Some(folder) = measured() else { return };
+    let channels = [
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    let hits: Vec<Record> = (1..=5)
+        .map(|number| {
+            let path = folder.join(format!("hammer/measurements_{number}.npy"));
+            npy::read(path, &channels).unwrap()
+        })
+        .collect();
+    let n = hits[0].n_samples();
+    let samples = Array2::from_shape_fn((2, 5 * n), |(channel, k)| {
+        hits[k / n].samples()[[channel, k % n]]
+    });
+    let rate_hz = hits[0].sampling_rate_hz();
+    let long = Record::new(
+        samples,
+        rate_hz,
+        0.0,
+        channels.to_vec(),
+        Provenance::computed("joined"),
+    );
+    let trigger = Trigger::new(FORCE, 10.0, Extent::Seconds(0.95))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(16));
+    let log = find_hits(&long.unwrap(), &trigger, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
+    // every hit begins 18 to 20 samples into its second
+    for (number, hit) in log.hits().iter().enumerate() {
+        let into = (hit.time() - number as f64) * rate_hz;
+        assert!((17.0..21.0).contains(&into.round()), "{log}");
+    }
+}
+
+/// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column time.
+fn shock(folder: &std::path::Path, number: &str) -> Record {
+    let text = std::fs::read(folder.join(format!("shock/Test_{number}.lvm"))).unwrap();
+    let text: String = text.into_iter().map(char::from).collect();
+    let rows = text.lines().skip_while(|line| !line.starts_with("X_Value"));
+    let mut accelerations = [Vec::new(), Vec::new()];
+    for row in rows.skip(1) {
+        for (samples, cell) in accelerations.iter_mut().zip(row.split(',').skip(1)) {
+            samples.push(cell.parse::<f64>().unwrap());
+        }
+    }
+    let n = accelerations[0].len();
+    assert_eq!(n, 51_200);
+    let samples = Array2::from_shape_fn((2, n), |(channel, k)| accelerations[channel][k]);
+    let channels = ["table", "specimen"]
+        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
+        .to_vec();
+    Record::new(
+        samples,
+        51_200.0,
+        0.0,
+        channels,
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+#[test]
+fn the_measured_shocks_are_accepted_and_the_documented_failure_is_not() {
+    let Some(folder) = measured() else { return };
+    let shocks = ["001", "002", "003", "017"].map(|number| shock(&folder, number));
+    let [_, _, _, failure] = &shocks;
+    let trigger = Trigger::new("table", 5000.0, Extent::Seconds(0.5)).unwrap();
+    let untriggered = find_hits(failure, &trigger, &Criteria::default()).unwrap();
+    assert_eq!(untriggered.accepted().count(), 0);
+
+    let log = HitLog::of_records(shocks, "table", &Criteria::default()).unwrap();
+    let accepted: Vec<bool> = log.hits().iter().map(|hit| hit.is_accepted()).collect();
+    assert_eq!(accepted, [true, true, true, false], "{log}");
+    let reasons = log.hits()[3].reasons();
+    let offset = |name: &str| {
+        reasons.iter().find_map(|reason| match reason {
+            Reason::StaticOffset { channel, level, .. } if channel == name => Some(*level),
+            _ => None,
+        })
+    };
+    // both channels fall from 140 000 to 113 000 before the shock
+    for name in ["table", "specimen"] {
+        assert!(
+            (110_000.0..145_000.0).contains(&offset(name).unwrap()),
+            "{log}"
+        );
+    }
+    eprintln!("{log}\n{untriggered}");
+}

@@ -1,0 +1,343 @@
+//! Instruments against closed forms: sines, pulses, and the statistics of noise.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "an instrument that should work and does not is the failure that the test reports"
+)]
+
+use std::f64::consts::{PI, TAU};
+
+use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum, Saturation};
+use labio::{Channel, LabioError, Provenance, Quantity, Rating, Record, SensorChain};
+use ndarray::{Array2, array};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+fn history(rate_hz: f64, n: usize, of: impl Fn(usize, f64) -> f64) -> Record {
+    let samples = Array2::from_shape_fn((2, n), |(channel, k)| of(channel, k as f64 / rate_hz));
+    let channels = ["a", "b"]
+        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
+        .to_vec();
+    Record::new(
+        samples,
+        rate_hz,
+        0.5,
+        channels,
+        Provenance::computed("closed form"),
+    )
+    .unwrap()
+}
+
+fn rng(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+fn taken(instrument: &Instrument, history: &Record) -> Record {
+    instrument.record(history, &mut rng(0)).unwrap().record
+}
+
+/// A tone of one second at its full amplitude, faded in and out over half a second each.
+fn tone(frequency_hz: f64) -> impl Fn(usize, f64) -> f64 {
+    move |_, t| {
+        let fade = (t.min(2.0 - t) / 0.5).clamp(0.0, 1.0);
+        (PI * fade / 2.0).sin().powi(2) * (TAU * frequency_hz * t).cos()
+    }
+}
+
+#[test]
+fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
+    let rate_hz = 20_000.0;
+    let cutoff_hz = 400.0;
+    let s = |f: f64| Complex64::new(0.0, f / cutoff_hz);
+    // order 4: the two quadratics of the Butterworth table, 2 sin(π/8) and 2 sin(3π/8)
+    let butterworth = |f: f64| {
+        let quadratic = |b: f64| 1.0 / (1.0 + b * s(f) + s(f) * s(f));
+        quadratic(0.765_366_864_730_179_5) * quadratic(1.847_759_065_022_573_5)
+    };
+    // order 4: 105 over s⁴ + 10 s³ + 45 s² + 105 s + 105, at half power for s = 2.113 917 674 904 216 i
+    let bessel = |f: f64| {
+        let p = s(f) * 2.113_917_674_904_216;
+        105.0 / ((((p + 10.0) * p + 45.0) * p + 105.0) * p + 105.0)
+    };
+    for f in [100.0, 400.0, 700.0] {
+        let history = history(rate_hz, 40_000, tone(f));
+        let cases = [
+            (
+                AntiAlias::butterworth(4, cutoff_hz).unwrap(),
+                butterworth(f),
+            ),
+            (AntiAlias::bessel(4, cutoff_hz).unwrap(), bessel(f)),
+        ];
+        for (filter, expected) in cases {
+            assert!((filter.response(f) - expected).norm() < 1e-14);
+            let record = taken(&Instrument::new().anti_alias(filter), &history);
+            let a = record.channel("a").unwrap();
+            for k in 19_000..21_000 {
+                let phasor = expected * Complex64::cis(TAU * f * k as f64 / rate_hz);
+                // Half a second of full amplitude is 1256 time constants of the filter: no transient is left. The fades
+                // have next to nothing at half the sampling rate, where the response is cut off. Roundings of a transform of
+                // 131 072 lines remain, some 1e-14.
+                assert!(
+                    (a[k] - phasor.re).abs() < 1e-11,
+                    "{f} Hz, {k}: {}",
+                    a[k] - phasor.re
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_delayed_pulse_is_the_pulse_at_an_earlier_time() {
+    let rate_hz = 1000.0;
+    let pulse = |t: f64| (-((t - 0.5) / 0.004).powi(2)).exp() * (TAU * 50.0 * t).sin();
+    let history = history(rate_hz, 1000, |_, t| pulse(t));
+    for time in [0.000_37, 0.0421, -0.013_13] {
+        let late = taken(&Instrument::new().delay("b", time).unwrap(), &history);
+        let b = late.channel("b").unwrap();
+        for (k, b) in b.iter().enumerate() {
+            // at half the rate the spectrum has fallen to exp(-(π·450·0.004)²) = 1.3e-14
+            assert!((b - pulse(k as f64 / rate_hz - time)).abs() < 1e-12);
+        }
+        assert_eq!(late.channel("a").unwrap(), history.channel("a").unwrap());
+    }
+    let error = Instrument::new().delay("a", 1.0).unwrap();
+    assert!(matches!(
+        error.record(&history, &mut rng(0)),
+        Err(LabioError::NonPhysical { .. })
+    ));
+}
+
+#[test]
+fn samples_are_those_of_the_history_and_an_aperture_averages() {
+    let f = 30.0;
+    let history = history(10_000.0, 20_000, tone(f));
+    let plain = taken(&Instrument::new().sample(1000.0, 0.0).unwrap(), &history);
+    assert_eq!(plain.n_samples(), 2000);
+    assert!(plain.start_time().to_bits() == history.start_time().to_bits());
+    for (k, x) in plain.channel("a").unwrap().iter().enumerate() {
+        assert_eq!(x.to_bits(), history.channel("a").unwrap()[10 * k].to_bits());
+    }
+    let aperture = 0.007;
+    let wide = taken(
+        &Instrument::new().sample(1000.0, aperture).unwrap(),
+        &history,
+    );
+    // the mean of a cosine over an aperture about its instant
+    let gain = (PI * f * aperture).sin() / (PI * f * aperture);
+    for k in 950..1050 {
+        let expected = gain * (TAU * f * k as f64 / 1000.0).cos();
+        // roundings of a transform of 65 536 lines
+        assert!((wide.channel("a").unwrap()[k] - expected).abs() < 1e-13);
+    }
+    let uneven = Instrument::new().sample(3000.0, 0.0).unwrap();
+    let error = uneven.record(&history, &mut rng(0)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("sampling rate of the history over"),
+        "{error}"
+    );
+}
+
+/// Mean over seeds of the periodogram of channel a at the lines `lines`, with a Hann window.
+fn mean_periodogram(
+    instrument: &Instrument,
+    rate_hz: f64,
+    n: usize,
+    lines: &[usize],
+    seeds: u64,
+) -> Vec<f64> {
+    let silence = history(rate_hz, n, |_, _| 0.0);
+    let window: Vec<f64> = (0..n)
+        .map(|k| (PI * k as f64 / n as f64).sin().powi(2))
+        .collect();
+    let energy: f64 = window.iter().map(|w| w * w).sum();
+    let mut sums = vec![0.0; lines.len()];
+    for seed in 0..seeds {
+        let record = instrument.record(&silence, &mut rng(seed)).unwrap().record;
+        let noise = record.channel("a").unwrap();
+        for (sum, &line) in sums.iter_mut().zip(lines) {
+            let turn = -TAU * line as f64 / n as f64;
+            let x: Complex64 = (0..n)
+                .map(|k| window[k] * noise[k] * Complex64::cis(turn * k as f64))
+                .sum();
+            *sum += 2.0 * x.norm_sqr() / (rate_hz * energy) / seeds as f64;
+        }
+    }
+    sums
+}
+
+#[test]
+fn noise_has_its_density_within_the_spread_of_chi_square() {
+    let (rate_hz, n, seeds) = (4000.0, 512, 600);
+    let lines = [4, 10, 16, 32, 50, 64, 100, 128, 180, 200, 240];
+    let table = NoiseSpectrum::table(&[[50.0, 1e-4], [500.0, 1e-6], [2000.0, 1e-6]]).unwrap();
+    let spectra = [
+        NoiseSpectrum::white(3e-5).unwrap(),
+        NoiseSpectrum::power_law(1e-4, 100.0, 1.0, 20.0).unwrap(),
+        table,
+    ];
+    for spectrum in spectra {
+        let instrument = Instrument::new().noise("a", spectrum.clone());
+        let found = mean_periodogram(&instrument, rate_hz, n, &lines, seeds);
+        for (found, line) in found.into_iter().zip(lines) {
+            let expected = spectrum.density(line as f64 * rate_hz / n as f64);
+            // A mean of m exponential deviates is χ² with 2m degrees over 2m: a relative spread of 1/√m, nearly Gaussian at
+            // 600; five of them for 33 lines. The window takes the neighbours in: for f⁻² at line 10 by (1/3)·3/10², 1 %;
+            // below, less than 4 %.
+            let spread = 5.0 / (seeds as f64).sqrt();
+            let leakage = if line < 10 { 0.07 } else { 0.01 };
+            assert!(
+                (found / expected - 1.0).abs() < spread + leakage,
+                "{spectrum:?} line {line}: {}",
+                found / expected
+            );
+        }
+    }
+}
+
+#[test]
+fn the_variance_of_noise_is_its_density_over_the_band() {
+    let density = 2e-6;
+    let silence = history(10_000.0, 200_000, |_, _| 0.0);
+    let noisy = Instrument::new().noise("a", NoiseSpectrum::white(density).unwrap());
+    let record = taken(&noisy, &silence);
+    let noise = record.channel("a").unwrap();
+    let variance = noise.iter().map(|x| x * x).sum::<f64>() / 200_000.0;
+    // density times half the rate; relative spread √(2/n), five of them
+    assert!((variance / (density * 5000.0) - 1.0).abs() < 5.0 * (2.0 / 200_000.0_f64).sqrt());
+    assert!(record.channel("b").unwrap().iter().all(|x| *x == 0.0));
+}
+
+#[test]
+fn a_seed_makes_a_record_and_another_seed_another() {
+    let silence = history(1000.0, 100, |_, _| 0.0);
+    let noisy = Instrument::new().noise("a", NoiseSpectrum::white(1.0).unwrap());
+    let of = |seed| noisy.record(&silence, &mut rng(seed)).unwrap();
+    assert_eq!(of(7), of(7));
+    assert_ne!(of(7), of(8));
+}
+
+#[test]
+fn cross_talk_is_the_product_with_its_matrix() {
+    let history = history(1000.0, 64, |channel, t| {
+        if channel == 0 {
+            (t * 64.0).floor()
+        } else {
+            8.0 * (t * 16.0).floor()
+        }
+    });
+    // fractions of powers of two: exact
+    let matrix = array![[1.0, 0.125], [-0.5, 0.75]];
+    let mixed = taken(&Instrument::new().cross_talk(matrix).unwrap(), &history);
+    let (a, b) = (history.channel("a").unwrap(), history.channel("b").unwrap());
+    for k in 0..64 {
+        let expected = [a[k] + 0.125 * b[k], -0.5 * a[k] + 0.75 * b[k]];
+        for (name, expected) in ["a", "b"].into_iter().zip(expected) {
+            let found = mixed.channel(name).unwrap()[k];
+            assert!((found - expected).abs() == 0.0, "{found} {expected}");
+        }
+    }
+    let odd = Instrument::new().cross_talk(array![[1.0, 0.0]]).unwrap();
+    assert_eq!(
+        odd.record(&history, &mut rng(0)).unwrap_err().to_string(),
+        "rows and columns of the cross-talk matrix: found 1, expected 2"
+    );
+}
+
+#[test]
+fn gain_offset_and_resolution_are_what_they_say() {
+    let history = history(1000.0, 64, |_, t| t);
+    let instrument = Instrument::new()
+        .gain("a", 1.5)
+        .unwrap()
+        .offset("a", -0.25)
+        .unwrap()
+        .resolution("b", 0.015625)
+        .unwrap();
+    let record = taken(&instrument, &history);
+    for k in 0..64 {
+        let t = k as f64 / 1000.0;
+        assert!((record.channel("a").unwrap()[k] - (1.5 * t - 0.25)).abs() < 1e-16);
+        let b = record.channel("b").unwrap()[k];
+        // a sixty-fourth
+        assert!((b - t).abs() <= 0.5 / 64.0 && (64.0 * b).fract() == 0.0);
+    }
+}
+
+#[test]
+fn a_chain_of_sensors_is_undone_by_calibration_to_a_step_of_the_converter() {
+    let sensor = |value: f64| {
+        SensorChain::of_sensitivity(Rating::new(value, "mV/g").unwrap())
+            .unwrap()
+            .with_gain(Rating::new(10.0, "1").unwrap())
+            .unwrap()
+    };
+    let history = history(1000.0, 500, |_, t| 40.0 * (TAU * 3.0 * t).sin());
+    let converter = Converter::new(12, 1.0).unwrap();
+    let instrument = Instrument::new()
+        .sense("a", sensor(10.0))
+        .sense("b", sensor(10.0))
+        .convert(converter);
+    let volts = taken(&instrument, &history);
+    assert_eq!(volts.channels()[0].quantity(), Quantity::Voltage);
+    let calibrated = volts
+        .calibrated("a", sensor(10.0))
+        .unwrap()
+        .calibrated("b", sensor(10.5))
+        .unwrap();
+    assert_eq!(calibrated.channels(), history.channels());
+    let step = converter.step() / 0.1 * 9.80665; // 100 mV are one standard gravity
+    for (k, x) in history.channel("a").unwrap().iter().enumerate() {
+        let [a, b] = ["a", "b"].map(|name| calibrated.channel(name).unwrap()[k]);
+        assert!((a - x).abs() <= step / 2.0 * (1.0 + 1e-9));
+        // a sensitivity that is wrong by 5 %
+        assert!((b * 1.05 - a).abs() < 1e-12);
+    }
+    let wrong = Instrument::new().sense(
+        "a",
+        SensorChain::of_sensitivity(Rating::new(1.0, "pC/N").unwrap()).unwrap(),
+    );
+    assert!(matches!(
+        wrong.record(&history, &mut rng(0)),
+        Err(LabioError::UnitMismatch { .. })
+    ));
+}
+
+#[test]
+fn an_overload_is_reported_and_every_stage_is_named() {
+    let history = history(8000.0, 800, |channel, t| {
+        if channel == 0 {
+            (TAU * 10.0 * t).sin()
+        } else {
+            0.1
+        }
+    });
+    let instrument = Instrument::new()
+        .gain("a", 1.25)
+        .unwrap()
+        .noise("b", NoiseSpectrum::white(1e-9).unwrap())
+        .anti_alias(AntiAlias::bessel(6, 2000.0).unwrap())
+        .sample(4000.0, 1e-4)
+        .unwrap()
+        .convert_channel("a", Converter::new(16, 1.0).unwrap())
+        .convert_channel("b", Converter::new(8, 1.0).unwrap().with_dither());
+    let taken = instrument.record(&history, &mut rng(2)).unwrap();
+    let [Saturation { channel, n_samples }] = taken.saturations.as_slice() else {
+        panic!("{:?}", taken.saturations)
+    };
+    assert_eq!(channel, "a");
+    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, whole samples at four edges
+    assert!(
+        (*n_samples as f64 - 0.4097 * 400.0).abs() <= 4.0,
+        "{n_samples}"
+    );
+    insta::assert_snapshot!(taken.record.provenance().to_string(), @"computed by closed form, recorded with gain 1.25 of `a`; white noise of 1e-9 unit^2/Hz in `b`; Bessel low-pass of order 6 at 2000 Hz; samples at 4000 Hz with an aperture of 0.0001 s; 16 bits over ±1 for `a`; 8 bits over ±1 with dither for `b`");
+    let unknown = Instrument::new().gain("c", 1.0).unwrap();
+    assert!(matches!(
+        unknown.record(&history, &mut rng(0)),
+        Err(LabioError::UnknownChannel { .. })
+    ));
+}

@@ -1,0 +1,289 @@
+//! Units against a table typed from their definitions, and every compound against its own product.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a unit that should parse and does not is the failure that the test reports"
+)]
+
+use labio::{Dimension, Quantity, Unit};
+use proptest::prelude::*;
+
+/// Text, exponents of m, kg, s, A, K, and the SI value of one, from the definitions: 1 in = 0.0254 m and 1 ft = 0.3048 m
+/// (1959), 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (1901), 1 bar = 1e5 Pa.
+const TABLE: &[(&str, [i8; 5], f64)] = &[
+    ("V", [2, 1, -3, -1, 0], 1.0),
+    ("mV", [2, 1, -3, -1, 0], 0.001),
+    ("uV", [2, 1, -3, -1, 0], 0.000001),
+    ("\u{b5}V", [2, 1, -3, -1, 0], 0.000001),
+    ("\u{3bc}V", [2, 1, -3, -1, 0], 0.000001),
+    ("A", [0, 0, 0, 1, 0], 1.0),
+    ("mA", [0, 0, 0, 1, 0], 0.001),
+    ("C", [0, 0, 1, 1, 0], 1.0),
+    ("pC", [0, 0, 1, 1, 0], 0.000000000001),
+    ("N", [1, 1, -2, 0, 0], 1.0),
+    ("kN", [1, 1, -2, 0, 0], 1000.0),
+    ("lbf", [1, 1, -2, 0, 0], 4.4482216152605),
+    ("kgf", [1, 1, -2, 0, 0], 9.80665),
+    ("g", [1, 0, -2, 0, 0], 9.80665),
+    ("gn", [1, 0, -2, 0, 0], 9.80665),
+    ("mg", [1, 0, -2, 0, 0], 0.00980665),
+    ("gram", [0, 1, 0, 0, 0], 0.001),
+    ("kg", [0, 1, 0, 0, 0], 1.0),
+    ("lbm", [0, 1, 0, 0, 0], 0.45359237),
+    ("m/s^2", [1, 0, -2, 0, 0], 1.0),
+    ("m/s²", [1, 0, -2, 0, 0], 1.0),
+    ("m/s**2", [1, 0, -2, 0, 0], 1.0),
+    ("m/s2", [1, 0, -2, 0, 0], 1.0),
+    ("m s^-2", [1, 0, -2, 0, 0], 1.0),
+    ("m·s⁻²", [1, 0, -2, 0, 0], 1.0),
+    ("m.s-2", [1, 0, -2, 0, 0], 1.0),
+    ("[m/s^2]", [1, 0, -2, 0, 0], 1.0),
+    (" m / s ^2 ", [1, 0, -2, 0, 0], 1.0),
+    ("m/s/s", [1, 0, -2, 0, 0], 1.0),
+    ("m/s", [1, 0, -1, 0, 0], 1.0),
+    ("mm/s", [1, 0, -1, 0, 0], 0.001),
+    ("in/s", [1, 0, -1, 0, 0], 0.0254),
+    ("m", [1, 0, 0, 0, 0], 1.0),
+    ("mm", [1, 0, 0, 0, 0], 0.001),
+    ("um", [1, 0, 0, 0, 0], 0.000001),
+    ("\u{b5}m", [1, 0, 0, 0, 0], 0.000001),
+    ("\u{3bc}m", [1, 0, 0, 0, 0], 0.000001),
+    ("cm", [1, 0, 0, 0, 0], 0.01),
+    ("in", [1, 0, 0, 0, 0], 0.0254),
+    ("ft", [1, 0, 0, 0, 0], 0.3048),
+    ("Pa", [-1, 1, -2, 0, 0], 1.0),
+    ("kPa", [-1, 1, -2, 0, 0], 1000.0),
+    ("MPa", [-1, 1, -2, 0, 0], 1000000.0),
+    ("GPa", [-1, 1, -2, 0, 0], 1000000000.0),
+    ("bar", [-1, 1, -2, 0, 0], 100000.0),
+    ("mbar", [-1, 1, -2, 0, 0], 100.0),
+    // 4.4482216152605 / 0.00064516, to twenty digits
+    ("psi", [-1, 1, -2, 0, 0], 6894.7572931683613367),
+    ("lbf/in^2", [-1, 1, -2, 0, 0], 6894.7572931683613367),
+    ("N/mm²", [-1, 1, -2, 0, 0], 1000000.0),
+    ("strain", [0; 5], 1.0),
+    ("m/m", [0; 5], 1.0),
+    ("microstrain", [0; 5], 0.000001),
+    ("ue", [0; 5], 0.000001),
+    ("\u{b5}ε", [0; 5], 0.000001),
+    ("\u{3bc}ε", [0; 5], 0.000001),
+    ("um/m", [0; 5], 0.000001),
+    ("\u{b5}m/m", [0; 5], 0.000001),
+    ("%", [0; 5], 0.01),
+    ("1", [0; 5], 1.0),
+    ("-", [0; 5], 1.0),
+    ("dimensionless", [0; 5], 1.0),
+    ("s", [0, 0, 1, 0, 0], 1.0),
+    ("ms", [0, 0, 1, 0, 0], 0.001),
+    ("us", [0, 0, 1, 0, 0], 0.000001),
+    ("min", [0, 0, 1, 0, 0], 60.0),
+    ("Hz", [0, 0, -1, 0, 0], 1.0),
+    ("kHz", [0, 0, -1, 0, 0], 1000.0),
+    ("1/s", [0, 0, -1, 0, 0], 1.0),
+    ("rad", [0; 5], 1.0),
+    ("rad/s", [0, 0, -1, 0, 0], 1.0),
+    ("deg", [0; 5], 0.017453292519943295769),
+    ("K", [0, 0, 0, 0, 1], 1.0),
+    ("mV/g", [1, 1, -1, -1, 0], 0.00010197162129779283),
+    ("mV/(m/s^2)", [1, 1, -1, -1, 0], 0.001),
+    ("V/(m/s²)", [1, 1, -1, -1, 0], 1.0),
+    ("pC/N", [-1, -1, 3, 1, 0], 0.000000000001),
+    ("pC/g", [-1, 0, 3, 1, 0], 1.0197162129779283e-13),
+    ("mV/N", [1, 0, -1, -1, 0], 0.001),
+    ("mV/lbf", [1, 0, -1, -1, 0], 0.00022480894309971048),
+    ("mV/V", [0; 5], 0.001),
+    ("mV/pC", [2, 1, -4, -2, 0], 1000000000.0),
+    ("N/V", [-1, 0, 1, 1, 0], 1.0),
+    ("g^2/Hz", [2, 0, -3, 0, 0], 96.1703842225),
+    ("g²/Hz", [2, 0, -3, 0, 0], 96.1703842225),
+    ("(m/s^2)/N", [0, -1, 0, 0, 0], 1.0),
+    ("m/s^2/N", [0, -1, 0, 0, 0], 1.0),
+    ("m/(N s)", [0, -1, 1, 0, 0], 1.0),
+    ("m/(N*s)", [0, -1, 1, 0, 0], 1.0),
+    ("(m/s)^2", [2, 0, -2, 0, 0], 1.0),
+    ("(1/N)*(m/s²)", [0, -1, 0, 0, 0], 1.0),
+    ("1/MPa", [1, -1, 2, 0, 0], 0.000001),
+    ("Volts", [2, 1, -3, -1, 0], 1.0),
+    ("Newtons", [1, 1, -2, 0, 0], 1.0),
+    ("N.m", [2, 1, -2, 0, 0], 1.0),
+];
+
+fn dimension([length, mass, time, current, temperature]: [i8; 5]) -> Dimension {
+    Dimension {
+        length,
+        mass,
+        time,
+        current,
+        temperature,
+    }
+}
+
+#[test]
+fn units_are_what_their_definitions_say() {
+    let mut wrong = Vec::new();
+    for &(text, exponents, si) in TABLE {
+        let unit = match Unit::parse(text) {
+            Ok(unit) => unit,
+            Err(error) => {
+                wrong.push(error.to_string());
+                continue;
+            }
+        };
+        // two roundings of a product and a quotient
+        let error = (unit.to_si(1.0) / si - 1.0).abs();
+        if unit.dimension() != dimension(exponents) || error > 2.0 * f64::EPSILON {
+            wrong.push(format!("{text}: {} {}", unit.to_si(1.0), unit.dimension()));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn temperatures_count_from_their_own_zero() {
+    let celsius = Unit::parse("°C").unwrap();
+    assert_eq!(celsius.quantity(), Some(Quantity::Temperature));
+    let fahrenheit = Unit::parse("degF").unwrap();
+    // 32 °F is 0 °C is 273.15 K; -40 is the same on both; a rounding of a sum near 500
+    let close = |a: f64, b: f64| (a - b).abs() < 2e-13;
+    assert!(close(celsius.to_si(0.0), 273.15));
+    assert!(close(fahrenheit.to_si(32.0), 273.15));
+    assert!(close(fahrenheit.to_si(-40.0), celsius.to_si(-40.0)));
+    assert!(close(fahrenheit.of_si(373.15), 212.0));
+}
+
+#[test]
+fn what_is_no_unit_is_refused_with_the_part_that_is_not_understood() {
+    let refusals = [
+        "",
+        "Volt/parsec",
+        "lb",
+        "dB",
+        "m/s^",
+        "m/s^x",
+        "m^2.5",
+        "m^22",
+        "(m/s",
+        "m/s)",
+        "m//s",
+        "m/N s",
+        "10 mV",
+        "1.5",
+        "mV/degC",
+        "degF^2",
+        "N,m",
+        "m s°C",
+        "((((((((((m))))))))))",
+        "(fs^9)^9",
+        "(m^9)^9 m^9 (m^9)^9",
+        "measured at the end of the rod with the small hammer and the white tip",
+    ]
+    .map(|text| Unit::parse(text).unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    `` is no known unit: `` ends where a symbol is missing
+    `Volt/parsec` is no known unit: `parsec` is not among the known symbols
+    `lb` is no known unit: `lb` is a mass to some and a force to others, expected lbm or lbf
+    `dB` is no known unit: `dB` is a logarithm, not a unit
+    `m/s^` is no known unit: `` stands where an exponent is expected
+    `m/s^x` is no known unit: `x` stands where an exponent is expected
+    `m^2.5` is no known unit: `.` makes an exponent that is not a whole number of one digit
+    `m^22` is no known unit: `2` makes an exponent that is not a whole number of one digit
+    `(m/s` is no known unit: `(` is not closed
+    `m/s)` is no known unit: `)` does not belong there
+    `m//s` is no known unit: `/` stands where a symbol is expected
+    `m/N s` is no known unit: `/` needs brackets around the product after it
+    `10 mV` is no known unit: `0` makes a factor other than 1, which no unit has
+    `1.5` is no known unit: `.` makes a factor other than 1, which no unit has
+    `mV/degC` is no known unit: `degC` counts from another zero and cannot be part of a compound
+    `degF^2` is no known unit: `degF` counts from another zero and cannot be part of a compound
+    `N,m` is no known unit: `,` does not belong there
+    `m s°C` is no known unit: `s°C` is not among the known symbols
+    `((((((((((m))))))))))` is no known unit: `(` is nested too deep
+    `(fs^9)^9` is no known unit: `(fs^9)^9` has a scale beyond the range of numbers
+    `(m^9)^9 m^9 (m^9)^9` is no known unit: `(...)` brings the exponents out of range
+    `measured at the end of the rod with the small hammer and the whi` is no known unit: `measured at the ` begins a text that is longer than any unit
+    ");
+}
+
+#[test]
+fn a_unit_knows_its_channel() {
+    let quantity = |text| Unit::parse(text).unwrap().quantity();
+    assert_eq!(quantity("g"), Some(Quantity::Acceleration));
+    assert_eq!(quantity("lbf"), Some(Quantity::Force));
+    assert_eq!(quantity("ue"), Some(Quantity::Strain));
+    assert_eq!(quantity("pC"), Some(Quantity::Charge));
+    assert_eq!(quantity("mV/g"), None);
+}
+
+/// A compound as text, with its value multiplied up beside it.
+fn compounds() -> impl Strategy<Value = (String, Dimension, f64)> {
+    let leaves: Vec<(&str, [i8; 5], f64)> = TABLE
+        .iter()
+        .copied()
+        .filter(|(text, ..)| text.chars().all(|c| c.is_alphabetic() || c == '\u{b5}'))
+        .filter(|(text, ..)| *text != "dimensionless")
+        .collect();
+    let leaf = proptest::sample::select(leaves)
+        .prop_map(|(text, exponents, si)| (text.to_owned(), dimension(exponents), si));
+    leaf.prop_recursive(3, 8, 2, |inner| {
+        let power = (inner.clone(), -2_i8..=3).prop_map(|((text, d, si), n)| {
+            (
+                format!("({text})^{n}"),
+                d.power(n).unwrap(),
+                si.powi(n.into()),
+            )
+        });
+        let pair = (inner.clone(), inner, 0..4).prop_map(|((a, da, sa), (b, db, sb), form)| {
+            let quotient = form > 1;
+            let text = match form {
+                0 => format!("({a}) ({b})"),
+                1 => format!("{a}*({b})").replace(&format!("{a}*"), &format!("({a})*")),
+                2 => format!("({a})/({b})"),
+                _ => format!("({a}) / ({b})"),
+            };
+            if quotient {
+                (text, da.quotient(db).unwrap(), sa / sb)
+            } else {
+                (text, da.product(db).unwrap(), sa * sb)
+            }
+        });
+        prop_oneof![power, pair]
+    })
+}
+
+proptest! {
+    #[test]
+    fn compounds_multiply_out((text, dimension, si) in compounds()) {
+        prop_assume!(text.chars().count() <= 64);
+        let unit = Unit::parse(&text).unwrap();
+        prop_assert_eq!(unit.dimension(), dimension);
+        // at most 64 roundings on either side
+        prop_assert!((unit.to_si(1.0) / si - 1.0).abs() < 128.0 * f64::EPSILON, "{} against {}", unit.to_si(1.0), si);
+    }
+
+    #[test]
+    fn what_is_printed_parses_to_the_same_unit((text, ..) in compounds()) {
+        prop_assume!(text.chars().count() <= 64);
+        let unit = Unit::parse(&text).unwrap();
+        prop_assert_eq!(Unit::parse(&unit.to_string()).unwrap(), unit);
+    }
+
+    #[test]
+    fn conversion_goes_back((text, ..) in compounds(), value in -1e6..1e6) {
+        prop_assume!(text.chars().count() <= 64);
+        let unit = Unit::parse(&text).unwrap();
+        let back = unit.of_si(unit.to_si(value));
+        // four roundings
+        prop_assert!((back - value).abs() <= 4.0 * f64::EPSILON * value.abs());
+    }
+
+    #[test]
+    fn no_text_panics(text in "\\PC{0,40}") {
+        let _ = Unit::parse(&text);
+    }
+
+    #[test]
+    fn no_text_of_the_grammar_panics(text in "[mNVsg()/*^.·² 0-9-]{0,40}") {
+        let _ = Unit::parse(&text);
+    }
+}
