@@ -88,9 +88,11 @@
 pub mod branch;
 mod error;
 pub mod estimate;
+pub mod multi_point;
 pub mod two_point;
 pub mod validity;
 
 pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};
+pub use multi_point::{GaugeSpectra, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
 pub use two_point::{Solver, Specimen, TwoPoint};
