@@ -2,8 +2,8 @@
 //!
 //! On a single line V(γ) has many minima. But a speed that is nearly constant over the first wavelengths explains many
 //! lines at once, and no other does: of a row of speeds the one is taken at which the misfit, averaged over lines with up
-//! to one wavelength between the outermost gauges, is least. The misfit enters by its logarithm, so that a few bad lines
-//! cannot decide.
+//! to one wavelength between the outermost gauges, is least. The misfit enters by its logarithm, and the worst third of the
+//! lines not at all, so that bad lines cannot decide. The best speeds are compared once more on more lines.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +22,11 @@ const GUESS_FACTOR: f64 = 1.5;
 const SPEED_RATIO: f64 = 1.055;
 /// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
-/// Lines that are compared at each speed.
+/// Lines that are compared at each speed, first at all and then at the best ones.
 const LINES: usize = 16;
+const MORE_LINES: usize = 64;
+/// Speeds that are compared on [`MORE_LINES`].
+const FINALISTS: usize = 16;
 /// What one speed and one damping for all lines cannot explain, by the root mean square of the gauges.
 const MODEL_ERROR: f64 = 0.02;
 /// Two speeds with mean log misfits closer than this are not told apart.
@@ -46,20 +49,27 @@ pub(super) fn wave_speed(
     let (slowest, fastest) = guess.map_or((SLOWEST, FASTEST), |speed| {
         (speed / GUESS_FACTOR, speed * GUESS_FACTOR)
     });
-    let mut line = WhiteLine::for_spectra(spectra, projection.n_gauges());
+    let mut search = Search {
+        line: WhiteLine::for_spectra(spectra, projection.n_gauges()),
+        projection,
+        spectra,
+        usable,
+        aperture,
+        misfits: Vec::with_capacity(MORE_LINES),
+    };
     let mut speed = slowest;
     let mut scores: Vec<(f64, f64, Complex64)> = Vec::new();
     while speed <= fastest {
-        let mut best = (f64::INFINITY, Complex64::ZERO);
         for damping in DAMPING {
             let slowness = Complex64::new(damping, 1.0) / speed;
-            let score = score(projection, spectra, usable, aperture, slowness, &mut line);
-            if score < best.0 {
-                best = (score, slowness);
-            }
+            scores.push((search.score(slowness, LINES), speed, slowness));
         }
-        scores.push((best.0, speed, best.1));
         speed *= SPEED_RATIO;
+    }
+    scores.sort_by(|a, b| a.0.total_cmp(&b.0));
+    scores.truncate(FINALISTS);
+    for (score, _, slowness) in &mut scores {
+        *score = search.score(*slowness, MORE_LINES);
     }
     let chosen = scores.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?;
     let rival = scores
@@ -78,39 +88,52 @@ pub(super) fn wave_speed(
     })
 }
 
-/// Mean log of the misfit, by noise and [`MODEL_ERROR`], at one slowness.
-fn score(
-    projection: &mut Projection,
-    spectra: &GaugeSpectra<'_>,
-    usable: &[usize],
+/// What a speed is judged by.
+struct Search<'a> {
+    projection: &'a mut Projection,
+    spectra: &'a GaugeSpectra<'a>,
+    usable: &'a [usize],
     aperture: f64,
-    slowness: Complex64,
-    line: &mut WhiteLine,
-) -> f64 {
-    let highest = 1.0 / (slowness.im * aperture);
-    let frequency = |index: &usize| spectra.frequency_hz.get(*index).copied().unwrap_or(0.0);
-    let below = usable.partition_point(|index| frequency(index) <= highest);
-    let within = usable
-        .get(..below.max(LINES / 2).min(usable.len()))
-        .unwrap_or_default();
-    let stride = within.len().div_ceil(LINES).max(1);
-    let (mut sum, mut count) = (0.0, 0.0);
-    for index in within.iter().rev().step_by(stride) {
-        if line.load(spectra, *index).is_err() {
-            continue;
+    line: WhiteLine,
+    misfits: Vec<f64>,
+}
+
+impl Search<'_> {
+    /// Mean log of the misfit, by noise and [`MODEL_ERROR`], at one slowness, of the better two thirds of at most `count`
+    /// lines.
+    fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
+        let frequencies = self.spectra.frequency_hz;
+        let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);
+        let highest = 1.0 / (slowness.im * self.aperture);
+        let below = self
+            .usable
+            .partition_point(|index| frequency(index) <= highest);
+        let within = self
+            .usable
+            .get(..below.max(LINES / 2).min(self.usable.len()))
+            .unwrap_or_default();
+        let stride = within.len().div_ceil(count).max(1);
+        self.misfits.clear();
+        for index in within.iter().rev().step_by(stride) {
+            if self.line.load(self.spectra, *index).is_err() {
+                continue;
+            }
+            let gamma = slowness * (TAU * frequency(index));
+            let Some(misfit) = self.projection.misfit(gamma, &self.line) else {
+                return f64::INFINITY;
+            };
+            let line = &self.line;
+            let freedom = (line.n_tests() * (line.weights.len() - 2)) as f64;
+            let expected = line.variance + MODEL_ERROR * MODEL_ERROR * line.mean_power();
+            self.misfits.push((misfit / freedom / expected).ln_1p());
         }
-        let gamma = slowness * (TAU * frequency(index));
-        let Some(misfit) = projection.misfit(gamma, line) else {
-            return f64::INFINITY;
-        };
-        let freedom = (line.n_tests() * (line.weights.len() - 2)) as f64;
-        let expected = line.variance + MODEL_ERROR * MODEL_ERROR * line.mean_power();
-        sum += (misfit / freedom / expected).ln_1p();
-        count += 1.0;
-    }
-    if count > 0.0 {
-        sum / count
-    } else {
-        f64::INFINITY
+        self.misfits.sort_by(f64::total_cmp);
+        let kept = (2 * self.misfits.len()).div_ceil(3);
+        let better = self.misfits.get(..kept).unwrap_or_default();
+        if better.is_empty() {
+            f64::INFINITY
+        } else {
+            better.iter().sum::<f64>() / kept as f64
+        }
     }
 }
