@@ -213,23 +213,25 @@ impl MultiPoint {
             .minimise(expectation.gamma(omega), white)
             .ok_or(Refusal::Undetermined)?;
         // γ and -γ are the same pair of waves.
-        let gamma = if minimum.gamma.im < 0.0 {
-            -minimum.gamma
+        let (gamma, evaluated_at) = if minimum.gamma.im < 0.0 {
+            (-minimum.gamma, None)
         } else {
-            minimum.gamma
+            (minimum.gamma, minimum.evaluated_at)
         };
         let doubt = expectation.doubt(omega, gamma);
-        if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
-            expectation.update(omega, gamma, minimum.information);
-        }
         let details = projection
-            .details(gamma, white, amplitudes)
+            .details(gamma, evaluated_at, white, amplitudes)
             .ok_or(Refusal::Undetermined)?;
-
-        let variance = white.variance / details.objective.information;
         let degrees_of_freedom = 2 * (white.n_tests() * (white.weights.len() - 2) - 1);
         let chi_square = (white.variance > 0.0 && degrees_of_freedom > 0)
             .then_some(2.0 * details.objective.misfit);
+        if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
+            // A line that two waves do not explain must not lead the next ones.
+            let excess = chi_square.map_or(1.0, |chi| (chi / degrees_of_freedom as f64).max(1.0));
+            expectation.update(omega, gamma, details.objective.information / excess);
+        }
+
+        let variance = white.variance / details.objective.information;
         let mut violations = Vec::new();
         violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
         if let Some(chi_square) = chi_square {

@@ -54,7 +54,8 @@ pub(super) struct Details {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Minimum {
     pub(super) gamma: Complex64,
-    pub(super) information: f64,
+    /// The objective at γ, or a negligible step from it; `None` if something else was evaluated after it.
+    pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
 }
 
@@ -66,7 +67,11 @@ pub(super) struct Projection {
     aperture: f64,
     forward: Vec<Complex64>,
     backward: Vec<Complex64>,
+    /// A'.
+    slope_columns: [Vec<Complex64>; 2],
     basis: [Vec<Complex64>; 2],
+    /// A'c of one test.
+    slope: Vec<Complex64>,
     /// A = [q₁, q₂] R, R upper triangular: r₁₁, r₁₂, r₂₂.
     r: (f64, Complex64, f64),
 }
@@ -82,7 +87,9 @@ impl Projection {
             aperture: last - first,
             forward: column(),
             backward: column(),
+            slope_columns: [column(), column()],
             basis: [column(), column()],
+            slope: column(),
             r: (1.0, Complex64::ZERO, 1.0),
         }
     }
@@ -113,6 +120,7 @@ impl Projection {
         }
         let r11 = forward_power.sqrt();
         let r12 = shared / r11;
+        let scale = r11.recip();
         let [q1, q2] = &mut self.basis;
         let mut rest = 0.0;
         for ((f, b), (q1, q2)) in self
@@ -121,17 +129,29 @@ impl Projection {
             .zip(&self.backward)
             .zip(q1.iter_mut().zip(q2.iter_mut()))
         {
-            *q1 = f / r11;
+            *q1 = f * scale;
             *q2 = b - r12 * *q1;
             rest += q2.norm_sqr();
         }
         let distinguishable = rest.is_finite() && rest > 1e-26 * backward_power;
         let r22 = rest.sqrt();
+        let scale = r22.recip();
         for q2 in q2.iter_mut() {
-            *q2 /= r22;
+            *q2 *= scale;
         }
         self.r = (r11, r12, r22);
         distinguishable.then_some(())
+    }
+
+    /// A', with the columns where they are.
+    fn set_slopes(&mut self) {
+        let [first, second] = &mut self.slope_columns;
+        for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
+            *s = f * -x;
+        }
+        for ((s, b), x) in second.iter_mut().zip(&self.backward).zip(&self.to_last) {
+            *s = b * -x;
+        }
     }
 
     /// Coefficients of one vector in the basis.
@@ -152,10 +172,13 @@ impl Projection {
         [(y[0] - r12 * backward) / r11, backward]
     }
 
-    /// A'c of one gauge.
-    fn slope(&self, gauge: usize, c: [Complex64; 2]) -> Complex64 {
-        -(self.from_first[gauge] * (self.forward[gauge] * c[0])
-            + self.to_last[gauge] * (self.backward[gauge] * c[1]))
+    /// A'c into `slope`; its coefficients.
+    fn set_slope(&mut self, c: [Complex64; 2]) -> [Complex64; 2] {
+        let [first, second] = &self.slope_columns;
+        for (s, (f, b)) in self.slope.iter_mut().zip(first.iter().zip(second)) {
+            *s = f * c[0] + b * c[1];
+        }
+        self.coefficients(self.slope.iter().copied())
     }
 
     /// V alone.
@@ -175,20 +198,20 @@ impl Projection {
     /// V, its information and its gradient at γ.
     pub(super) fn evaluate(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Objective> {
         self.set(gamma, &line.weights)?;
-        let n = self.n_gauges();
-        let [q1, q2] = &self.basis;
+        self.set_slopes();
         let mut objective = Objective {
             misfit: 0.0,
             information: 0.0,
             gradient: Complex64::ZERO,
         };
-        for values in line.values.chunks_exact(n) {
+        for values in line.values.chunks_exact(self.n_gauges()) {
             let y = self.coefficients(values.iter().copied());
-            let c = self.amplitudes(y);
-            let w = self.coefficients((0..n).map(|gauge| self.slope(gauge, c)));
-            for (gauge, value) in values.iter().enumerate() {
-                let residual = value - y[0] * q1[gauge] - y[1] * q2[gauge];
-                let d = self.slope(gauge, c) - w[0] * q1[gauge] - w[1] * q2[gauge];
+            let w = self.set_slope(self.amplitudes(y));
+            let [q1, q2] = &self.basis;
+            for ((value, slope), (q1, q2)) in values.iter().zip(&self.slope).zip(q1.iter().zip(q2))
+            {
+                let residual = value - y[0] * q1 - y[1] * q2;
+                let d = slope - w[0] * q1 - w[1] * q2;
                 objective.misfit += residual.norm_sqr();
                 objective.information += d.norm_sqr();
                 objective.gradient += d.conj() * residual;
@@ -199,7 +222,7 @@ impl Projection {
 
     /// Gauss-Newton with step halving from `start`; `None` where γ cannot be determined.
     ///
-    /// It ends where the step is a ten-thousandth of the standard error that the residuals show, or is rounding.
+    /// It ends where the step is a thousandth of the standard error that the residuals show, or is rounding; that step is taken.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -211,7 +234,7 @@ impl Projection {
             let mut step = now.gradient / now.information;
             let moved = step.norm() * now.information.sqrt();
             let negligible = step.norm() <= 1e-12 * gamma.norm()
-                || moved <= 1e-4 * now.misfit.sqrt()
+                || moved <= 1e-3 * now.misfit.sqrt()
                 || moved <= rounding;
             let termination = Termination::Converged {
                 iterations,
@@ -220,7 +243,7 @@ impl Projection {
             if negligible {
                 return Some(Minimum {
                     gamma: gamma + step,
-                    information: now.information,
+                    evaluated_at: Some(now),
                     termination,
                 });
             }
@@ -248,31 +271,40 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
-    /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`.
+    /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the
+    /// last evaluation was there, or nearer than matters.
     pub(super) fn details(
         &mut self,
         gamma: Complex64,
+        at: Option<Objective>,
         line: &WhiteLine,
         waves: &mut Vec<TestWaves>,
     ) -> Option<Details> {
-        let objective = self.evaluate(gamma, line)?;
-        let n = self.n_gauges();
-        let [q1, q2] = &self.basis;
+        let objective = match at {
+            Some(objective) => objective,
+            None => self.evaluate(gamma, line)?,
+        };
         let mut bend = 0.0;
-        for values in line.values.chunks_exact(n) {
+        for values in line.values.chunks_exact(self.n_gauges()) {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
-            let w = self.coefficients((0..n).map(|gauge| self.slope(gauge, c)));
+            let w = self.set_slope(c);
             let drift = self.amplitudes(w);
             // P(A''c/2 - A'A⁺A'c): by so much the residual leaves its tangent d at a distance 1 of γ
-            let second = |gauge: usize| {
-                let x = self.from_first[gauge];
-                let y = self.to_last[gauge];
-                0.5 * (x * x * self.forward[gauge] * c[0] + y * y * self.backward[gauge] * c[1])
-                    - self.slope(gauge, drift)
-            };
-            let z = self.coefficients((0..n).map(second));
-            for gauge in 0..n {
-                bend += (second(gauge) - z[0] * q1[gauge] - z[1] * q2[gauge]).norm_sqr();
+            let [first, second] = &self.slope_columns;
+            let columns = first.iter().zip(second);
+            for (((s, (f, b)), x), y) in self
+                .slope
+                .iter_mut()
+                .zip(columns)
+                .zip(&self.from_first)
+                .zip(&self.to_last)
+            {
+                *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
+            }
+            let z = self.coefficients(self.slope.iter().copied());
+            let [q1, q2] = &self.basis;
+            for (s, (q1, q2)) in self.slope.iter().zip(q1.iter().zip(q2)) {
+                bend += (s - z[0] * q1 - z[1] * q2).norm_sqr();
             }
             waves.push(TestWaves {
                 amplitudes: c,
@@ -294,7 +326,7 @@ impl Projection {
 fn lost(gamma: Complex64, now: &Objective, iterations: u32) -> Minimum {
     Minimum {
         gamma,
-        information: now.information,
+        evaluated_at: None,
         termination: Termination::LostPatience {
             iterations,
             residual: now.misfit.sqrt(),
@@ -368,7 +400,9 @@ mod tests {
             weights: vec![1.0; 3],
             variance: 1.0,
         };
-        let details = projection.details(gamma, &line, &mut Vec::new()).unwrap();
+        let details = projection
+            .details(gamma, None, &line, &mut Vec::new())
+            .unwrap();
         // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The turning of P adds to q
         // what is of order the aperture: near ka = π the first dominates.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();

@@ -12,52 +12,62 @@ const THREE_EQUAL: [f64; 3] = [-0.1, 0.0, 0.1];
 const THREE_UNEQUAL: [f64; 3] = [-0.1, -0.03, 0.1];
 const FIVE_EQUAL: [f64; 5] = [-0.1, -0.05, 0.0, 0.05, 0.1];
 
-#[test]
-fn explore() {
-    let f = lines(500.0, 10.0, 1951);
+/// Median of the relative deviation over 0.5-20 kHz, part of the lines below 1 %, and the deviation at ka = 0.987 π.
+fn summary(positions: &[f64]) -> (f64, f64, f64) {
     let medium = polypropylene();
-    let fs = singular_frequencies(&medium, &THREE_EQUAL, 1e-6, 20e3).unwrap()[0];
-    for (at, refl, r) in [
-        (0.0, 0.0, 0.0),
-        (-0.1, 0.0, 0.0),
-        (0.0, 0.0, 1.0),
-        (0.0, 0.0, -1.0),
-        (0.0, 0.0, 0.5),
-        (0.0, 0.0, -0.5),
-        (0.0, 0.4, -1.0),
-        (0.0, 0.5, -1.0),
-        (-0.1, 0.4, -1.0),
-        (0.0, 0.2, -1.0),
-        (0.0, 0.1, -1.0),
-        (0.0, 0.7, -1.0),
-        (0.0, 0.4, -0.5),
-        (-0.1, 0.1, -0.5),
-    ] {
-        let waves = ExpectedWaves {
-            incident_at: at,
-            reflector_at: refl,
-            reflection: Complex64::from(r),
-        };
-        let mut text = format!("{at} {refl} {r}:");
-        for p in [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL] {
-            let q = predict(&medium, p, waves, 0.01, &f).unwrap();
-            let mut d: Vec<f64> = q.iter().map(|q| q.relative_deviation).collect();
-            let below = d.iter().filter(|d| **d < 0.01).count() as f64 / d.len() as f64;
-            d.sort_by(f64::total_cmp);
-            let near = predict(&medium, p, waves, 0.01, &[0.987 * fs]).unwrap()[0];
-            text += &format!(
-                "  {:.2e} {:.0}% {:.1e}",
-                d[d.len() / 2],
-                100.0 * below,
-                near.relative_deviation
-            );
-        }
-        println!("{text}");
-    }
+    let waves = ExpectedWaves {
+        incident_at: -0.1,
+        reflector_at: 0.4,
+        reflection: Complex64::from(0.5),
+    };
+    let predicted = |frequency_hz: &[f64]| -> Vec<f64> {
+        predict(&medium, positions, waves, 0.01, frequency_hz)
+            .unwrap()
+            .iter()
+            .map(|prediction| prediction.relative_deviation)
+            .collect()
+    };
+    let mut deviations = predicted(&lines(500.0, 10.0, 1951));
+    deviations.sort_by(f64::total_cmp);
+    let below = deviations.partition_point(|deviation| *deviation < 0.01);
+    let singular = singular_frequencies(&medium, &THREE_EQUAL, 1e-6, 20e3).unwrap()[0];
+    (
+        deviations[deviations.len() / 2],
+        below as f64 / deviations.len() as f64,
+        predicted(&[0.987 * singular])[0],
+    )
 }
 
-/// One wave only. With u = e^{-γa} and q = (1/u, 1, u), |P_perp A'c|² of three equal distances is a²|sinh γa|²/(½ + |Ψ|²)
-/// times ½ |q₀|² · 2: methods in closed form (paper B with the errors of Ψ).
+/// An independent computation for polypropylene, 0.2 m, 1 % of the incident wave, 0.5-20 kHz. Its material and its reflected
+/// wave are not stated, so not its digits are asked for but, with waves of our own, its size: medians within 25 %, bands
+/// within 4 points, the line next to the singular one within 50 %.
+#[test]
+fn what_unequal_distances_and_more_gauges_gain() {
+    let near = |found: f64, expected: f64, tolerance: f64| {
+        assert!(
+            (found / expected - 1.0).abs() < tolerance,
+            "{found} for {expected}"
+        );
+    };
+    for (positions, median, below, singular) in [
+        (&THREE_EQUAL[..], 6.3e-3, 0.68, 2.8e-2),
+        (&THREE_UNEQUAL, 5.0e-3, 0.83, 2.8e-3),
+        (&FIVE_EQUAL, 2.6e-3, 0.85, f64::NAN),
+    ] {
+        let found = summary(positions);
+        near(found.0, median, 0.25);
+        assert!((found.1 - below).abs() < 0.04, "{} for {below}", found.1);
+        if singular.is_finite() {
+            near(found.2, singular, 0.5);
+        }
+    }
+    // five on a grid of half the spacing are not singular there, nor five at unequal distances
+    let five_unequal = summary(&[-0.1, -0.072, -0.01, 0.059, 0.1]);
+    assert!(five_unequal.0 < summary(&FIVE_EQUAL).0 * 1.05);
+    assert!(five_unequal.2 < 0.1 * summary(&THREE_EQUAL).2);
+}
+
+/// E|δγ|² = σ² (½ + |Ψ|²)/(a²|q₀|²|sinh γa|²), from the errors of Ψ = (q₁ + q₂)/(2q₀).
 #[test]
 fn the_prediction_for_three_equal_distances_is_the_closed_form() {
     let medium = polypropylene();

@@ -169,20 +169,41 @@ fn singular_lines_are_marked_and_can_be_avoided() {
     assert_eq!(squares, 0);
 }
 
-/// Nothing but noise has no wave speed, and says so.
+/// Nothing but noise: a line in fifty may look like waves by chance, not more.
 #[test]
-fn noise_alone_gives_no_valid_line_without_a_doubt() {
+fn noise_alone_gives_no_modulus() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
     let frequency_hz = lines(100.0, 50.0, 100);
     let nothing = vec![vec![Complex64::ZERO; 100]; 5];
     let noise = flat(&[1.0; 5], 100);
     let method = MultiPoint::new(rod(&positions)).unwrap();
-    for seed in 0..10 {
+    let of_seed = |seed| {
         let spectra = noisy(&nothing, &noise, seed);
-        let result = method
-            .estimate(&clean(&frequency_hz, &[&spectra], &noise))
-            .unwrap();
-        let valid = result.modulus().valid().count();
-        assert!(valid <= 1, "seed {seed}: {valid} valid lines");
-    }
+        let result = method.estimate(&clean(&frequency_hz, &[&spectra], &noise));
+        result.unwrap().modulus().valid().count()
+    };
+    let valid: usize = (0..20).map(of_seed).sum();
+    assert!(valid <= 40, "{valid} valid lines of 2000");
+}
+
+/// Two waves do not explain a gauge with the wrong sign: the misfit says so on every line.
+#[test]
+fn a_gauge_with_the_wrong_sign_is_noticed() {
+    let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
+    let frequency_hz = lines(1000.0, 50.0, 100);
+    let mut spectra = strains(Structure::II, &positions, &frequency_hz);
+    let noise = flat(&[1e-3 * size(&spectra); 5], 100);
+    spectra[3].iter_mut().for_each(|value| *value = -*value);
+    let result = MultiPoint::new(rod(&positions))
+        .unwrap()
+        .estimate(&clean(&frequency_hz, &[&spectra], &noise))
+        .unwrap();
+    let misfits = result.modulus().lines().iter().filter(|line| {
+        let violations = line.validity.violations();
+        violations
+            .iter()
+            .any(|violation| matches!(violation, Violation::Misfit { .. }))
+    });
+    assert!(misfits.count() >= 95);
+    assert!(result.modulus().valid().count() <= 5);
 }
