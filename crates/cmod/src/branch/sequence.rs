@@ -54,6 +54,16 @@ pub enum BranchDoubt {
         /// The other one [m/s].
         other: f64,
     },
+    /// There are too few lines to tell one wave speed from another, and there was no guess.
+    #[error(
+        "{found} lines are too few to find the wave speed, expected {expected} or a guess of it"
+    )]
+    FewLines {
+        /// Number of lines.
+        found: usize,
+        /// What is needed.
+        expected: usize,
+    },
     /// Over a quarter wave, here or before, most of the information is in lines of negative damping: the count has turned
     /// back at a multiple of π, or Ψ is the complex conjugate, or the damping is lost in noise.
     #[error(
@@ -89,6 +99,7 @@ impl BranchDoubt {
                 | Self::Leap { .. }
                 | Self::Gap { .. }
                 | Self::SeveralSpeeds { .. }
+                | Self::FewLines { .. }
                 | Self::Turned { .. }
         )
     }

@@ -222,7 +222,8 @@ impl Projection {
 
     /// Gauss-Newton with step halving from `start`; `None` where γ cannot be determined.
     ///
-    /// It ends where the step is a thousandth of the standard error that the residuals show, or is rounding; that step is taken.
+    /// It ends where the step is a hundredth of the standard error that the residuals show, or is rounding. That step is
+    /// still taken, and leaves of itself what the relative noise is.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -234,7 +235,7 @@ impl Projection {
             let mut step = now.gradient / now.information;
             let moved = step.norm() * now.information.sqrt();
             let negligible = step.norm() <= 1e-12 * gamma.norm()
-                || moved <= 1e-3 * now.misfit.sqrt()
+                || moved <= 1e-2 * now.misfit.sqrt()
                 || moved <= rounding;
             let termination = Termination::Converged {
                 iterations,

@@ -25,10 +25,14 @@ const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Lines that are compared at each speed, first at all and then at the best ones.
 const LINES: usize = 16;
 const MORE_LINES: usize = 64;
-/// Speeds that are compared on [`MORE_LINES`].
-const FINALISTS: usize = 16;
+/// Minima over the speed that are compared on [`MORE_LINES`].
+const FINALISTS: usize = 8;
+/// Without a guess, fewer lines than this do not tell one speed from another.
+const FEWEST_LINES: usize = 8;
 /// What one speed and one damping for all lines cannot explain, by the root mean square of the gauges.
 const MODEL_ERROR: f64 = 0.02;
+/// Logarithm of the ratio from which on two speeds are two.
+const DISTINCT: f64 = 0.3;
 /// Two speeds with mean log misfits closer than this are not told apart.
 const TOO_CLOSE: f64 = 0.1;
 
@@ -58,14 +62,20 @@ pub(super) fn wave_speed(
         misfits: Vec::with_capacity(MORE_LINES),
     };
     let mut speed = slowest;
-    let mut scores: Vec<(f64, f64, Complex64)> = Vec::new();
+    let mut tried = Vec::new();
     while speed <= fastest {
+        let mut best = (f64::INFINITY, speed, Complex64::ZERO);
         for damping in DAMPING {
             let slowness = Complex64::new(damping, 1.0) / speed;
-            scores.push((search.score(slowness, LINES), speed, slowness));
+            let score = search.score(slowness, LINES);
+            if score < best.0 {
+                best = (score, speed, slowness);
+            }
         }
+        tried.push(best);
         speed *= SPEED_RATIO;
     }
+    let mut scores = minima(&tried);
     scores.sort_by(|a, b| a.0.total_cmp(&b.0));
     scores.truncate(FINALISTS);
     for (score, _, slowness) in &mut scores {
@@ -74,18 +84,39 @@ pub(super) fn wave_speed(
     let chosen = scores.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?;
     let rival = scores
         .iter()
-        .filter(|(_, speed, _)| (speed / chosen.1).ln().abs() > 0.3)
+        .filter(|(_, speed, _)| (speed / chosen.1).ln().abs() > DISTINCT)
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let doubt = rival
-        .filter(|(score, _, _)| *score < chosen.0 + TOO_CLOSE)
-        .map(|(_, other, _)| BranchDoubt::SeveralSpeeds {
-            chosen: chosen.1,
-            other: *other,
-        });
+    let doubt = if guess.is_none() && usable.len() < FEWEST_LINES {
+        Some(BranchDoubt::FewLines {
+            found: usable.len(),
+            expected: FEWEST_LINES,
+        })
+    } else {
+        rival
+            .filter(|(score, _, _)| *score < chosen.0 + TOO_CLOSE)
+            .map(|(_, other, _)| BranchDoubt::SeveralSpeeds {
+                chosen: chosen.1,
+                other: *other,
+            })
+    };
     chosen.0.is_finite().then_some(Start {
         slowness: chosen.2,
         doubt,
     })
+}
+
+/// Score, speed [m/s] and slowness [s/m].
+type Tried = (f64, f64, Complex64);
+
+/// The finite minima of the score over a row of speeds.
+fn minima(tried: &[Tried]) -> Vec<Tried> {
+    let score = |index: Option<usize>| index.and_then(|i| tried.get(i)).map(|t| t.0);
+    let is_minimum = |(index, this): &(usize, &Tried)| {
+        let lower = |other: Option<f64>| other.is_none_or(|other| this.0 <= other);
+        this.0.is_finite() && lower(score(index.checked_sub(1))) && lower(score(Some(index + 1)))
+    };
+    let found = tried.iter().enumerate().filter(is_minimum);
+    found.map(|(_, this)| *this).collect()
 }
 
 /// What a speed is judged by.
@@ -135,5 +166,61 @@ impl Search<'_> {
         } else {
             better.iter().sum::<f64>() / kept as f64
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSITIONS: [f64; 3] = [0.0, 0.08, 0.2];
+    const SPEED: f64 = 1234.0;
+
+    fn start_of(first_hz: f64, n_lines: u32) -> Start {
+        let frequency_hz: Vec<f64> = (0..n_lines)
+            .map(|j| first_hz + 20.0 * f64::from(j))
+            .collect();
+        let spectrum = |x: &f64| {
+            let value = |f: &f64| {
+                let gamma = Complex64::new(0.03, 1.0) * (TAU * f / SPEED);
+                (-gamma * x).exp() - 0.6 * (gamma * (x - 0.5)).exp()
+            };
+            frequency_hz.iter().map(value).collect()
+        };
+        let test: Vec<Vec<Complex64>> = POSITIONS.iter().map(spectrum).collect();
+        let usable: Vec<usize> = (0..frequency_hz.len()).collect();
+        wave_speed(
+            &mut Projection::new(&POSITIONS),
+            &GaugeSpectra {
+                frequency_hz: &frequency_hz,
+                tests: &[&test],
+                noise: &vec![vec![1e-3; frequency_hz.len()]; 3],
+            },
+            &usable,
+            0.2,
+            None,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn the_speed_is_found_wherever_the_lines_begin() {
+        // the phase over 0.2 m is 0.02 and 4 on the first line
+        for first_hz in [20.0, 500.0, 1000.0, 4000.0] {
+            let start = start_of(first_hz, 300);
+            assert!(start.doubt.is_none(), "{first_hz} Hz: {:?}", start.doubt);
+            let speed = start.slowness.im.recip();
+            assert!((speed / SPEED - 1.0).abs() < 0.06, "{first_hz} Hz: {speed}");
+        }
+    }
+
+    #[test]
+    fn few_lines_are_not_trusted() {
+        let doubt = start_of(1000.0, 5).doubt.unwrap();
+        assert!(doubt.is_ambiguous());
+        assert_eq!(
+            doubt.to_string(),
+            "5 lines are too few to find the wave speed, expected 8 or a guess of it"
+        );
     }
 }

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
+use rodwave::waves::TravellingWaves;
 
 use crate::frame::{
     STRUCTURES, Structure, clean, flat, lines, noisy, polypropylene, rod, size, strains,
@@ -128,6 +129,7 @@ fn ten_tests_together_state_their_errors() {
     let method = MultiPoint::new(rod(&positions)).unwrap();
     let mut coverage = Coverage::default();
     let mut waves = Coverage::default();
+    let mut single = Coverage::default();
     for seed in 0..SEEDS / 2 {
         let tests: Vec<_> = (0..10)
             .map(|test| noisy(&spectra, &noise, 1000 * seed + test))
@@ -143,29 +145,32 @@ fn ten_tests_together_state_their_errors() {
             coverage.add_line(line);
             // the strain at a section beyond the gauges, from the waves of one test
             let found = result.waves(index, 3, 0.6, Quantity::Strain).unwrap();
-            let exact = truth_at(0.6, &spectra, &positions, line);
+            let exact = truth(&spectra, &positions, line).at(0.6);
             let error = found.sum() - exact;
             waves.add(error.re, (0.5 * found.sum_variance()).sqrt());
             waves.add(error.im, (0.5 * found.sum_variance()).sqrt());
+            // each wave as a velocity: v = iω u, ε = -γu for P and γu for N
+            let found = result.waves(index, 3, 0.1, Quantity::Velocity).unwrap();
+            let exact = truth(&spectra, &positions, line);
+            let gamma = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
+            let velocity = Complex64::new(0.0, TAU * line.frequency_hz) / gamma;
+            let forward = found.forward + velocity * exact.forward_at(0.1);
+            let backward = found.backward - velocity * exact.backward_at(0.1);
+            single.add(forward.re, (0.5 * found.forward_variance).sqrt());
+            single.add(backward.im, (0.5 * found.backward_variance).sqrt());
         }
     }
     coverage.check("modulus");
-    waves.check("waves");
+    waves.check("sum of the waves");
+    single.check("single waves");
 }
 
-/// The strain at a section, from the strains of two gauges without noise and the exact γ.
-fn truth_at(
-    section: f64,
-    spectra: &[Vec<Complex64>],
-    positions: &[f64],
-    line: &ModulusLine,
-) -> Complex64 {
+/// The waves of the strain, from the gauges without noise and the exact γ.
+fn truth(spectra: &[Vec<Complex64>], positions: &[f64], line: &ModulusLine) -> TravellingWaves {
     let gamma = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
     let values: Vec<Complex64> = spectra.iter().map(|s| s[line.index]).collect();
-    rodwave::waves::TravellingWaves::from_sections(gamma, positions, &values)
-        .unwrap()
-        .waves
-        .at(section)
+    let found = TravellingWaves::from_sections(gamma, positions, &values);
+    found.unwrap().waves
 }
 
 /// The estimates of structures I, II and free differ by no more than their errors say: paper B, figure 4.

@@ -6,6 +6,7 @@ use cmod::multi_point::Quantity;
 use cmod::validity::Violation;
 use cmod::{ModulusEstimate, ModulusLine, MultiPoint, ThreePoint};
 use num_complex::Complex64;
+use proptest::prelude::*;
 use rodwave::waves::TravellingWaves;
 
 use crate::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
@@ -176,4 +177,61 @@ fn the_waves_are_those_of_the_rod() {
     }
     assert!(result.waves(0, 1, 0.4, Quantity::Strain).is_none());
     assert!(result.waves(100, 0, 0.4, Quantity::Strain).is_none());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra.
+    #[test]
+    fn any_gauges_find_the_material(
+        first in 0.05..0.2_f64,
+        distances in prop::collection::vec(0.03..0.14_f64, 2..5),
+        weights in prop::collection::vec(0.1..10.0_f64, 5),
+        scale in -9..9_i32,
+        structure in 0..3_usize,
+    ) {
+        let mut positions = vec![first];
+        let mut position = first;
+        for distance in distances {
+            position += distance;
+            positions.push(position);
+        }
+        let frequency_hz = lines(100.0, 50.0, 120);
+        let mut spectra = strains(STRUCTURES[structure], &positions, &frequency_hz);
+        let scale = 10.0_f64.powi(scale);
+        spectra.iter_mut().flatten().for_each(|value| *value *= scale);
+        let weights: Vec<f64> = weights.iter().take(positions.len()).map(|w| 1e-9 * scale * w).collect();
+        let tests: [&[Vec<Complex64>]; 1] = [&spectra];
+        let result = MultiPoint::new(rod(&positions)).unwrap()
+            .estimate(&clean(&frequency_hz, &tests, &flat(&weights, 120)))
+            .unwrap();
+        prop_assert_eq!(result.modulus().lines().len(), 120);
+        for line in result.modulus().lines() {
+            // 1e-12 of the generator by what the gauges make of a relative error: dE/E is twice dγ/γ
+            let tolerance = 1e-11 * (1.0 + line.error_amplification);
+            prop_assert!(error(line) < tolerance, "{} Hz: {:e}", line.frequency_hz, error(line));
+        }
+    }
+}
+
+/// One line alone has many wave numbers, and says so; a guess of the speed decides.
+#[test]
+fn one_line_needs_a_guess() {
+    let frequency_hz = [6000.0];
+    let positions = [0.3, 0.4, 0.5];
+    let spectra = strains(crate::frame::Structure::I, &positions, &frequency_hz);
+    let tests: [&[Vec<Complex64>]; 1] = [&spectra];
+    let noise = flat(&[0.0; 3], 1);
+    let input = clean(&frequency_hz, &tests, &noise);
+    let method = MultiPoint::new(rod(&positions)).unwrap();
+    let alone = method.estimate(&input).unwrap();
+    assert!(matches!(
+        alone.modulus().lines()[0].validity.violations(),
+        [.., Violation::BranchAmbiguous(_)]
+    ));
+    let guessed = method.with_wave_speed(1600.0).unwrap();
+    let guessed = guessed.estimate(&input).unwrap();
+    check_exact("guessed", guessed.modulus(), 1);
+    assert_eq!(guessed.modulus().valid().count(), 1);
 }
