@@ -354,3 +354,26 @@ pub struct LineFit {
     pub second_order: f64,
     waves: LineOfWaves,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantiles of 99.9 % from tables of the chi-square distribution.
+    #[test]
+    fn one_line_in_a_thousand_exceeds_the_limit() {
+        for (degrees_of_freedom, quantile) in [
+            (2, 13.816),
+            (4, 18.467),
+            (10, 29.588),
+            (40, 73.402),
+            (100, 149.449),
+        ] {
+            let limit = chi_square_limit(degrees_of_freedom);
+            assert!(
+                (limit / quantile - 1.0).abs() < 0.01,
+                "{limit} for {quantile}"
+            );
+        }
+    }
+}

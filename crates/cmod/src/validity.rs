@@ -243,4 +243,31 @@ mod tests {
         assert!(!verdict.is_valid() && verdict.violations().len() == 2);
         assert_eq!(Validity::from_violations(Vec::new()).to_string(), "valid");
     }
+
+    #[test]
+    fn violations_of_gauges_name_their_numbers() {
+        let violations = vec![
+            Violation::NearSingular {
+                second_order: 0.251,
+                limit: 0.1,
+                half_waves: 0.987,
+            },
+            Violation::NodeAtMiddleGauge {
+                noise_to_signal: 0.3,
+                limit: 0.1,
+            },
+            Violation::Misfit {
+                chi_square: 31.4,
+                degrees_of_freedom: 4,
+                limit: 18.5,
+            },
+        ];
+        assert_eq!(
+            Validity::from_violations(violations).to_string(),
+            "second-order error is 0.25 of the standard error, expected at most 0.1; \
+             0.99 half waves between neighbouring gauges; \
+             noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
+             misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"
+        );
+    }
 }
