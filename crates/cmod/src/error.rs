@@ -68,6 +68,64 @@ pub enum CmodError {
         /// The value found.
         variance: f64,
     },
+    /// A load history without segments.
+    #[error("no load segment")]
+    NoLoad,
+    /// The response to a load took too many or too small steps.
+    #[error(
+        "response to load segment {segment} could not be integrated beyond {time} s of it, expected rates of the model that are slow beside its duration"
+    )]
+    LoadNotIntegrated {
+        /// Position of the segment, from 0.
+        segment: usize,
+        /// Time within the segment \[s\].
+        time: f64,
+    },
+    /// Arrays of readings that belong together differ in length.
+    #[error("{array} has {found} readings, expected {expected} as the times have")]
+    ReadingCount {
+        /// Which array is wrong.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// The number of times.
+        expected: usize,
+    },
+    /// A reading of a recovery test cannot be.
+    #[error("{quantity} of reading {index} of {test} is {value}, expected {expected}")]
+    Reading {
+        /// Name of the test.
+        test: String,
+        /// Name and unit of the quantity.
+        quantity: &'static str,
+        /// Position of the reading, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// Too few readings for what is asked of them.
+    #[error("{found} readings, expected at least {expected}")]
+    TooFewReadings {
+        /// Their number.
+        found: usize,
+        /// The number needed.
+        expected: usize,
+    },
+    /// The test that the fit shall start from is not there.
+    #[error("reference test {index} of {count} tests, expected an index below {count}")]
+    ReferenceTest {
+        /// The index asked for, from 0.
+        index: usize,
+        /// The number of tests.
+        count: usize,
+    },
+    /// No parameters explain the readings at all: no start for the iteration was found.
+    #[error(
+        "no parameters found to start from, expected a loss factor that is raised after the load"
+    )]
+    NoStart,
 }
 
 /// Accepts a finite value above zero.

@@ -88,6 +88,7 @@
 pub mod branch;
 mod error;
 pub mod estimate;
+pub mod recovery;
 pub mod two_point;
 pub mod validity;
 
