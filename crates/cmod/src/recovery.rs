@@ -31,19 +31,24 @@
 //! # What the loss factor tells
 //! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are needed. E₁ does not
 //! follow from the loss factor at all: multiplying E₁ and E₂ by a factor and dividing B by it changes nothing. It is taken
-//! from the modulus of the virgin material.
+//! from the modulus of the virgin material. See [`fit`].
 //!
 //! # Validity
 //! The model is qualitative: E₂ = 13100 Pa of the paper means strains of hundreds, which no rod had, and its change of |E| is
 //! far below the measured one. The paper says both. It describes the loss factor at one frequency and nothing else.
 
 mod dashpot;
+pub mod fit;
 mod integrator;
+mod least_squares;
 pub mod load;
 pub mod recovered;
+pub mod test;
 
+pub use fit::{Estimate, Reason, RecoveryFit, SingleTestFit, Verdict};
 pub use load::{LoadHistory, LoadSegment};
 pub use recovered::Recovery;
+pub use test::{LossFactorReadings, RecoveryTest};
 
 use num_complex::Complex64;
 

@@ -174,6 +174,13 @@ impl LoadHistory {
         self.segments.iter().map(LoadSegment::duration).sum()
     }
 
+    /// Whether a part of the load takes an integration over many periods.
+    pub(super) fn is_periodic(&self) -> bool {
+        self.segments
+            .iter()
+            .any(|segment| matches!(segment, LoadSegment::Periodic { .. }))
+    }
+
     /// Stress of the spring beside the dashpot at unloading; the stress of the dashpot then is its negative.
     pub(super) fn response(&self, pair: &Dashpot) -> Result<SpringStress, CmodError> {
         let largest = self.largest_stress();
