@@ -1,8 +1,8 @@
 //! Creep recovery against the tables and constants of paper C, and against numbers computed apart from this software.
 #![allow(
     clippy::unwrap_used,
-    clippy::float_cmp,
-    reason = "a test that cannot read its fixture must fail; printed numbers are compared as printed"
+    clippy::approx_constant,
+    reason = "a test that cannot read its fixture must fail; a change of 3.1416 % is not pi"
 )]
 
 use std::collections::BTreeMap;

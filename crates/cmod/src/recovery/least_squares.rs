@@ -20,6 +20,14 @@ pub(super) struct Linearised {
 }
 
 impl Linearised {
+    /// Stands for a point where the problem has no value.
+    pub(super) fn not_finite() -> Self {
+        Self {
+            residual: vec![f64::INFINITY],
+            jacobian: Vec::new(),
+        }
+    }
+
     pub(super) fn sum_of_squares(&self) -> f64 {
         self.residual.iter().map(|r| r * r).sum()
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::least_squares::{Directions, Ending, minimise};
+use super::super::least_squares::{Directions, Ending, Linearised, minimise};
 use super::super::{RecoveryTest, ThreeElement};
 use super::prediction::{Coordinates, grid_start, linearise, predict};
 use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
@@ -98,8 +98,16 @@ impl RecoveryFit {
             start.log_rate,
             start.exponent.ln(),
         ];
-        let minimum =
-            minimise(&first, |at| linearise(tests, &coordinates(at)))?.ok_or(CmodError::NoStart)?;
+        let minimum = minimise(&first, |at| {
+            match linearise(tests, &coordinates(at)) {
+                // a step to rates that cannot be integrated is one to turn back from
+                Err(CmodError::LoadNotIntegrated { .. }) if at != first => {
+                    Ok(Linearised::not_finite())
+                }
+                other => other,
+            }
+        })?
+        .ok_or(CmodError::NoStart)?;
         let at = coordinates(&minimum.parameters);
         let chi_squared = minimum.linearised.sum_of_squares();
         let degrees_of_freedom = readings.saturating_sub(minimum.directions.rank());

@@ -155,19 +155,9 @@ pub(super) fn grid_start(
     tests: &[RecoveryTest],
     series_modulus: f64,
 ) -> Result<Coordinates, CmodError> {
-    // a periodic load takes thousands of times as long as the others, which are enough for a start
-    let quick: Vec<&RecoveryTest> = tests
-        .iter()
-        .filter(|test| !test.load.is_periodic())
-        .collect();
-    let chosen = if quick.is_empty() {
-        tests.iter().collect()
-    } else {
-        quick
-    };
     let mut data = Vec::new();
     let mut log_duration = 0.0;
-    for test in &chosen {
+    for test in tests {
         let mut measured = test.change.clone();
         test.whiten(&mut measured);
         data.extend(measured);
@@ -177,10 +167,17 @@ pub(super) fn grid_start(
         clippy::cast_precision_loss,
         reason = "the number of tests is far below 2^52"
     )]
-    let log_duration = log_duration / chosen.len().max(1) as f64;
+    let log_duration = log_duration / tests.len().max(1) as f64;
     let mut best: Option<(f64, Coordinates)> = None;
     let mut shape = Vec::with_capacity(data.len());
     for exponent in START_EXPONENTS {
+        let averaged: Vec<RecoveryTest> = tests
+            .iter()
+            .map(|test| RecoveryTest {
+                load: test.load.averaged(exponent),
+                ..test.clone()
+            })
+            .collect();
         for step in -16..=16_i32 {
             let mut at = Coordinates {
                 series_modulus,
@@ -190,7 +187,7 @@ pub(super) fn grid_start(
                 exponent,
             };
             shape.clear();
-            for test in &chosen {
+            for test in &averaged {
                 let mut change = predict(test, &at)?.change;
                 test.whiten(&mut change);
                 shape.extend(change);
