@@ -24,6 +24,9 @@
 //! mass is put on in small steps, and the root followed ([`two_point`]). Each line comes with the conditions for its
 //! validity ([`validity`]) and the standard errors that follow from the variance of Ψ ([`estimate`]).
 //!
+//! Apart from it stands paper C: the loss factor after a creep load, the model that explains it, and the fit of its parameters
+//! ([`recovery`]).
+//!
 //! # Example
 //! Polypropylene in Test 6 of paper A; the accelerations are those of rod and accelerometer by transition matrices.
 //!
@@ -75,6 +78,8 @@
 //!   the same numbers without.
 //! - **Section 3**: Ψ as cross-spectrum by auto-spectrum of a₂ is biased low by noise in a₂, by 1/(1 + noise/signal).
 //!   The bias is in the ratio handed over, not in what is done with it here.
+//!
+//! The errata of paper C are in [`recovery`].
 //!
 //! # What this does not do
 //! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance.

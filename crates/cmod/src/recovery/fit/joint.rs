@@ -43,8 +43,8 @@ pub struct RecoveryFit {
     pub reference_stress: f64,
     /// E₁, E₂, B, m and k, in this order.
     pub estimates: [Estimate; 5],
-    /// Covariance of (ln E₂, ln B, m), by rows; infinite where nothing is known.
-    pub covariance: [[f64; 3]; 3],
+    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is not determined at all.
+    pub covariance: Option<[[f64; 3]; 3]>,
     /// Singular values of the Jacobian, descending: by how many standard errors of the readings the predictions change along each of
     /// the `directions`. 0 is a combination of parameters on which the predictions do not depend.
     pub signal_to_noise: Vec<f64>,
@@ -64,7 +64,7 @@ impl RecoveryFit {
     /// Fits `tests`.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three in all; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a
+    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the residual shall tell the errors; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a
     /// negative error of it; [`CmodError::NoStart`] if the loss factor is not raised; [`CmodError::LoadNotIntegrated`].
     pub fn new(
         tests: &[RecoveryTest],
@@ -110,7 +110,14 @@ impl RecoveryFit {
         .ok_or(CmodError::NoStart)?;
         let at = coordinates(&minimum.parameters);
         let chi_squared = minimum.linearised.sum_of_squares();
-        let degrees_of_freedom = readings.saturating_sub(minimum.directions.rank());
+        let rank = minimum.directions.rank();
+        let degrees_of_freedom = readings.saturating_sub(rank);
+        if error_scale == ErrorScale::FromResidual && degrees_of_freedom == 0 {
+            return Err(CmodError::TooFewReadings {
+                found: readings,
+                expected: rank + 1,
+            });
+        }
         #[expect(
             clippy::cast_precision_loss,
             reason = "the number of readings is far below 2^52"
@@ -137,7 +144,7 @@ impl RecoveryFit {
             model,
             reference_stress: at.reference_stress,
             estimates: errors.estimates(&at, reason),
-            covariance: errors.of_parameters,
+            covariance: (rank == 3).then_some(errors.of_parameters),
             signal_to_noise: minimum.directions.singular_values,
             directions: minimum.directions.vectors,
             chi_squared,
@@ -244,14 +251,17 @@ impl Errors {
 
     /// The largest standard error, if it is too large.
     fn unidentified(&self) -> Option<f64> {
-        let largest = self.parallel_modulus.max(self.rate).max(self.exponent);
-        (largest >= IDENTIFIED_BELOW).then_some(largest)
+        let errors = [self.parallel_modulus, self.rate, self.exponent];
+        // a comparison with NaN is false: what cannot be assessed is not identified
+        let identified = errors.iter().all(|error| *error < IDENTIFIED_BELOW);
+        (!identified).then(|| errors.into_iter().fold(0.0, f64::max))
     }
 
     fn estimates(&self, at: &Coordinates, reason: Option<Reason>) -> [Estimate; 5] {
         let judged = |standard_error: f64| match reason {
-            Some(reason) if standard_error >= IDENTIFIED_BELOW => Verdict::NotIdentifiable(reason),
-            _ => Verdict::Identified,
+            None => Verdict::Identified,
+            Some(_) if standard_error < IDENTIFIED_BELOW => Verdict::Identified,
+            Some(reason) => Verdict::NotIdentifiable(reason),
         };
         let parameters = at.parameters();
         [
@@ -280,8 +290,7 @@ impl Errors {
                 value: parameters.coefficient,
                 standard_error: self.of_parameters[1][1].sqrt(),
                 scale: Scale::Ratio,
-                // it follows from the others; at 1 Pa its error is that of m times 17
-                verdict: reason.map_or(Verdict::Identified, Verdict::NotIdentifiable),
+                verdict: reason.map_or(Verdict::FollowsFromIdentified, Verdict::NotIdentifiable),
             },
             Estimate {
                 name: "exponent",

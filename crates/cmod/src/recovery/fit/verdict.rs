@@ -62,8 +62,11 @@ impl fmt::Display for Reason {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
-    /// The standard error is below [`IDENTIFIED_BELOW`]; for B, those of E₂, k and m are, from which it follows.
+    /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
+    /// It follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa: extrapolated over seven decades of stress, it
+    /// may be uncertain by a factor where the rate at the loads is well known.
+    FollowsFromIdentified,
     /// Not from these tests; the value is where the iteration stopped, not a property of the material.
     NotIdentifiable(Reason),
     /// It is given. No loss factor determines it: E₁ and E₂ times a factor with B divided by it predict the same.
@@ -74,6 +77,9 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Identified => f.write_str("identified"),
+            Self::FollowsFromIdentified => {
+                f.write_str("follows from E2, k and m, which are identified")
+            }
             Self::NotIdentifiable(reason) => write!(f, "not identifiable: {reason}"),
             Self::Given => f.write_str("given"),
         }
