@@ -15,7 +15,7 @@
 use super::integrator::{Interval, Unknowns, integrate};
 
 /// Error of the integrated stress as a share of the largest stress of the load.
-const INTEGRATION_ERROR: f64 = 1e-10;
+const INTEGRATION_ERROR: f64 = 1e-9;
 
 /// Spring and dashpot side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -155,13 +155,14 @@ mod tests {
             .unwrap();
         for t in [0.0, 60.0, 7200.0] {
             let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
-            // integration to 1e-10 of 45 MPa, at a stress of a third of it
-            assert!((a / b - 1.0).abs() < 1e-9, "{t}: {a} {b}");
+            // integration to 1e-9 of 45 MPa, at a stress of a third of it
+            assert!((a / b - 1.0).abs() < 3e-9, "{t}: {a} {b}");
             let (a, b) = (
                 now.loss_factor_change(OMEGA, 600.0 + t),
                 model.loss_factor_change(OMEGA, b),
             );
-            assert!((a / b - 1.0).abs() < 1e-9, "{t}: {a} {b}");
+            // and multiplied by m
+            assert!((a / b - 1.0).abs() < 6e-9, "{t}: {a} {b}");
         }
     }
 
