@@ -554,6 +554,56 @@ proptest! {
     }
 }
 
+/// A dashpot that follows the load within 1e-9 of its duration is out of reach of an explicit formula: told, not guessed.
+#[test]
+fn rates_that_cannot_be_integrated_are_told() {
+    let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {
+        coefficient: 1e4,
+        exponent: 0.0,
+        ..TRUTH
+    })
+    .unwrap();
+    let ramp = LoadHistory::from_samples(&[0.0, 10.0], &[0.0, 1e6]).unwrap();
+    let text = model.recovery(&ramp).unwrap_err().to_string();
+    assert!(
+        text.starts_with("response to load segment 0 could not be integrated beyond "),
+        "{text}"
+    );
+    // the closed form of a constant load has no such limit
+    let creep = LoadHistory::creep(1e6, 10.0).unwrap();
+    let stress = model.recovery(&creep).unwrap().initial_dashpot_stress();
+    assert!((stress + 1e6).abs() < 1e-6);
+}
+
+#[test]
+fn residuals_tell_no_errors_without_a_degree_of_freedom() {
+    let three: Vec<RecoveryTest> = [(45e6, 0.0184), (32e6, 0.0089), (19e6, 0.0021)]
+        .iter()
+        .map(|&(stress, change)| {
+            RecoveryTest::new(
+                "one reading",
+                LoadHistory::creep(stress, 1800.0).unwrap(),
+                FREQUENCY_HZ,
+                LossFactorReadings {
+                    time: &[60.0],
+                    change: &[change],
+                    standard_error: &[1e-4],
+                    virgin_standard_error: 0.0,
+                },
+            )
+            .unwrap()
+        })
+        .collect();
+    let stated = RecoveryFit::new(&three, GIVEN, ErrorScale::Stated).unwrap();
+    assert_eq!(stated.degrees_of_freedom, 0);
+    assert_eq!(
+        RecoveryFit::new(&three, GIVEN, ErrorScale::FromResidual)
+            .unwrap_err()
+            .to_string(),
+        "3 readings, expected at least 4"
+    );
+}
+
 #[test]
 fn tests_that_say_nothing_are_refused() {
     let flat = test("flat", 32e6, 1800.0, &[-1e-3; 12], 0.0);
