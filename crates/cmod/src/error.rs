@@ -60,6 +60,75 @@ pub enum CmodError {
         /// The value found.
         ratio: num_complex::Complex64,
     },
+    /// There are not enough gauges: two waves and their propagation coefficient are three unknowns.
+    #[error("{found} gauges, expected {expected}")]
+    GaugeCount {
+        /// Number of positions.
+        found: usize,
+        /// What is needed, as `3 or more`.
+        expected: &'static str,
+    },
+    /// The positions of the gauges do not increase.
+    #[error(
+        "position of gauge {gauge} is {position} m, expected more than {previous} m of the gauge before"
+    )]
+    PositionOrder {
+        /// Position in the row of gauges, from 0.
+        gauge: usize,
+        /// The value found \[m\].
+        position: f64,
+        /// The value of the gauge before \[m\].
+        previous: f64,
+    },
+    /// Three gauges are not at equal distances, as the closed form needs.
+    #[error(
+        "distances of the outer gauges from the middle one are {first} m and {second} m, expected equal ones"
+    )]
+    NotEquidistant {
+        /// From the first to the middle gauge \[m\].
+        first: f64,
+        /// From the middle to the last gauge \[m\].
+        second: f64,
+    },
+    /// There is no test.
+    #[error("no test to evaluate")]
+    NoTests,
+    /// A test has spectra of more or fewer gauges than there are positions.
+    #[error(
+        "test {test} has spectra of {found} gauges, expected {expected} as there are positions"
+    )]
+    SpectraOfTest {
+        /// Which test, from 0.
+        test: usize,
+        /// Its number of spectra.
+        found: usize,
+        /// The number of positions.
+        expected: usize,
+    },
+    /// A spectrum has more or fewer lines than there are frequencies.
+    #[error(
+        "spectrum of gauge {gauge} in test {test} has {found} lines, expected {expected} as the frequencies have"
+    )]
+    SpectrumLength {
+        /// Which test, from 0.
+        test: usize,
+        /// Which gauge, from 0.
+        gauge: usize,
+        /// Its number of lines.
+        found: usize,
+        /// The number of frequencies.
+        expected: usize,
+    },
+    /// The noise of a gauge is negative.
+    #[error("noise of gauge {gauge} at line {line} is {noise}, expected 0 or above")]
+    NegativeNoise {
+        /// Which gauge, from 0.
+        gauge: usize,
+        /// Which line, from 0.
+        line: usize,
+        /// The value found, in the unit of the spectra.
+        noise: f64,
+    },
     /// A variance is negative.
     #[error("variance of line {index} is {variance}, expected 0 or above")]
     NegativeVariance {
@@ -68,6 +137,64 @@ pub enum CmodError {
         /// The value found.
         variance: f64,
     },
+    /// A load history without segments.
+    #[error("no load segment")]
+    NoLoad,
+    /// The response to a load took too many or too small steps.
+    #[error(
+        "response to load segment {segment} could not be integrated beyond {time} s of it, expected rates of the model that are slow beside its duration"
+    )]
+    LoadNotIntegrated {
+        /// Position of the segment, from 0.
+        segment: usize,
+        /// Time within the segment \[s\].
+        time: f64,
+    },
+    /// Arrays of readings that belong together differ in length.
+    #[error("{array} has {found} readings, expected {expected} as the times have")]
+    ReadingCount {
+        /// Which array is wrong.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// The number of times.
+        expected: usize,
+    },
+    /// A reading of a recovery test cannot be.
+    #[error("{quantity} of reading {index} of {test} is {value}, expected {expected}")]
+    Reading {
+        /// Name of the test.
+        test: String,
+        /// Name and unit of the quantity.
+        quantity: &'static str,
+        /// Position of the reading, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// Too few readings for what is asked of them.
+    #[error("{found} readings, expected at least {expected}")]
+    TooFewReadings {
+        /// Their number.
+        found: usize,
+        /// The number needed.
+        expected: usize,
+    },
+    /// The test that the fit shall start from is not there.
+    #[error("reference test {index} of {count} tests, expected an index below {count}")]
+    ReferenceTest {
+        /// The index asked for, from 0.
+        index: usize,
+        /// The number of tests.
+        count: usize,
+    },
+    /// No parameters explain the readings at all: no start for the iteration was found.
+    #[error(
+        "no parameters found to start from, expected a loss factor that is raised after the load"
+    )]
+    NoStart,
 }
 
 /// Accepts a finite value above zero.

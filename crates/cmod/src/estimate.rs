@@ -54,12 +54,14 @@ pub struct ModulusLine {
     pub loss_factor: f64,
     /// Phase velocity ω/k [m/s].
     pub phase_velocity: f64,
-    /// Standard errors that the variance of the measured ratio gives to first order.
+    /// Standard errors that the variance of what was measured gives to first order.
     pub standard_error: StandardError,
-    /// |dE/E| by |dΨ/Ψ|: how many times the relative error of the measured ratio comes out in the modulus.
+    /// |dE/E| by |dΨ/Ψ|: how many times the relative error of what was measured comes out in the modulus. Of several gauges
+    /// it is the relative error of their root mean square.
     pub error_amplification: f64,
-    /// The root without end mass with its branch, from which the solution starts.
-    pub free_end: ResolvedRoot,
+    /// The root in closed form with its branch, from which the solution starts: that without end mass of the two-point
+    /// method, that of the three-point method. `None` for gauges at any positions, where there is no closed form.
+    pub closed_form: Option<ResolvedRoot>,
     /// How the solution ended.
     pub termination: Termination,
     /// Whether the line may be believed.
@@ -172,6 +174,16 @@ pub enum Refusal {
     /// The ratio, or its variance, is NaN or infinite, as where an auto-spectrum is 0.
     #[error("the measured ratio or its variance is not finite")]
     NotFinite,
+    /// A value of a gauge is NaN or infinite.
+    #[error("a spectrum or its noise is not finite")]
+    SpectrumNotFinite,
+    /// The noise of some gauges is 0 and that of others is not: the first would have infinite weight.
+    #[error("the noise of some gauges is 0, expected of all or of none")]
+    NoiseOfSomeGauges,
+    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges that cannot tell the two
+    /// waves apart.
+    #[error("the gauges do not determine a wave number")]
+    Undetermined,
     /// The iteration ran to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]
     NoRoot,

@@ -12,7 +12,7 @@
 //! number a line, found from one complex equation a line, without any assumption on the form of E(ω).
 //!
 //! # Method
-//! So far there is the two-point method of paper A, [`TwoPoint`]. The accelerations of the impacted end, â₁, and of the
+//! Two ends: the two-point method of paper A, [`TwoPoint`]. The accelerations of the impacted end, â₁, and of the
 //! free end, â₂, give
 //!
 //! ```text
@@ -23,6 +23,13 @@
 //! known in closed form, and the right one is that with k continuous and increasing from 0 ([`branch`]). From there the
 //! mass is put on in small steps, and the root followed ([`two_point`]). Each line comes with the conditions for its
 //! validity ([`validity`]) and the standard errors that follow from the variance of Ψ ([`estimate`]).
+//!
+//! A member of a structure whose ends are not known: three equidistant gauges, [`ThreePoint`] (paper B), or three and more
+//! at any positions, [`MultiPoint`], by least squares over one test or several. Each line also gives the two waves
+//! ([`multi_point`]).
+//!
+//! Apart from it stands paper C: the loss factor after a creep load, the model that explains it, and the fit of its parameters
+//! ([`recovery`]).
 //!
 //! # Example
 //! Polypropylene in Test 6 of paper A; the accelerations are those of rod and accelerometer by transition matrices.
@@ -76,21 +83,26 @@
 //! - **Section 3**: Ψ as cross-spectrum by auto-spectrum of a₂ is biased low by noise in a₂, by 1/(1 + noise/signal).
 //!   The bias is in the ratio handed over, not in what is done with it here.
 //!
+//! The errata of paper C are in [`recovery`].
+//!
 //! # What this does not do
-//! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance.
+//! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance, or at the spectra of gauges and their noise.
 //! - No correction for lateral inertia: lines with λ <= 5D are marked. [`rodwave::slenderness`] corrects a modulus afterwards.
 //! - The errors are of first order. Where the amplification is large, near kL = nπ at low losses, the distribution of E''
 //!   is not normal and can be half on the wrong side of 0.
-//! - The uncertainty of length, density and masses is not part of the errors.
+//! - The uncertainty of length, density, masses and positions of gauges is not part of the errors.
 //! - Branches are followed from line to line, which is sound for clean and mildly noisy data that begin below the
 //!   first half wavelength; a long gap or heavy noise is marked as doubt, not repaired.
 
 pub mod branch;
 mod error;
 pub mod estimate;
+pub mod multi_point;
+pub mod recovery;
 pub mod two_point;
 pub mod validity;
 
 pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};
+pub use multi_point::{GaugeSpectra, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
 pub use two_point::{Solver, Specimen, TwoPoint};

@@ -266,7 +266,7 @@ impl TwoPoint {
                 measured.variance,
             ),
             error_amplification: measured.ratio.norm() * relative_sensitivity.norm(),
-            free_end,
+            closed_form: Some(free_end),
             termination: root.termination,
             validity: Validity::from_violations(violations),
         };

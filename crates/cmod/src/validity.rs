@@ -117,6 +117,42 @@ pub enum Violation {
         /// |E''₂ - E''₄|/|E''₄|.
         loss_change: f64,
     },
+    /// The line is so near to a singular one, or so noisy, that the error of γ bends: its second order is not small beside
+    /// the first, and the stated standard error means little.
+    #[error(
+        "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
+         {half_waves:.2} half waves between neighbouring gauges"
+    )]
+    NearSingular {
+        /// Second-order part of the error by its first-order part, at one standard error.
+        second_order: f64,
+        /// What is accepted.
+        limit: f64,
+        /// ka/π, a being the least distance between gauges.
+        half_waves: f64,
+    },
+    /// The middle gauge of three lies at a node: the ratio Ψ has noise below the line, which biases it low.
+    #[error(
+        "noise is {noise_to_signal:.2} of the signal of the middle gauge, expected at most {limit}"
+    )]
+    NodeAtMiddleGauge {
+        /// Noise by signal, as amplitudes.
+        noise_to_signal: f64,
+        /// What is accepted.
+        limit: f64,
+    },
+    /// Two waves do not explain what the gauges have seen within their noise.
+    #[error(
+        "misfit of two waves: chi-square {chi_square:.1} of {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"
+    )]
+    Misfit {
+        /// Twice the sum of squares of the residuals, each by the standard deviation of its gauge.
+        chi_square: f64,
+        /// 2(M(n - 2) - 1) for M tests with n gauges.
+        degrees_of_freedom: usize,
+        /// What noise alone exceeds on one line in a thousand.
+        limit: f64,
+    },
 }
 
 /// The conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a specimen of `diameter` and
@@ -206,5 +242,32 @@ mod tests {
         );
         assert!(!verdict.is_valid() && verdict.violations().len() == 2);
         assert_eq!(Validity::from_violations(Vec::new()).to_string(), "valid");
+    }
+
+    #[test]
+    fn violations_of_gauges_name_their_numbers() {
+        let violations = vec![
+            Violation::NearSingular {
+                second_order: 0.251,
+                limit: 0.1,
+                half_waves: 0.987,
+            },
+            Violation::NodeAtMiddleGauge {
+                noise_to_signal: 0.3,
+                limit: 0.1,
+            },
+            Violation::Misfit {
+                chi_square: 31.4,
+                degrees_of_freedom: 4,
+                limit: 18.5,
+            },
+        ];
+        assert_eq!(
+            Validity::from_violations(violations).to_string(),
+            "second-order error is 0.25 of the standard error, expected at most 0.1; \
+             0.99 half waves between neighbouring gauges; \
+             noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
+             misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"
+        );
     }
 }

@@ -264,7 +264,7 @@ fn newton_as_printed_runs_to_wrong_roots_at_low_loss_and_continuation_does_not()
     assert!(
         continuation
             .iter()
-            .all(|line| line.free_end.doubt.is_none())
+            .all(|line| line.closed_form.unwrap().doubt.is_none())
     );
 }
 
@@ -392,7 +392,7 @@ fn branches_survive_mild_noise() {
             };
             let label = format!("loss x {fraction}, noise {noise}, seed {seed}");
             for line in record.estimate(specimen, Solver::Continuation) {
-                let doubt = line.free_end.doubt;
+                let doubt = line.closed_form.unwrap().doubt;
                 assert!(
                     !doubt.is_some_and(|doubt| doubt.is_ambiguous()),
                     "{label}: {doubt:?}"

@@ -1,44 +1,78 @@
 //! The discrete Fourier transform of real samples, with buffers that are allocated once.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+thread_local! {
+    /// Twiddle factors of a long transform cost as much as several transforms: plans of the lengths in use are kept.
+    static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
+}
+
+/// Lengths whose plans are kept; a laboratory uses one or two, and a program that tries thousands should not keep them all.
+const KEPT_LENGTHS: usize = 16;
+
+struct Plans {
+    planner: RealFftPlanner<f64>,
+    lengths: Vec<usize>,
+}
+
+impl Plans {
+    fn empty() -> Self {
+        Self {
+            planner: RealFftPlanner::new(),
+            lengths: Vec::new(),
+        }
+    }
+
+    fn of(&mut self, n_samples: usize) -> &mut RealFftPlanner<f64> {
+        if !self.lengths.contains(&n_samples) {
+            if self.lengths.len() == KEPT_LENGTHS {
+                *self = Self::empty();
+            }
+            self.lengths.push(n_samples);
+        }
+        &mut self.planner
+    }
+}
 
 /// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, unscaled.
+///
+/// Each channel has a transform of its own. Two real channels in one complex transform are no faster with this library, and
+/// the rounding of a strong channel would then reach a weak one.
 pub(crate) struct Dft {
     plan: Arc<dyn RealToComplex<f64>>,
     input: Vec<f64>,
-    output: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
 impl Dft {
     pub(crate) fn new(n_samples: usize) -> Self {
-        let plan = RealFftPlanner::new().plan_fft_forward(n_samples);
+        let plan = PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_forward(n_samples));
         Self {
             input: plan.make_input_vec(),
-            output: plan.make_output_vec(),
             scratch: plan.make_scratch_vec(),
             plan,
         }
     }
 
-    /// Transforms the first `n_samples` values of `samples`; missing ones count as zero.
+    /// The samples to transform, to be filled anew for every transform.
+    pub(crate) fn input(&mut self) -> &mut [f64] {
+        &mut self.input
+    }
+
+    /// Transforms what was put into [`Dft::input`] and leaves something else there.
     #[expect(
         clippy::expect_used,
-        reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
+        reason = "the transform fails only on wrong buffer lengths: the input was made by the plan, the output has the lines of it"
     )]
-    pub(crate) fn of(&mut self, samples: impl Iterator<Item = f64>) -> &[Complex64] {
-        self.input.fill(0.0);
-        for (slot, sample) in self.input.iter_mut().zip(samples) {
-            *slot = sample;
-        }
+    pub(crate) fn transform(&mut self, output: &mut [Complex64]) {
         self.plan
-            .process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch)
+            .process_with_scratch(&mut self.input, output, &mut self.scratch)
             .expect("buffers of the plan");
-        &self.output
     }
 }
 
@@ -50,6 +84,42 @@ impl fmt::Debug for Dft {
     }
 }
 
+/// Transforms real `samples`, scaled by nothing.
+pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
+    let mut lines = vec![Complex64::ZERO; samples.len() / 2 + 1];
+    let mut dft = Dft::new(samples.len());
+    dft.input().copy_from_slice(samples);
+    dft.transform(&mut lines);
+    lines
+}
+
+/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over the two sides of one-sided `lines`, of which there are
+/// $`\lfloor N/2\rfloor + 1`$. The lines at 0 Hz and at the Nyquist frequency stand for themselves: of them the real part is taken.
+#[expect(
+    clippy::expect_used,
+    reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are taken off"
+)]
+pub(crate) fn inverse(lines: &[Complex64], n_samples: usize) -> Vec<f64> {
+    let plan: Arc<dyn ComplexToReal<f64>> =
+        PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_inverse(n_samples));
+    let mut input = lines.to_vec();
+    if let Some(first) = input.first_mut() {
+        first.im = 0.0;
+    }
+    if n_samples.is_multiple_of(2)
+        && let Some(last) = input.last_mut()
+    {
+        last.im = 0.0;
+    }
+    let mut samples = plan.make_output_vec();
+    plan.process(&mut input, &mut samples)
+        .expect("buffers of the plan, real end lines");
+    for sample in &mut samples {
+        *sample /= n_samples as f64;
+    }
+    samples
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,8 +129,7 @@ mod tests {
     fn the_transform_is_the_direct_sum_for_even_and_odd_lengths() {
         for n in [2, 7, 48, 125] {
             let samples: Vec<f64> = (0..n).map(|i| (1.7 * f64::from(i)).sin() + 0.3).collect();
-            let mut dft = Dft::new(samples.len());
-            let fast = dft.of(samples.iter().copied());
+            let fast = forward(&samples);
             assert_eq!(fast.len(), samples.len() / 2 + 1);
             for (k, line) in fast.iter().enumerate() {
                 let direct: Complex64 = samples
@@ -73,6 +142,18 @@ mod tests {
                 // a hundred terms of order one, each rounded to 1e-16
                 assert!((line - direct).norm() < 1e-13, "n {n}, line {k}");
             }
+            for (there, back) in samples.iter().zip(inverse(&fast, samples.len())) {
+                assert!((there - back).abs() < 1e-14, "n {n}"); // rounding of two short transforms
+            }
+        }
+    }
+
+    #[test]
+    fn plans_of_many_lengths_are_not_kept() {
+        let n_kept = || PLANS.with_borrow(|plans| plans.lengths.len());
+        for n in 2..60 {
+            let _ = forward(&vec![1.0; n]);
+            assert!(n_kept() <= KEPT_LENGTHS);
         }
     }
 }

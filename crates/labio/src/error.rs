@@ -68,6 +68,54 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
+    /// What is asked must be asked before the first hit is added.
+    #[error("{asked} must be chosen before the first hit, but {found} have been added")]
+    TooManyAverages {
+        /// What was asked for.
+        asked: &'static str,
+        /// Number of averages taken.
+        found: usize,
+    },
+    /// Two windows would weigh the same samples.
+    #[error("{asked} cannot stand beside {present}")]
+    WindowConflict {
+        /// The window asked for.
+        asked: &'static str,
+        /// The window there is.
+        present: String,
+    },
+    /// A response cannot be combined with the first of several.
+    #[error("the {what} of response {index} is {found}, expected {expected} as in the first")]
+    ResponseMismatch {
+        /// In what they differ.
+        what: &'static str,
+        /// Index of the response, from 0.
+        index: usize,
+        /// What it has.
+        found: String,
+        /// What the first has.
+        expected: String,
+    },
+    /// A response is not one of the six between a force and a motion.
+    #[error("a response from {input} to {output} is not between a force and a motion")]
+    NoResponseKind {
+        /// Name and unit of the input.
+        input: String,
+        /// Name and unit of the output.
+        output: String,
+    },
+    /// Lines that are needed carry no information.
+    #[error(
+        "{what} needs every line, but {count} carry no information, the first at {first_hz} Hz"
+    )]
+    MissingLines {
+        /// What is to be made of the lines.
+        what: &'static str,
+        /// Frequency of the first that is missing.
+        first_hz: f64,
+        /// Number of lines that are missing.
+        count: usize,
+    },
     /// A channel has no name.
     #[error("a channel of {quantity} has an empty name")]
     EmptyChannelName {
@@ -188,6 +236,32 @@ pub enum LabioError {
         /// What should.
         expected: String,
     },
+    /// The bytes are of none of the formats that are known.
+    #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({})", head.escape_default(), known.join(", "))]
+    UnknownFormat {
+        /// The first bytes, each as a character of Latin-1.
+        head: String,
+        /// Number of bytes.
+        n_bytes: usize,
+        /// Names of the formats that are known.
+        known: Vec<&'static str>,
+    },
+    /// A series of a file is no channel of a record.
+    #[error(
+        "series {index} (`{name}`) is no channel of a record: its {part} is {found}, expected {expected}"
+    )]
+    NoChannel {
+        /// Position of the series among those of the file, from 0.
+        index: usize,
+        /// Name of the series.
+        name: String,
+        /// The part of the series that does not suit.
+        part: &'static str,
+        /// What it is.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
     /// The format has no place for what is to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {
@@ -250,6 +324,23 @@ pub enum LabioError {
         /// What is wrong with it.
         source: Box<Self>,
     },
+}
+
+/// A [`LabioError::Malformed`] of the format called `format`.
+pub(crate) fn malformed(
+    format: &'static str,
+    place: Place,
+    field: impl Into<String>,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> LabioError {
+    LabioError::Malformed {
+        format,
+        place,
+        field: field.into(),
+        found: found.into(),
+        expected: expected.into(),
+    }
 }
 
 /// A place in a file.

@@ -49,11 +49,12 @@ pub(crate) fn delayed(samples: &[f64], shift: f64) -> Vec<f64> {
     filtered(samples, |omega| Complex64::cis(-omega * shift))
 }
 
+/// A transform whose buffers its plan has made.
 #[expect(
     clippy::expect_used,
     reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
 )]
-fn transform(result: Result<(), realfft::FftError>) {
+pub(crate) fn transform(result: Result<(), realfft::FftError>) {
     result.expect("buffers of the plan");
 }
 

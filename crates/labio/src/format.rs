@@ -1,14 +1,47 @@
 //! File formats behind one face: [`read`] finds out by the content what a file is; a [`Reader`] and a [`Writer`] belong to each format.
 //!
 //! What is read is [`Contents`]: the data sets of the file in the file's own units. What is wrong with a file is a
-//! [`LabioError`] that names the file, the place and what was expected there.
+//! [`LabioError`] that names the file, the place and what was expected there. Series that were sampled together become a
+//! [`Record`](crate::Record) by [`Contents::records`].
+//!
+//! ```no_run
+//! use labio::format::{self, uff58::Uff58Writer};
+//!
+//! # fn main() -> Result<(), labio::LabioError> {
+//! let contents = format::read("hits.tdms")?;
+//! for series in &contents.series {
+//!     println!("{} [{}]", series.name, series.ordinate_axis.unit_text);
+//! }
+//! format::write("hits.uff", &contents, &Uff58Writer::default())?;
+//! # Ok(())
+//! # }
+//! ```
 
 use std::fmt::Debug;
+use std::fs;
 use std::io::Write;
+use std::path::Path;
 
-use crate::{Contents, LabioError};
+use crate::{Contents, LabioError, Provenance};
 
+pub mod csv;
+pub mod lvm;
+pub mod mat5;
 pub mod npy;
+pub mod npz;
+pub mod tdms;
+pub mod uff58;
+pub mod wav;
+
+mod kind;
+mod replace_file;
+mod rounding;
+mod sampled_together;
+mod text;
+
+pub use rounding::{CustomaryRate, RateFamily, customary_rate};
+pub use sampled_together::SampledTogether;
+pub use text::DecimalMark;
 
 /// What to do with a part of a file that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -47,4 +80,166 @@ pub trait Writer: Debug + Sync {
     ///
     /// [`LabioError`] for contents that the format cannot hold, or [`LabioError::Write`].
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError>;
+}
+
+/// Length of the beginning of a file by which a [`Reader`] recognises it.
+const HEAD: usize = 4096;
+
+/// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
+static READERS: [&dyn Reader; 8] = [
+    &tdms::Tdms,
+    &wav::Wav,
+    &npy::Npy,
+    &npz::Npz,
+    &mat5::Mat5,
+    &uff58::Uff58,
+    &lvm::Lvm,
+    &csv::Csv,
+];
+
+/// The readers of all formats that are recognised, in the order in which they are asked.
+#[must_use]
+pub fn readers() -> &'static [&'static dyn Reader] {
+    &READERS
+}
+
+/// The reader of the format that `bytes` are of, told by their beginning alone; `None` if they are of no known format.
+#[must_use]
+pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
+    let head = bytes.get(..HEAD).unwrap_or(bytes);
+    READERS.into_iter().find(|reader| reader.recognises(head))
+}
+
+/// Reads the file at `path`, whatever its name, and refuses it if any part of it cannot be read.
+///
+/// # Errors
+///
+/// [`LabioError::InFile`] with the path and, as its source, that the file cannot be opened or what [`read_bytes`] says.
+pub fn read(path: impl AsRef<Path>) -> Result<Contents, LabioError> {
+    read_with(path, Strictness::Strict)
+}
+
+/// Reads the file at `path` as strictly as is said.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_with(path: impl AsRef<Path>, strictness: Strictness) -> Result<Contents, LabioError> {
+    let path = path.as_ref();
+    fs::read(path)
+        .map_err(|source| LabioError::Read { source })
+        .and_then(|bytes| read_bytes_with(&bytes, strictness))
+        .map_err(|source| in_file(path, source))
+}
+
+/// Reads all of a file that is in memory, and refuses it if any part of it cannot be read.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownFormat`], or what the [`Reader`] of the format says.
+pub fn read_bytes(bytes: &[u8]) -> Result<Contents, LabioError> {
+    read_bytes_with(bytes, Strictness::Strict)
+}
+
+/// Reads all of a file that is in memory as strictly as is said.
+///
+/// # Errors
+///
+/// As [`read_bytes`].
+pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+    match recognise(bytes) {
+        Some(reader) => reader.read(bytes, strictness),
+        None => Err(LabioError::UnknownFormat {
+            head: bytes
+                .iter()
+                .take(16)
+                .map(|&byte| char::from(byte))
+                .collect(),
+            n_bytes: bytes.len(),
+            known: READERS.iter().map(|reader| reader.name()).collect(),
+        }),
+    }
+}
+
+/// Reads the file at `path`, and refuses it if any part of it cannot be read; then makes records of what was sampled together.
+/// The records know the file and the hash of its bytes.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioError> {
+    let path = path.as_ref();
+    let bytes = fs::read(path).map_err(|source| in_file(path, LabioError::Read { source }))?;
+    let contents = read_bytes(&bytes).map_err(|source| in_file(path, source))?;
+    Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
+}
+
+/// Writes `contents` to the file at `path`, which is replaced only when all has been written: an error leaves what was there.
+///
+/// # Errors
+///
+/// [`LabioError::InFile`] with the path and, as its source, what `writer` says or [`LabioError::Write`].
+pub fn write(
+    path: impl AsRef<Path>,
+    contents: &Contents,
+    writer: &dyn Writer,
+) -> Result<(), LabioError> {
+    let path = path.as_ref();
+    replace_file::replace(path, |output| writer.write(contents, output))
+        .map_err(|source| in_file(path, source))
+}
+
+fn in_file(path: &Path, source: LabioError) -> LabioError {
+    LabioError::InFile {
+        path: path.to_path_buf(),
+        source: Box::new(source),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::error::Error;
+
+    const UNIVERSAL: &[u8] = b"    -1\n   164\n         1SI\n    -1\n";
+
+    #[test]
+    fn the_content_tells_the_format() {
+        let beginnings: [(&[u8], &str); 6] = [
+            (b"TDSm\x0e\0\0\0", "tdms"),
+            (b"RIFF\x24\0\0\0WAVEfmt ", "wav"),
+            (b"\x93NUMPY\x01\0\x76\0", "npy"),
+            (UNIVERSAL, "uff58"),
+            (b"LabVIEW Measurement\t\r\nWriter_Version\t2\r\n", "lvm"),
+            (b"time;force\n0;1\n1;2\n2;0\n", "csv"),
+        ];
+        for (bytes, format) in beginnings {
+            assert_eq!(recognise(bytes).map(Reader::name), Some(format));
+        }
+        assert!(recognise(b"").is_none());
+    }
+
+    #[test]
+    fn unknown_bytes_are_shown() {
+        let error = read_bytes(b"\x7fELF\x02\x01\x01\x00 and so on, and on")
+            .unwrap_err()
+            .to_string();
+        let expected = r#"the 26 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0} and so " are of no known format ("#;
+        assert!(error.starts_with(expected), "{error}");
+        assert!(matches!(
+            read_bytes(b""),
+            Err(LabioError::UnknownFormat { n_bytes: 0, .. })
+        ));
+    }
+
+    #[test]
+    fn errors_of_files_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cut.dat");
+        fs::write(&path, &UNIVERSAL[..20]).unwrap();
+        let error = read(&path).unwrap_err();
+        assert!(error.to_string().ends_with("cut.dat"));
+        assert!(error.source().unwrap().to_string().contains("data set 164"));
+        assert!(read(folder.path().join("absent")).is_err());
+    }
 }

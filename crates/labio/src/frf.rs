@@ -1,12 +1,22 @@
-//! Frequency responses, coherence and their random errors, from averaged spectra.
+//! Frequency responses and their random errors, from averaged spectra.
+
+mod bias;
+mod coherence;
+
+pub use bias::Bias;
+pub use coherence::Coherence;
 
 use num_complex::Complex64;
 
 use crate::channel::{self, Channel};
-use crate::{AveragedSpectra, LabioError};
+use crate::spectra::CrossLines;
+use crate::{AddedDamping, AveragedSpectra, LabioError};
 
 /// Standard deviation of a phase of which nothing is known: uniform over a turn, $`\pi/\sqrt3`$ rad.
 const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
+
+/// Overlapped segments that are worth less than this many independent ones are nearer to one average than to two.
+const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
 /// How the frequency response was formed from the averaged spectra of input x and output y.
 ///
@@ -36,6 +46,10 @@ pub enum LineValidity {
     NoOutput,
     /// Input and output are both there, but their cross-spectrum is zero within rounding: H2 and Hv do not exist.
     NoCorrelation,
+    /// The line has been divided by zero: integrated at 0 Hz, or the reciprocal of a response that is zero.
+    NotDefined,
+    /// The inputs of a system of several inputs depend on each other linearly: none has a response of its own.
+    DependentInputs,
 }
 
 /// Standard deviation of a line, to first order in its size.
@@ -55,14 +69,15 @@ pub struct RandomError {
 /// |---|---|---|
 /// | `frequency_hz` | `(n_lines)`, from 0 | Hz |
 /// | `values` | `(n_lines)` | unit of output / unit of input |
-/// | `coherence`, `random_error` | `(n_lines)`, or none for one average | 1 |
+/// | `coherence` | `(n_lines)`, or none for one average | 1 |
+/// | `variance` | `(n_lines)`, or none for one average | square of the unit of `values` |
 /// | `validity` | `(n_lines)` | |
 ///
 /// # Validity
 ///
 /// The system is linear and stationary over the hits, each hit fits in the record, and the noise is as the
-/// [`Estimator`] wants it. The random error assumes independent hits (J. S. Bendat and A. G. Piersol, *Random Data*, for
-/// H1; the other estimators agree to first order when the coherence is high).
+/// [`Estimator`] wants it. The random error assumes independent hits, or the effective number of overlapped segments (J. S.
+/// Bendat and A. G. Piersol, *Random Data*, for H1; the other estimators agree to first order when the coherence is high).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FrequencyResponse {
@@ -72,16 +87,25 @@ pub struct FrequencyResponse {
     pub input: Channel,
     /// The output channel.
     pub output: Channel,
-    /// Number of hits averaged.
+    /// Number of hits or segments averaged.
     pub n_averages: usize,
+    /// Number of independent hits or segments of the same variance, from which the errors are.
+    pub effective_averages: f64,
+    /// Number of samples of the histories that the lines are the spectrum of: odd ones have no line at the Nyquist frequency.
+    pub n_samples: usize,
+    /// The exponential window on all channels, if there was one: the values are then $`H(\sigma+i\omega)`$.
+    pub added_damping: Option<AddedDamping>,
     /// Frequencies of the lines \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Output over input; NaN where `validity` says why.
     pub values: Vec<Complex64>,
-    /// Ordinary coherence, NaN on invalid lines; none for a single average, where it would be 1 whatever was measured.
+    /// Ordinary coherence, NaN on invalid lines and on lines that were not measured but completed; none for a single average,
+    /// where it would be 1 whatever was measured, and for values that are combined of several tests.
     pub coherence: Option<Vec<f64>>,
-    /// Random error, NaN on invalid lines; none for a single average.
-    pub random_error: Option<Vec<RandomError>>,
+    /// $`\mathrm E\lvert\delta H\rvert^2 = \lvert H\rvert^2(1-\gamma^2)/(n_e\gamma^2)`$, the variance of the complex line: *twice*
+    /// that of its real or of its imaginary part. To first order in 1/n: from few hits it is too small by about (n-1)/n. NaN on
+    /// invalid lines; none for a single average.
+    pub variance: Option<Vec<f64>>,
     /// Whether each line carries information.
     pub validity: Vec<LineValidity>,
 }
@@ -95,34 +119,40 @@ impl FrequencyResponse {
             .filter(|(_, validity)| **validity != LineValidity::Valid)
             .map(|(line, _)| line)
     }
-}
 
-/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the part of the output's power that is linear in the input.
-///
-/// With noise-to-signal ratios $`N_x/S_x`$ and $`N_y/S_y`$ it tends to
-/// $`1/((1+N_x/S_x)(1+N_y/S_y))`$. Nonlinearity, leakage and a second input lower it as well.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Coherence {
-    /// Frequencies of the lines \[Hz\].
-    pub frequency_hz: Vec<f64>,
-    /// Coherence; NaN where `validity` says why.
-    pub values: Vec<f64>,
-    /// Number of hits averaged.
-    pub n_averages: usize,
-    /// Whether each line carries information.
-    pub validity: Vec<LineValidity>,
-}
-
-impl Coherence {
-    /// Expected bias of each line, to first order $`(1-\gamma^2)^2/n`$: with few hits an estimate is too high, and n hits
-    /// of pure noise give 1/n.
+    /// Random error of every line, from its variance: NaN on invalid lines, infinite for a value of zero; none for a single average.
     #[must_use]
-    pub fn bias(&self) -> Vec<f64> {
-        self.values
-            .iter()
-            .map(|coherence| (1.0 - coherence).powi(2) / self.n_averages as f64)
-            .collect()
+    pub fn random_error(&self) -> Option<Vec<RandomError>> {
+        let variances = self.variance.as_ref()?;
+        let line = |(value, variance): (&Complex64, &f64)| {
+            let magnitude = (variance / 2.0).sqrt() / value.norm();
+            let phase = if magnitude > UNKNOWN_PHASE {
+                UNKNOWN_PHASE
+            } else {
+                magnitude
+            };
+            RandomError { magnitude, phase }
+        };
+        Some(self.values.iter().zip(variances).map(line).collect())
+    }
+
+    /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential window, or 0.
+    pub(crate) fn laplace_variable(&self, line: usize) -> Complex64 {
+        let sigma = self.added_damping.map_or(0.0, |window| window.decay_rate());
+        Complex64::new(sigma, std::f64::consts::TAU * self.frequency_hz[line])
+    }
+
+    /// Refuses a response with lines that carry no information.
+    pub(crate) fn check_complete(&self, what: &'static str) -> Result<(), LabioError> {
+        let mut invalid = self.invalid_lines();
+        match invalid.next() {
+            None => Ok(()),
+            Some(first) => Err(LabioError::MissingLines {
+                what,
+                first_hz: self.frequency_hz[first],
+                count: 1 + invalid.count(),
+            }),
+        }
     }
 }
 
@@ -154,31 +184,12 @@ impl AveragedSpectra {
         self.response(Estimator::Hv, input, output)
     }
 
-    /// Ordinary coherence between two channels.
+    /// Frequency response by the estimator of choice.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::TooFewAverages`] for a single hit, whose coherence is 1 by
-    /// construction and says nothing.
-    pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
-        if self.n_averages() < 2 {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the coherence",
-                found: self.n_averages(),
-                expected: 2,
-            });
-        }
-        let lines = self.pair(input, output)?;
-        let validity: Vec<LineValidity> = lines.iter().map(|line| line.validity).collect();
-        Ok(Coherence {
-            frequency_hz: self.frequency_hz().to_vec(),
-            values: lines.iter().map(PairLine::coherence).collect(),
-            n_averages: self.n_averages(),
-            validity,
-        })
-    }
-
-    fn response(
+    /// [`LabioError::UnknownChannel`].
+    pub fn response(
         &self,
         estimator: Estimator,
         input: &str,
@@ -186,371 +197,252 @@ impl AveragedSpectra {
     ) -> Result<FrequencyResponse, LabioError> {
         let (_, input_channel) = channel::find(self.channels(), input)?;
         let (_, output_channel) = channel::find(self.channels(), output)?;
-        let mut lines = self.pair(input, output)?;
-        let rounding = self.transform_rounding();
-        if estimator != Estimator::H1 {
-            for line in &mut lines {
-                let least = rounding * rounding * line.input * line.output;
-                if line.validity == LineValidity::Valid && line.cross.norm_sqr() <= least {
-                    line.validity = LineValidity::NoCorrelation;
-                }
-            }
-        }
-        let averaged = self.n_averages() > 1;
+        let pair = self.pair(input, output)?;
+        let averages = self.effective_averages();
+        let averaged = self.can_have_coherence();
+        let least_coherence = self.transform_rounding().powi(2);
+        let lines = pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || pair.estimates(estimator, averages, least_coherence),
+        );
         Ok(FrequencyResponse {
             estimator,
             input: input_channel.clone(),
             output: output_channel.clone(),
             n_averages: self.n_averages(),
+            effective_averages: averages,
+            n_samples: self.n_samples(),
+            added_damping: self.added_damping(),
             frequency_hz: self.frequency_hz().to_vec(),
-            values: lines.iter().map(|line| line.ratio(estimator)).collect(),
-            coherence: averaged.then(|| lines.iter().map(PairLine::coherence).collect()),
-            random_error: averaged.then(|| {
-                lines
-                    .iter()
-                    .map(|line| RandomError::of(line.coherence(), self.n_averages()))
-                    .collect()
-            }),
-            validity: lines.iter().map(|line| line.validity).collect(),
+            values: lines.values,
+            coherence: averaged.then_some(lines.coherence),
+            variance: averaged.then_some(lines.variance),
+            validity: lines.validity,
         })
     }
 
     /// Relative rounding error of a transform: $`\epsilon\log_2 N`$ of the root mean square line.
-    fn transform_rounding(&self) -> f64 {
+    pub(crate) fn transform_rounding(&self) -> f64 {
         f64::EPSILON * (self.n_samples() as f64).log2().max(1.0)
     }
 
-    fn pair(&self, input: &str, output: &str) -> Result<Vec<PairLine>, LabioError> {
-        let inputs = self.auto(input)?;
-        let outputs = self.auto(output)?;
-        let crosses = self.cross(input, output)?;
-        let mean = |auto: &[f64]| auto.iter().sum::<f64>() / auto.len() as f64;
-        let rounding = self.transform_rounding().powi(2);
-        let (least_input, least_output) = (rounding * mean(&inputs), rounding * mean(&outputs));
-        let line = |((input, output), cross)| PairLine {
-            input,
-            output,
-            cross,
-            validity: if input <= least_input {
-                LineValidity::NoInput
-            } else if output <= least_output {
-                LineValidity::NoOutput
-            } else {
-                LineValidity::Valid
-            },
-        };
-        Ok(inputs
-            .into_iter()
-            .zip(outputs)
-            .zip(crosses)
-            .map(line)
-            .collect())
+    /// Whether there are at least two averages, in number and in effect.
+    pub(crate) fn can_have_coherence(&self) -> bool {
+        self.n_averages() >= 2 && self.effective_averages() >= FEWEST_EFFECTIVE_AVERAGES
+    }
+
+    fn pair(&self, input: &str, output: &str) -> Result<Pair<'_>, LabioError> {
+        let inputs = self.auto_lines(input)?;
+        let outputs = self.auto_lines(output)?;
+        let means = (mean(inputs), mean(outputs));
+        Ok(Pair {
+            inputs,
+            outputs,
+            crosses: self.cross_lines(input, output)?,
+            least_input: self.least_signal(means.0),
+            least_output: self.least_signal(means.1),
+            half_exponents: (half_exponent(means.0), half_exponent(means.1)),
+        })
+    }
+
+    /// The level of an auto-spectrum of mean `mean` below which there is only the rounding of its transform.
+    pub(crate) fn least_signal(&self, mean: f64) -> f64 {
+        self.transform_rounding().powi(2) * mean
     }
 }
 
-impl RandomError {
-    fn of(coherence: f64, n_averages: usize) -> Self {
-        let magnitude = ((1.0 - coherence) / (2.0 * n_averages as f64 * coherence)).sqrt();
-        let phase = if magnitude > UNKNOWN_PHASE {
-            UNKNOWN_PHASE
-        } else {
-            magnitude
-        };
-        Self { magnitude, phase }
+/// The spectra of a pair of channels.
+struct Pair<'a> {
+    inputs: &'a [f64],
+    outputs: &'a [f64],
+    crosses: CrossLines<'a>,
+    least_input: f64,
+    least_output: f64,
+    /// Half the binary exponents of the mean autos.
+    half_exponents: (i32, i32),
+}
+
+/// What a pair of channels says of its lines. Numbers of a line without information are NaN.
+struct Estimates {
+    values: Vec<Complex64>,
+    coherence: Vec<f64>,
+    variance: Vec<f64>,
+    validity: Vec<LineValidity>,
+}
+
+impl Pair<'_> {
+    /// One pass a quantity without branches, so that it can be vectorised: NaN of an invalid line goes through all of them.
+    #[inline(always)]
+    fn estimates(&self, estimator: Estimator, averages: f64, least_coherence: f64) -> Estimates {
+        let n_lines = self.inputs.len();
+        let mut validity = self.validity();
+        let mut values = vec![Complex64::ZERO; n_lines];
+        self.h1(&mut values);
+        let mut coherence = vec![0.0; n_lines];
+        self.coherence(&mut coherence);
+        if estimator != Estimator::H1 {
+            for (line, coherence) in coherence.iter_mut().enumerate() {
+                if *coherence <= least_coherence {
+                    validity[line] = LineValidity::NoCorrelation;
+                    *coherence = f64::NAN;
+                }
+            }
+        }
+
+        // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
+        let mut variance = vec![0.0; n_lines];
+        let per_line = 1.0 / averages;
+        let autos = self.inputs.iter().zip(self.outputs);
+        for ((variance, (x, y)), c) in variance.iter_mut().zip(autos).zip(&coherence) {
+            *variance = (1.0 - c) * per_line * (y / x);
+        }
+        // H2 = H1/coherence, and Hv their geometric mean
+        let both = values.iter_mut().zip(&mut variance).zip(&coherence);
+        match estimator {
+            Estimator::H1 => {}
+            Estimator::H2 => {
+                for ((value, variance), c) in both {
+                    let factor = 1.0 / c;
+                    *value *= factor;
+                    *variance *= factor * factor;
+                }
+            }
+            Estimator::Hv => {
+                for ((value, variance), c) in both {
+                    let factor = 1.0 / c;
+                    *value *= factor.sqrt();
+                    *variance *= factor;
+                }
+            }
+        }
+        Estimates {
+            values,
+            coherence,
+            variance,
+            validity,
+        }
     }
-}
 
-/// The spectra of one line of a pair of channels.
-struct PairLine {
-    input: f64,
-    output: f64,
-    cross: Complex64,
-    validity: LineValidity,
-}
+    fn validity(&self) -> Vec<LineValidity> {
+        let autos = self.inputs.iter().zip(self.outputs);
+        autos
+            .map(|(input, output)| {
+                if *input <= self.least_input {
+                    LineValidity::NoInput
+                } else if *output <= self.least_output {
+                    LineValidity::NoOutput
+                } else {
+                    LineValidity::Valid
+                }
+            })
+            .collect()
+    }
 
-impl PairLine {
-    fn coherence(&self) -> f64 {
-        if self.validity == LineValidity::Valid || self.validity == LineValidity::NoCorrelation {
-            // at most 1 by Schwarz' inequality: the bound takes off rounding only
-            (self.cross.norm() / self.input * (self.cross.norm() / self.output)).min(1.0)
+    #[inline(always)]
+    fn h1(&self, values: &mut [Complex64]) {
+        let autos = self.inputs.iter().zip(self.outputs);
+        let lines = values.iter_mut().zip(autos);
+        match self.crosses {
+            CrossLines::Auto(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(Complex64::new(*g, 0.0), *x, *y);
+                }
+            }
+            CrossLines::Stored(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(*g, *x, *y);
+                }
+            }
+            CrossLines::Conjugate(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = self.ratio(g.conj(), *x, *y);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ratio(&self, cross: Complex64, input: f64, output: f64) -> Complex64 {
+        let keep = self.keep(input, output);
+        Complex64::new(cross.re / input + keep, cross.im / input + keep)
+    }
+
+    #[inline(always)]
+    fn keep(&self, input: f64, output: f64) -> f64 {
+        if input > self.least_input && output > self.least_output {
+            0.0
         } else {
             f64::NAN
         }
     }
 
-    fn ratio(&self, estimator: Estimator) -> Complex64 {
-        if self.validity != LineValidity::Valid {
-            return Complex64::new(f64::NAN, f64::NAN);
-        }
-        match estimator {
-            Estimator::H1 => self.cross / self.input,
-            Estimator::H2 => self.output / self.cross.conj(),
-            Estimator::Hv => {
-                self.cross / self.cross.norm() * (self.output.sqrt() / self.input.sqrt())
+    #[inline(always)]
+    fn coherence(&self, values: &mut [f64]) {
+        // Levels are brought near 1 by powers of two, which is exact: no square can then leave the range of numbers.
+        let to_input = power_of_two(-self.half_exponents.0);
+        let to_output = power_of_two(-self.half_exponents.1);
+        let autos = self.inputs.iter().zip(self.outputs);
+        let lines = values.iter_mut().zip(autos);
+        let coherence = |re: f64, im: f64, x: f64, y: f64| {
+            let (re, im) = (re * to_input * to_output, im * to_input * to_output);
+            let scaled = (x * to_input * to_input) * (y * to_output * to_output);
+            // at most 1 by Schwarz' inequality: the bound takes off rounding only
+            let bounded = ((re * re + im * im) / scaled).min(1.0);
+            bounded + self.keep(x, y)
+        };
+        match self.crosses {
+            CrossLines::Auto(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = coherence(*g, 0.0, *x, *y);
+                }
+            }
+            // a square does not know which of the two is conjugate
+            CrossLines::Stored(crosses) | CrossLines::Conjugate(crosses) => {
+                for ((value, (x, y)), g) in lines.zip(crosses) {
+                    *value = coherence(g.re, g.im, *x, *y);
+                }
             }
         }
     }
+
+    /// Coherence alone; NaN without input or output.
+    fn coherences(&self) -> Vec<f64> {
+        let mut coherence = vec![0.0; self.inputs.len()];
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.coherence(&mut coherence),
+        );
+        coherence
+    }
+}
+
+/// Mean, summed in eight lanes that do not wait for each other.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    for chunk in values.chunks(lanes.len()) {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane += value;
+        }
+    }
+    lanes.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Half the binary exponent of a level.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the exponent of a finite number lies between -1074 and 1024"
+)]
+fn half_exponent(mean: f64) -> i32 {
+    if mean > 0.0 && mean.is_finite() {
+        (mean.log2() / 2.0).round() as i32
+    } else {
+        0
+    }
+}
+
+fn power_of_two(exponent: i32) -> f64 {
+    2.0_f64.powi(exponent)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Provenance, Quantity, Record, SpectrumAverager, Window};
-    use ndarray::Array2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
-    use std::f64::consts::TAU;
-
-    const RATE: f64 = 1000.0;
-
-    fn hit(input: &[f64], output: &[f64]) -> Record {
-        let samples =
-            Array2::from_shape_fn((2, input.len()), |(channel, n)| [input, output][channel][n]);
-        let channels = vec![
-            Channel::new("x", Quantity::Force).unwrap(),
-            Channel::new("y", Quantity::Velocity).unwrap(),
-        ];
-        Record::new(samples, RATE, 0.0, channels, Provenance::computed("test")).unwrap()
-    }
-
-    fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
-        (0..n)
-            .map(|_| {
-                let unit: f64 = StandardNormal.sample(rng);
-                level * unit
-            })
-            .collect()
-    }
-
-    /// Circular convolution by direct sum, so that a line of the output is the response times the line of the input.
-    fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
-        let n = input.len();
-        (0..n)
-            .map(|i| {
-                let past = filter.iter().enumerate();
-                past.map(|(lag, h)| h * input[(i + n - lag) % n]).sum()
-            })
-            .collect()
-    }
-
-    fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
-        a.iter().zip(b).map(|(a, b)| a + b).collect()
-    }
-
-    fn mean(values: &[f64]) -> f64 {
-        values.iter().sum::<f64>() / values.len() as f64
-    }
-
-    #[test]
-    fn a_known_filter_is_found_by_all_estimators() {
-        let filter = [0.7, -0.2, 0.0, 0.45, 0.1]; // last tap makes the zeros lie off the unit circle
-        let n = 96;
-        let mut rng = ChaCha8Rng::seed_from_u64(11);
-        let hits: Vec<Record> = (0..3)
-            .map(|_| {
-                let input = noise(&mut rng, n, 1.0);
-                hit(&input, &circular(&filter, &input))
-            })
-            .collect();
-        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-        for response in [
-            spectra.h1("x", "y"),
-            spectra.h2("x", "y"),
-            spectra.hv("x", "y"),
-        ] {
-            let response = response.unwrap();
-            assert_eq!(response.invalid_lines().count(), 0);
-            for (f, value) in response.frequency_hz.iter().zip(&response.values) {
-                let exact: Complex64 = filter
-                    .iter()
-                    .enumerate()
-                    .map(|(lag, h)| h * Complex64::cis(-TAU * f * lag as f64 / RATE))
-                    .sum();
-                // rounding of the transforms, amplified by the weakest of 49 lines of noise
-                assert!((value - exact).norm() < 1e-12, "{f} Hz: {value} {exact}");
-            }
-            let coherence = response.coherence.unwrap();
-            assert!(coherence.iter().all(|c| (c - 1.0).abs() < 1e-12));
-        }
-    }
-
-    #[test]
-    fn a_delay_turns_the_phase_backwards() {
-        let n = 100;
-        let mut pulse = vec![0.0; n];
-        pulse[3] = 2.0;
-        let mut later = vec![0.0; n];
-        later[10] = 2.0;
-        let spectra = AveragedSpectra::of([&hit(&pulse, &later)], Window::Rectangular).unwrap();
-        let response = spectra.h1("x", "y").unwrap();
-        for (f, value) in response.frequency_hz.iter().zip(&response.values) {
-            // seven samples; rounding only
-            assert!((value - Complex64::cis(-TAU * f * 7.0 / RATE)).norm() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn one_average_gives_a_response_but_no_coherence() {
-        let one = hit(&[1.0, 0.0, 0.0, 0.0], &[0.5, 0.25, 0.0, 0.0]);
-        let spectra = AveragedSpectra::of([&one], Window::Rectangular).unwrap();
-        let response = spectra.h1("x", "y").unwrap();
-        assert!(response.coherence.is_none() && response.random_error.is_none());
-        let error = spectra.coherence("x", "y").unwrap_err();
-        assert!(matches!(
-            error,
-            LabioError::TooFewAverages {
-                found: 1,
-                expected: 2,
-                ..
-            }
-        ));
-    }
-
-    /// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b` on the output.
-    fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut averager = SpectrumAverager::for_records_like(
-            &hit(&vec![0.0; n], &vec![0.0; n]),
-            Window::Rectangular,
-        )
-        .unwrap();
-        for _ in 0..n_hits {
-            let clean = noise(&mut rng, n, 1.0);
-            let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
-            let input = sum(&clean, &noise(&mut rng, n, a.sqrt()));
-            let output = sum(&output, &noise(&mut rng, n, 2.0 * b.sqrt()));
-            averager.add(&hit(&input, &output)).unwrap();
-        }
-        averager.spectra().unwrap()
-    }
-
-    #[test]
-    fn noise_biases_the_estimators_and_the_coherence_as_theory_says() {
-        let (a, b, n_hits) = (0.25, 0.5, 200);
-        let spectra = noisy(3, 512, n_hits, a, b);
-        let magnitudes = |response: FrequencyResponse| -> Vec<f64> {
-            response.values.iter().map(|h| h.norm()).collect()
-        };
-        let h1 = magnitudes(spectra.h1("x", "y").unwrap());
-        let h2 = magnitudes(spectra.h2("x", "y").unwrap());
-        let hv = magnitudes(spectra.hv("x", "y").unwrap());
-        let coherence = spectra.coherence("x", "y").unwrap();
-        let g2 = 1.0 / ((1.0 + a) * (1.0 + b));
-        // random error of a line 0.047, of the mean over 257 lines 0.003; four of these, plus the second-order bias of |H|
-        // (half the squared random error, 0.001): 1.3 %
-        let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.013;
-        assert!(close(mean(&h1), 2.0 / (1.0 + a)), "{}", mean(&h1));
-        assert!(close(mean(&h2), 2.0 * (1.0 + b)), "{}", mean(&h2));
-        assert!(close(mean(&hv), 2.0 * ((1.0 + b) / (1.0 + a)).sqrt()));
-        // standard error of a line sqrt(2 g2) (1 - g2)/sqrt n = 0.034, of the mean 0.0021; four of these, plus bias 0.001
-        assert!((mean(&coherence.values) - g2).abs() < 0.0094);
-        // line by line, by Schwarz' inequality: H1 is never above H2
-        assert!(h1.iter().zip(&h2).all(|(h1, h2)| h1 <= h2));
-        // and the truth lies between their expectations
-        assert!(mean(&h1) < 2.0 && 2.0 < mean(&h2));
-    }
-
-    #[test]
-    fn random_errors_are_the_spread_over_lines() {
-        let n_hits = 20;
-        let spectra = noisy(5, 4096, n_hits, 0.0, 0.3);
-        let response = spectra.h1("x", "y").unwrap();
-        let lines = 1..response.values.len() - 1; // DC and Nyquist have half the degrees of freedom
-        let magnitude: Vec<f64> = lines
-            .clone()
-            .map(|k| (response.values[k].norm() / 2.0 - 1.0).powi(2))
-            .collect();
-        let phase: Vec<f64> = lines.map(|k| response.values[k].arg().powi(2)).collect();
-        let g2: f64 = 1.0 / 1.3;
-        let predicted = ((1.0 - g2) / (2.0 * n_hits as f64 * g2)).sqrt();
-        // 2047 lines give a standard deviation to 1.6 %, four times that is 6.3 %; the finite number of hits (a factor
-        // n/(n-1) in the variance) adds 2.6 %
-        for spread in [mean(&magnitude).sqrt(), mean(&phase).sqrt()] {
-            assert!(
-                (spread / predicted - 1.0).abs() < 0.09,
-                "{spread} {predicted}"
-            );
-        }
-        // and what is reported a line, from the estimated coherence, is that number in the middle
-        let mut reported: Vec<f64> = response
-            .random_error
-            .unwrap()
-            .iter()
-            .map(|e| e.magnitude)
-            .collect();
-        reported.sort_by(f64::total_cmp);
-        let median = reported[reported.len() / 2];
-        // bias of the estimated coherence, (1 - g2)^2/n = 0.0027, is 1.2 % of 1 - g2; spread of the median 1 %
-        assert!(
-            (median / predicted - 1.0).abs() < 0.05,
-            "{median} {predicted}"
-        );
-    }
-
-    #[test]
-    fn the_coherence_of_nothing_in_common_is_its_bias() {
-        let n_hits = 10;
-        let mut rng = ChaCha8Rng::seed_from_u64(13);
-        let hits: Vec<Record> = (0..n_hits)
-            .map(|_| hit(&noise(&mut rng, 4096, 1.0), &noise(&mut rng, 4096, 1.0)))
-            .collect();
-        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-        let coherence = spectra.coherence("x", "y").unwrap();
-        // beta law (1, n-1): mean 1/n, standard deviation 0.09, of the mean of 2049 lines 0.002: four of these
-        assert!((mean(&coherence.values) - 0.1).abs() < 0.008);
-        // the stated bias, taken at the estimate, is (1-g2)^2/n with mean ((n-1)/n)(n/(n+1))/n = 0.0818
-        assert!((mean(&coherence.bias()) - 0.0818).abs() < 0.002);
-    }
-
-    #[test]
-    fn empty_lines_are_flagged_with_their_reason() {
-        // every fifth sample of 60: lines 0, 12 and 24 have all the energy, the others what the transform rounds
-        let train: Vec<f64> = (0..60)
-            .map(|i| if i % 5 == 0 { 1.0 / 3.0 } else { 0.0 })
-            .collect();
-        let silent = vec![0.0; train.len()];
-        let train_in = hit(&train, &train);
-        let spectra = AveragedSpectra::of([&train_in, &train_in], Window::Rectangular).unwrap();
-        let response = spectra.h1("x", "y").unwrap();
-        for (k, validity) in response.validity.iter().enumerate() {
-            if k % 12 == 0 {
-                assert_eq!(*validity, LineValidity::Valid);
-                // one rounding of a ratio
-                assert!((response.values[k] - 1.0).norm() < 1e-15);
-            } else {
-                assert_eq!(*validity, LineValidity::NoInput, "line {k}");
-                assert!(response.values[k].is_nan());
-            }
-        }
-        let mut pulse = silent.clone();
-        pulse[0] = 1.0;
-        let nothing_out = hit(&pulse, &silent);
-        let spectra = AveragedSpectra::of([&nothing_out, &nothing_out], Window::Rectangular);
-        let response = spectra.unwrap().h1("x", "y").unwrap();
-        assert!(
-            response
-                .validity
-                .iter()
-                .all(|v| *v == LineValidity::NoOutput)
-        );
-        // two hits of opposite sign in the output only: the cross-spectrum cancels
-        let minus: Vec<f64> = pulse.iter().map(|x| -x).collect();
-        let hits = [hit(&pulse, &pulse), hit(&pulse, &minus)];
-        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-        let h1 = spectra.h1("x", "y").unwrap();
-        let h2 = spectra.h2("x", "y").unwrap();
-        assert!(h1.values.iter().all(|h| h.norm() < 1e-15));
-        assert!(
-            h1.random_error
-                .unwrap()
-                .iter()
-                .all(|e| e.magnitude.is_infinite())
-        );
-        assert!(
-            h2.validity
-                .iter()
-                .all(|v| *v == LineValidity::NoCorrelation)
-        );
-    }
-}
+mod tests;

@@ -9,8 +9,10 @@
 //!
 //! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each
 //! channel, and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`],
-//! whose memory does not grow with the number of hits; spectra become a [`FrequencyResponse`] and a [`Coherence`]. An
-//! [`instrument`] makes such records for virtual experiments.
+//! whose memory does not grow with the number of hits, or those of a long record or a stream through [`Welch`]; spectra become a
+//! [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers become one ([`MergedResponse`]), change their kind
+//! ([`ResponseKind`]), are completed at low frequencies ([`RigidBody`]), tested for passivity and turned into an
+//! [`ImpulseResponse`]. An [`instrument`] makes records for virtual experiments.
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -51,9 +53,9 @@
 //!
 //! # What this does not do
 //!
-//! No repair of double hits or of clipped samples. No overlapped segments, no force or exponential window. Time must be
-//! uniform; nothing is resampled. The number of averages counts hits and assumes them independent. Errors of bias (leakage,
-//! finite resolution, noise on the input of H1) are described, not estimated.
+//! No repair of double hits or of clipped samples. Time must be uniform; nothing is resampled. Hits are assumed independent; of
+//! overlapped segments the effective number is taken. The bias by noise on one of the channels is bounded from the
+//! coherence ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
 
 pub mod format;
 pub mod hits;
@@ -61,12 +63,19 @@ pub mod instrument;
 
 mod calibration;
 mod channel;
+mod convert;
 mod dft;
 mod error;
 mod filter;
 mod frf;
+mod impulse_response;
+mod integrate;
+mod merge;
+mod multi_input;
+mod passivity;
 mod provenance;
 mod record;
+mod rigid_body;
 mod series;
 mod spectra;
 mod stream;
@@ -78,12 +87,19 @@ pub use calibration::{
     StrainBridge, Transducer,
 };
 pub use channel::{Channel, Quantity};
+pub use convert::ResponseKind;
 pub use error::{LabioError, Place};
-pub use frf::{Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
+pub use frf::{Bias, Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
+pub use impulse_response::ImpulseResponse;
+pub use integrate::{LowFrequency, differentiate, integrate};
+pub use merge::MergedResponse;
+pub use multi_input::MultiInputResponse;
+pub use passivity::{Passivity, PassivityReport};
 pub use provenance::{ContentHash, Provenance};
 pub use record::Record;
+pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
-pub use spectra::{AveragedSpectra, SpectrumAverager};
+pub use spectra::{AveragedSpectra, Detrend, SpectrumAverager, Welch};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
-pub use window::{SampledWindow, Window};
+pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};

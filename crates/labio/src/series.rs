@@ -59,6 +59,12 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
+/// `n` values from `first`, each `step` after the one before: a row or a column of a table that stands in one piece.
+pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
+    let line = values.iter().skip(first).step_by(step.max(1));
+    line.take(n).copied().collect()
+}
+
 impl Ordinate {
     /// Number of values.
     #[must_use]

@@ -1,25 +1,75 @@
 //! Windows in time and what they do to levels and to resolution.
 
-use std::f64::consts::TAU;
+mod added_damping;
+mod force;
+
+pub use added_damping::{AddedDamping, DampedMode};
+pub use force::ForceWindow;
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
 
 use crate::LabioError;
 
-/// A weight of the samples before the transform.
+const HANN: [f64; 2] = [0.5, 0.5];
+const HAMMING: [f64; 2] = [0.54, 0.46];
+/// The four-term window of least side lobes (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
+const BLACKMAN_HARRIS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
+/// The five-term window that SciPy and MATLAB call flat top.
+const FLAT_TOP: [f64; 5] = [
+    0.21557895,
+    0.41663158,
+    0.277263158,
+    0.083578947,
+    0.006947368,
+];
+
+/// A weight of the samples before the transform, the same for all channels.
+///
+/// The windows of cosines are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M = N`$, one period in the N
+/// samples of the transform: the form for spectra. *Symmetric* means $`M = N-1`$, first and last sample equal: the form for
+/// the design of filters, and what some programs take for spectra nevertheless.
 ///
 /// A hit that has died out inside the record needs [`Window::Rectangular`]: any other shape weighs the beginning of the
-/// hit, where the force is, against its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// hit, where the force is, against its end. What a hit may need, the force window ([`ForceWindow`]) and the exponential
+/// window ([`AddedDamping`]), are no members of this list: they are parts of the
+/// signals, not of the estimate, and levels are not corrected for them.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
     /// Weight 1 everywhere.
     Rectangular,
-    /// $`w_n = \frac12 - \frac12\cos(2\pi n/N)`$: one period of the cosine in N samples. The one for spectra.
+    /// $`a = (0.5, 0.5)`$ over N samples. The one for spectra of long records.
     HannPeriodic,
-    /// $`w_n = \frac12 - \frac12\cos(2\pi n/(N-1))`$: first and last sample zero. The one for filter design.
+    /// $`a = (0.5, 0.5)`$ over N-1 samples: first and last sample zero.
     HannSymmetric,
+    /// $`a = (0.54, 0.46)`$ over N samples.
+    HammingPeriodic,
+    /// $`a = (0.54, 0.46)`$ over N-1 samples.
+    HammingSymmetric,
+    /// $`a = (0.35875, 0.48829, 0.14128, 0.01168)`$ over N samples: side lobes 92 dB down.
+    BlackmanHarrisPeriodic,
+    /// The same over N-1 samples.
+    BlackmanHarrisSymmetric,
+    /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples: amplitudes of lines to 0.01 dB
+    /// wherever they fall. Some weights are negative.
+    FlatTopPeriodic,
+    /// The same over N-1 samples.
+    FlatTopSymmetric,
+    /// Flat, with half a Hann window of `taper/2` of the N samples at either end.
+    TukeyPeriodic {
+        /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
+        taper: f64,
+    },
+    /// The same over N-1 samples.
+    TukeySymmetric {
+        /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
+        taper: f64,
+    },
 }
 
-/// The weights of a [`Window`] over a number of samples, with its two corrections.
+/// The weights of a [`Window`] over a number of samples, with its corrections.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SampledWindow {
@@ -28,7 +78,8 @@ pub struct SampledWindow {
     /// Mean weight $`\sum w/N`$. A line of a periodic signal that falls on a spectral line comes out multiplied by it: divide an
     /// amplitude by the coherent gain.
     pub coherent_gain: f64,
-    /// Mean squared weight $`\sum w^2/N`$: the factor by which the level of a stationary noise comes out too low.
+    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor by which the level of a stationary noise comes out too
+    /// low.
     pub power_gain: f64,
     /// Equivalent noise bandwidth in units of the line spacing, $`N\sum w^2/(\sum w)^2`$.
     pub noise_bandwidth_lines: f64,
@@ -39,7 +90,8 @@ impl Window {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] below two samples, or three for the Hann windows, whose first weight is zero.
+    /// [`LabioError::TooFewSamples`] below two samples for the rectangular window and three for the others, whose first
+    /// weight may be zero; [`LabioError::NonPhysical`] for a taper outside 0 to 1.
     ///
     /// # Examples
     ///
@@ -52,7 +104,7 @@ impl Window {
     pub fn sample(self, n_samples: usize) -> Result<SampledWindow, LabioError> {
         let fewest = match self {
             Self::Rectangular => 2,
-            Self::HannPeriodic | Self::HannSymmetric => 3,
+            _ => 3,
         };
         if n_samples < fewest {
             return Err(LabioError::TooFewSamples {
@@ -61,15 +113,19 @@ impl Window {
                 expected: fewest,
             });
         }
-        let hann = |period: usize| -> Vec<f64> {
-            (0..n_samples)
-                .map(|n| 0.5 - 0.5 * (TAU * n as f64 / period as f64).cos())
-                .collect()
-        };
+        let (periodic, symmetric) = (n_samples, n_samples - 1);
         let weights = match self {
             Self::Rectangular => vec![1.0; n_samples],
-            Self::HannPeriodic => hann(n_samples),
-            Self::HannSymmetric => hann(n_samples - 1),
+            Self::HannPeriodic => cosines(&HANN, n_samples, periodic),
+            Self::HannSymmetric => cosines(&HANN, n_samples, symmetric),
+            Self::HammingPeriodic => cosines(&HAMMING, n_samples, periodic),
+            Self::HammingSymmetric => cosines(&HAMMING, n_samples, symmetric),
+            Self::BlackmanHarrisPeriodic => cosines(&BLACKMAN_HARRIS, n_samples, periodic),
+            Self::BlackmanHarrisSymmetric => cosines(&BLACKMAN_HARRIS, n_samples, symmetric),
+            Self::FlatTopPeriodic => cosines(&FLAT_TOP, n_samples, periodic),
+            Self::FlatTopSymmetric => cosines(&FLAT_TOP, n_samples, symmetric),
+            Self::TukeyPeriodic { taper } => tukey(taper, n_samples, periodic)?,
+            Self::TukeySymmetric { taper } => tukey(taper, n_samples, symmetric)?,
         };
         let n = n_samples as f64;
         let sum: f64 = weights.iter().sum();
@@ -83,48 +139,107 @@ impl Window {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+impl SampledWindow {
+    /// Correlation of the spectra of two segments of white noise that begin `shift` samples apart,
+    /// $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$ (P. D. Welch, IEEE Trans. Audio
+    /// Electroacoust. 15 (1967) 70-73). 1 without a shift, 0 without an overlap.
+    #[must_use]
+    pub fn overlap_correlation(&self, shift: usize) -> f64 {
+        let later = self.weights.get(shift..).unwrap_or_default();
+        let product: f64 = self.weights.iter().zip(later).map(|(a, b)| a * b).sum();
+        let squares: f64 = self.weights.iter().map(|w| w * w).sum();
+        (product / squares).powi(2)
+    }
 
-    /// Rounding of a sum of a thousand terms of order one.
-    const SUM_ROUNDING: f64 = 1e-12;
-
-    #[test]
-    fn corrections_are_the_sums_of_cosines() {
-        let n = 1000;
-        let samples = n as f64;
-        // sums of cos and cos^2 over whole periods; the symmetric one has N-1 samples a period and one extra zero
-        let expected = [
-            (Window::Rectangular, 1.0, 1.0, 1.0),
-            (Window::HannPeriodic, 0.5, 0.375, 1.5),
-            (
-                Window::HannSymmetric,
-                0.5 * (samples - 1.0) / samples,
-                0.375 * (samples - 1.0) / samples,
-                1.5 * samples / (samples - 1.0),
-            ),
-        ];
-        for (window, coherent_gain, power_gain, bandwidth) in expected {
-            let sampled = window.sample(n).unwrap();
-            assert!((sampled.coherent_gain - coherent_gain).abs() < SUM_ROUNDING);
-            assert!((sampled.power_gain - power_gain).abs() < SUM_ROUNDING);
-            assert!((sampled.noise_bandwidth_lines - bandwidth).abs() < SUM_ROUNDING);
+    /// How many independent segments have the variance of the average over `n_segments` segments that begin `hop` samples
+    /// apart,
+    ///
+    /// ```math
+    /// n_e = \frac{K}{1 + 2\sum_{j=1}^{K-1}\left(1-\frac jK\right)\rho_j}, \qquad K = n_\mathrm{segments},
+    /// ```
+    ///
+    /// with $`\rho_j`$ the [`SampledWindow::overlap_correlation`] at `j hop`. The sum is exact.
+    ///
+    /// # Validity
+    ///
+    /// White Gaussian noise, and any other whose spectrum varies little over the bandwidth of the window. At 0 Hz and at the
+    /// Nyquist frequency, where a spectrum has one component and not two, the variance is twice as large.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`] without a segment or with a `hop` of 0.
+    pub fn independent_averages(&self, n_segments: usize, hop: usize) -> Result<f64, LabioError> {
+        for (what, found) in [
+            ("segments", n_segments),
+            ("samples from segment to segment", hop),
+        ] {
+            if found == 0 {
+                return Err(LabioError::CountMismatch {
+                    what,
+                    found,
+                    expected: 1,
+                });
+            }
         }
+        let k = n_segments as f64;
+        let overlapping = self.weights.len().saturating_sub(1) / hop;
+        let sum: f64 = (1..n_segments.min(overlapping + 1))
+            .map(|j| (1.0 - j as f64 / k) * self.overlap_correlation(j * hop))
+            .sum();
+        Ok(k / (1.0 + 2.0 * sum))
     }
 
-    #[test]
-    fn the_two_hann_windows_differ_in_their_last_sample() {
-        let periodic = Window::HannPeriodic.sample(8).unwrap().weights;
-        let symmetric = Window::HannSymmetric.sample(8).unwrap().weights;
-        // cos(2 pi 7/8) = 1/sqrt 2; rounding of one cosine
-        assert!((periodic[7] - (0.5 - 0.5 / 2.0_f64.sqrt())).abs() < 1e-15);
-        assert!(symmetric[7].abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_window_of_zeros_is_refused() {
-        assert!(Window::HannSymmetric.sample(2).is_err());
-        assert!(Window::Rectangular.sample(1).is_err());
+    /// Largest loss of a line that falls between two spectral lines, as the factor
+    /// $`\lvert\sum_n w_n e^{-i\pi n/N}\rvert/\lvert\sum_n w_n\rvert`$ on its amplitude.
+    #[must_use]
+    pub fn scalloping(&self) -> f64 {
+        let n = self.weights.len() as f64;
+        let midway: Complex64 = self
+            .weights
+            .iter()
+            .enumerate()
+            .map(|(i, w)| w * Complex64::cis(-PI * i as f64 / n))
+            .sum();
+        midway.norm() / (self.coherent_gain * n).abs()
     }
 }
+
+fn cosines(coefficients: &[f64], n_samples: usize, period: usize) -> Vec<f64> {
+    (0..n_samples)
+        .map(|n| {
+            let mut sign = 1.0;
+            let mut weight = 0.0;
+            for (k, a) in coefficients.iter().enumerate() {
+                // the angle is reduced in integers, where it is exact
+                let turns = (k * n % period) as f64 / period as f64;
+                weight += sign * a * (TAU * turns).cos();
+                sign = -sign;
+            }
+            weight
+        })
+        .collect()
+}
+
+fn tukey(taper: f64, n_samples: usize, period: usize) -> Result<Vec<f64>, LabioError> {
+    if !(0.0..=1.0).contains(&taper) {
+        return Err(LabioError::NonPhysical {
+            quantity: "taper of the Tukey window [-]",
+            value: taper,
+            expected: "a part from 0 to 1",
+        });
+    }
+    let edge = taper / 2.0 * period as f64;
+    Ok((0..n_samples)
+        .map(|n| {
+            let from_end = n.min(period - n) as f64;
+            if from_end < edge {
+                0.5 - 0.5 * (PI * from_end / edge).cos()
+            } else {
+                1.0
+            }
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests;

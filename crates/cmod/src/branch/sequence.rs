@@ -44,6 +44,26 @@ pub enum BranchDoubt {
         /// Expected advance of kL, in rad.
         advance: f64,
     },
+    /// The first lines are explained nearly as well by another wave speed.
+    #[error(
+        "a wave speed of {other:.0} m/s explains the first lines nearly as well as {chosen:.0} m/s"
+    )]
+    SeveralSpeeds {
+        /// The speed taken [m/s].
+        chosen: f64,
+        /// The other one [m/s].
+        other: f64,
+    },
+    /// There are too few lines to tell one wave speed from another, and there was no guess.
+    #[error(
+        "{found} lines are too few to find the wave speed, expected {expected} or a guess of it"
+    )]
+    FewLines {
+        /// Number of lines.
+        found: usize,
+        /// What is needed.
+        expected: usize,
+    },
     /// Over a quarter wave, here or before, most of the information is in lines of negative damping: the count has turned
     /// back at a multiple of π, or Ψ is the complex conjugate, or the damping is lost in noise.
     #[error(
@@ -75,7 +95,12 @@ impl BranchDoubt {
     pub fn is_ambiguous(&self) -> bool {
         matches!(
             self,
-            Self::Start { .. } | Self::Leap { .. } | Self::Gap { .. } | Self::Turned { .. }
+            Self::Start { .. }
+                | Self::Leap { .. }
+                | Self::Gap { .. }
+                | Self::SeveralSpeeds { .. }
+                | Self::FewLines { .. }
+                | Self::Turned { .. }
         )
     }
 }

@@ -1,7 +1,22 @@
-//! `NumPy`'s `.npy`, in the layout that hammer tests are kept in: one array, first row time, the other rows channels.
+//! `NumPy`'s `.npy`: one array in a file.
 //!
-//! The array is two-dimensional, of little-endian `f64`, shape `(1 + n_channels, n_samples)`. Row 0 is time in seconds. The
-//! file says nothing of names and units: the caller does, and the samples are taken as SI.
+//! # A record with its times
+//!
+//! [`read`] and [`Blocks`] know the layout that hammer tests are kept in: a two-dimensional array of little-endian `f64`, shape
+//! `(1 + n_channels, n_samples)`. Row 0 is time in seconds. The file says nothing of names and units: the caller does, and the samples are
+//! taken as SI.
+//!
+//! # Any array
+//!
+//! [`Npy`] reads arrays of one or two axes, of integers, floating-point and complex numbers of either byte order and order of memory.
+//! The longer axis is that of the samples: an array of shape `(3, 4)` is the series `[0, :]`, `[1, :]`, `[2, :]`, one of shape `(4, 3)`
+//! the series `[:, 0]`, `[:, 1]`, `[:, 2]`. Samples are counted from 0, as there is no abscissa in the file; the properties keep
+//! what else the header says. Names, units and abscissae cannot be written: [`npz`](super::npz) holds them.
+
+pub(super) mod array;
+mod blocks;
+pub(super) mod file;
+pub(super) mod header;
 
 use std::fs::File;
 use std::io::Read;
@@ -12,6 +27,9 @@ use ndarray_npy::{ReadNpyExt, ViewNpyError, ViewNpyExt};
 
 use crate::error::check_positive;
 use crate::{Channel, LabioError, Provenance, Record};
+
+pub use blocks::Blocks;
+pub use file::Npy;
 
 const FORMAT: &str = "npy";
 

@@ -7,6 +7,7 @@ use realfft::RealFftPlanner;
 
 use crate::LabioError;
 use crate::error::{check_not_negative, check_positive};
+use crate::filter::transform;
 
 /// One-sided power spectral density of noise \[unit²/Hz\], in the unit that the channel has where the noise comes in.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,14 +166,6 @@ fn interpolated(rows: &[[f64; 2]], frequency_hz: f64) -> f64 {
         (Some([_, density]), None) | (None, Some([_, density])) => *density,
         (None, None) => 0.0, // no table is empty
     }
-}
-
-#[expect(
-    clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
-)]
-fn transform(result: Result<(), realfft::FftError>) {
-    result.expect("buffers of the plan");
 }
 
 #[cfg(test)]

@@ -1,0 +1,210 @@
+//! Virtual experiment of paper B: a polypropylene bar between two cantilever beams is struck, and its modulus is found
+//! from the strains at three equidistant sections and, beside it, at five.
+//!
+//! ```text
+//! cargo run --release --package cmod --example frame_three_point
+//! ```
+//!
+//! writes `target/examples/frame_three_point.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use cmod::{GaugeSpectra, GaugedRod, ModulusLine, MultiPoint, ThreePoint};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::LegendPosition;
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::HalfSine;
+use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+
+const DENSITY: f64 = 919.0;
+const DIAMETER: f64 = 0.016;
+const LENGTH: f64 = 0.800;
+/// Blows on the bar.
+const TESTS: usize = 10;
+/// Error of one strain, by the root mean square of all on its line.
+const NOISE: f64 = 0.01;
+/// Gauges of paper B are equidistant; the distance is our choice. Two more remove what is singular.
+const POSITIONS: [f64; 5] = [0.25, 0.29, 0.40, 0.48, 0.55];
+const EQUIDISTANT: [usize; 3] = [0, 2, 4];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let polypropylene = Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
+    let frequency_hz: Vec<f64> = (4..=64_u32).map(|j| 125.0 * f64::from(j)).collect();
+    let omegas: Vec<f64> = frequency_hz.iter().map(|f| TAU * f).collect();
+    let beam = EndSupport::PAPER_B_BEAM;
+    let section = Circle::of_diameter(DIAMETER)?;
+    let bar = FrameMember::new(
+        &polypropylene,
+        section,
+        LENGTH,
+        &POSITIONS,
+        beam.termination(),
+    )?
+    .with_left_structure(beam.termination())?;
+    let blow = HalfSine::new(50.0, 1e-4)?;
+    let strains = bar.strain_spectra(&Excitation::Force(&blow), &omegas)?;
+    let noise: Vec<f64> = (0..omegas.len())
+        .map(|line| {
+            let power: f64 = strains.iter().map(|strain| strain[line].norm_sqr()).sum();
+            NOISE * (power / POSITIONS.len() as f64).sqrt()
+        })
+        .collect();
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let tests: Vec<Vec<Vec<Complex64>>> = (0..TESTS)
+        .map(|_| measured(&strains, &noise, &mut random))
+        .collect();
+
+    let five: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
+    let five_gauges = MultiPoint::new(rod(POSITIONS.to_vec()))?.estimate(&GaugeSpectra {
+        frequency_hz: &frequency_hz,
+        tests: &five,
+        noise: &vec![noise.clone(); 5],
+    })?;
+    let picked: Vec<Vec<Vec<Complex64>>> = tests
+        .iter()
+        .map(|test| EQUIDISTANT.map(|gauge| test[gauge].clone()).to_vec())
+        .collect();
+    let three: Vec<&[Vec<Complex64>]> = picked.iter().map(Vec::as_slice).collect();
+    let three_gauges = ThreePoint::new(rod(EQUIDISTANT.map(|gauge| POSITIONS[gauge]).to_vec()))?
+        .estimate(&GaugeSpectra {
+            frequency_hz: &frequency_hz,
+            tests: &three,
+            noise: &vec![noise.clone(); 3],
+        })?;
+
+    let storage = |line: &ModulusLine| {
+        (
+            1e-9 * line.modulus.re,
+            1e-9 * line.standard_error.storage_modulus,
+        )
+    };
+    let loss = |line: &ModulusLine| (line.loss_factor, line.standard_error.loss_factor);
+    let exact_storage: Vec<(f64, f64)> = frequency_hz
+        .iter()
+        .map(|f| (1e-3 * f, 1e-9 * polypropylene.modulus(TAU * f).re))
+        .collect();
+    let exact_loss: Vec<(f64, f64)> = frequency_hz
+        .iter()
+        .map(|f| {
+            let modulus = polypropylene.modulus(TAU * f);
+            (1e-3 * f, modulus.im / modulus.re)
+        })
+        .collect();
+    let three_lines: Vec<&ModulusLine> = three_gauges.valid().collect();
+    let five_lines: Vec<&ModulusLine> = five_gauges.modulus().valid().collect();
+    let panel = |exact, value: &dyn Fn(&ModulusLine) -> (f64, f64)| {
+        vec![
+            Plot::Line(
+                LinePlot::new()
+                    .with_data(exact)
+                    .with_color("#777777")
+                    .with_legend("material"),
+            ),
+            points(&three_lines, value, "#c2410c", "three, closed form"),
+            points(&five_lines, value, "#1d4ed8", "five, least squares"),
+        ]
+    };
+    let panels = vec![panel(exact_storage, &storage), panel(exact_loss, &loss)];
+    let layouts = panels
+        .iter()
+        .zip(["E', GPa", "loss factor"])
+        .map(|(plots, label)| {
+            Layout::auto_from_plots(plots)
+                .with_title("Bar of paper B in structure I, ten tests, 1 % noise")
+                .with_x_label("frequency, kHz")
+                .with_y_label(label)
+                .with_legend_position(LegendPosition::InsideTopRight)
+        })
+        .collect();
+    let scene = Figure::new(2, 1)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(760.0, 320.0)
+        .render();
+
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("frame_three_point.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    println!(
+        "of {} lines, valid: {} by three gauges, {} by five; figure in {}",
+        frequency_hz.len(),
+        three_lines.len(),
+        five_lines.len(),
+        path.display()
+    );
+    for line in three_gauges.lines() {
+        if !line.validity.is_valid() {
+            println!("{} Hz, three gauges: {}", line.frequency_hz, line.validity);
+        }
+    }
+    Ok(())
+}
+
+fn rod(positions: Vec<f64>) -> GaugedRod {
+    GaugedRod {
+        positions,
+        diameter: DIAMETER,
+        density: DENSITY,
+    }
+}
+
+/// Strains with circular Gaussian noise of its own on every gauge.
+fn measured(
+    strains: &[Vec<Complex64>],
+    noise: &[f64],
+    random: &mut ChaCha8Rng,
+) -> Vec<Vec<Complex64>> {
+    let mut spectrum = |strain: &Vec<Complex64>| {
+        let value = |(strain, noise): (&Complex64, &f64)| {
+            let re: f64 = StandardNormal.sample(random);
+            let im: f64 = StandardNormal.sample(random);
+            strain + Complex64::new(re, im) * (noise * 0.5_f64.sqrt())
+        };
+        strain.iter().zip(noise).map(value).collect()
+    };
+    strains.iter().map(&mut spectrum).collect()
+}
+
+/// Points with bars of one standard error.
+fn points(
+    lines: &[&ModulusLine],
+    value: &dyn Fn(&ModulusLine) -> (f64, f64),
+    colour: &str,
+    legend: &str,
+) -> Plot {
+    let data: Vec<(f64, f64)> = lines
+        .iter()
+        .map(|line| (1e-3 * line.frequency_hz, value(line).0))
+        .collect();
+    let errors: Vec<f64> = lines.iter().map(|line| value(line).1).collect();
+    Plot::Scatter(
+        ScatterPlot::new()
+            .with_data(data)
+            .with_y_err(errors)
+            .with_color(colour)
+            .with_size(2.5)
+            .with_legend(legend),
+    )
+}

@@ -1,0 +1,380 @@
+//! The modulus from three or more gauges anywhere on a uniform part of a rod, whatever the rest of the structure is.
+//!
+//! Strain, displacement, velocity, acceleration, any of them, is two waves (Ödeen 1993, paper B, eq. 4),
+//!
+//! ```text
+//! q̂(x) = P e^{-γx} + N e^{γx} ,
+//! ```
+//!
+//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed form, [`ThreePoint`]. Any
+//! positions and any number of gauges are solved by least squares, [`MultiPoint`]: P and N are eliminated on every line,
+//! and what they leave unexplained is least at γ. Tests can be evaluated together: each has its own P and N.
+//!
+//! # Singular lines
+//! Gauges that all lie on a grid of spacing a see both waves alike where ka = nπ. Three gauges determine nothing, either,
+//! where a node lies at the middle one. Unequal distances, without a large common measure, and more gauges remove both;
+//! [`advice`] predicts the errors of a set of positions. Near 0 Hz nothing but a wider aperture helps.
+
+pub mod advice;
+mod follow;
+mod line;
+mod projection;
+mod spectra;
+mod start;
+mod three_point;
+mod waves;
+
+pub use spectra::{GaugeSpectra, GaugedRod};
+pub use three_point::{MOST_NOISE_AT_THE_MIDDLE, ThreePoint};
+pub use waves::{Quantity, WavesAtSection};
+
+use std::f64::consts::TAU;
+
+use crate::branch::BranchDoubt;
+use crate::error::{CmodError, check_positive};
+use crate::estimate::{ModulusEstimate, ModulusLine, Refusal, RefusedLine};
+use crate::validity::Violation;
+use follow::Expectation;
+use line::SolvedLine;
+use projection::{Projection, TestWaves};
+use spectra::WhiteLine;
+use waves::LineOfWaves;
+
+/// Three or more gauges at any positions, by least squares.
+///
+/// ```
+/// use cmod::{GaugeSpectra, GaugedRod, MultiPoint};
+/// use num_complex::Complex64;
+///
+/// // two waves in a rod with c = 1700 m/s and a loss factor of 0.1, seen by four gauges
+/// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
+/// let frequency_hz: Vec<f64> = (1..=200).map(|j| 50.0 * f64::from(j)).collect();
+/// let positions = vec![0.0, 0.07, 0.12, 0.2];
+/// let spectra: Vec<Vec<Complex64>> = positions
+///     .iter()
+///     .map(|x| frequency_hz.iter().map(|&f| (-gamma(f) * x).exp() + 0.5 * (gamma(f) * x).exp()).collect())
+///     .collect();
+/// let rod = GaugedRod { positions, diameter: 0.016, density: 919.0 };
+/// let result = MultiPoint::new(rod)?.estimate(&GaugeSpectra {
+///     frequency_hz: &frequency_hz,
+///     tests: &[&spectra],
+///     noise: &vec![vec![1e-3; 200]; 4],
+/// })?;
+/// for line in result.modulus().valid() {
+///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);
+/// }
+/// assert!(result.modulus().valid().count() > 150);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct MultiPoint {
+    rod: GaugedRod,
+    quantity: Quantity,
+    wave_speed: Option<f64>,
+}
+
+impl MultiPoint {
+    /// The method for a `rod` with three or more gauges, which measure strain.
+    ///
+    /// # Errors
+    /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`] for the rod.
+    pub fn new(rod: GaugedRod) -> Result<Self, CmodError> {
+        rod.check()?;
+        Ok(Self {
+            rod,
+            quantity: Quantity::default(),
+            wave_speed: None,
+        })
+    }
+
+    /// The same with gauges of another `quantity`. It changes no modulus, only what the waves can be turned into.
+    #[must_use]
+    pub fn with_quantity(mut self, quantity: Quantity) -> Self {
+        self.quantity = quantity;
+        self
+    }
+
+    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
+    /// 20 m/s and 20 km/s.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
+        self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
+        Ok(self)
+    }
+
+    /// The complex modulus, and the waves of every test.
+    ///
+    /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from what the lines before lead
+    /// to expect. The variance is the Cramér-Rao bound of circular Gaussian noise,
+    ///
+    /// ```text
+    /// E|δγ|² = 1/Σ|d|² ,    d = P_perp (dA/dγ) c ,
+    /// ```
+    ///
+    /// all rows divided by the noise of their gauge.
+    ///
+    /// # Errors
+    /// What is wrong with the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
+    /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
+    /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
+    /// [`CmodError::NegativeNoise`]. A line that is not finite is [refused](ModulusEstimate::refused) alone.
+    pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
+        let n_gauges = self.rod.positions.len();
+        spectra.check(n_gauges)?;
+        let mut white = WhiteLine::for_spectra(spectra, n_gauges);
+        let mut refused = Vec::new();
+        let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
+        for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
+            match white.load(spectra, index) {
+                Ok(()) => usable.push(index),
+                Err(reason) => refused.push(RefusedLine {
+                    index,
+                    frequency_hz,
+                    reason,
+                }),
+            }
+        }
+
+        let n_tests = spectra.tests.len();
+        let mut lines = Vec::with_capacity(usable.len());
+        let mut fits = Vec::with_capacity(usable.len());
+        let mut amplitudes: Vec<TestWaves> = Vec::with_capacity(usable.len() * n_tests);
+        let mut projection = Projection::new(&self.rod.positions);
+        let aperture = self.rod.aperture();
+        let start = start::wave_speed(&mut projection, spectra, &usable, aperture, self.wave_speed);
+        let mut expectation = None;
+        for &index in &usable {
+            let Some(&frequency_hz) = spectra.frequency_hz.get(index) else {
+                continue;
+            };
+            let mut refuse = |reason| {
+                refused.push(RefusedLine {
+                    index,
+                    frequency_hz,
+                    reason,
+                });
+            };
+            let Some(start) = &start else {
+                refuse(Refusal::Undetermined);
+                continue;
+            };
+            let omega = TAU * frequency_hz;
+            let expectation = expectation.get_or_insert_with(|| {
+                let distance = aperture / (n_gauges - 1) as f64;
+                Expectation::new(start.slowness, distance, omega)
+            });
+            if let Err(reason) = white.load(spectra, index) {
+                refuse(reason);
+                continue;
+            }
+            let kept = amplitudes.len();
+            let line = self.solve(
+                (index, frequency_hz),
+                &white,
+                (&mut projection, expectation),
+                start.doubt,
+                &mut amplitudes,
+            );
+            match line {
+                Ok((line, fit)) => {
+                    lines.push(line);
+                    fits.push(fit);
+                }
+                Err(reason) => {
+                    amplitudes.truncate(kept);
+                    refuse(reason);
+                }
+            }
+        }
+        refused.sort_by_key(|line| line.index);
+        Ok(MultiPointEstimate {
+            modulus: ModulusEstimate::new(lines, refused),
+            fits,
+            amplitudes,
+            n_tests,
+            first: self.rod.positions.first().copied().unwrap_or_default(),
+            aperture,
+            quantity: self.quantity,
+        })
+    }
+
+    fn solve(
+        &self,
+        (index, frequency_hz): (usize, f64),
+        white: &WhiteLine,
+        (projection, expectation): (&mut Projection, &mut Expectation),
+        start: Option<BranchDoubt>,
+        amplitudes: &mut Vec<TestWaves>,
+    ) -> Result<(ModulusLine, LineFit), Refusal> {
+        let omega = TAU * frequency_hz;
+        let minimum = projection
+            .minimise(expectation.gamma(omega), white)
+            .ok_or(Refusal::Undetermined)?;
+        // γ and -γ are the same pair of waves.
+        let (gamma, evaluated_at) = if minimum.gamma.im < 0.0 {
+            (-minimum.gamma, None)
+        } else {
+            (minimum.gamma, minimum.evaluated_at)
+        };
+        let doubt = expectation.doubt(omega, gamma);
+        let details = projection
+            .details(gamma, evaluated_at, white, amplitudes)
+            .ok_or(Refusal::Undetermined)?;
+        let degrees_of_freedom = 2 * (white.n_tests() * (white.weights.len() - 2) - 1);
+        let chi_square = (white.variance > 0.0 && degrees_of_freedom > 0)
+            .then_some(2.0 * details.objective.misfit);
+        if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
+            // A line that two waves do not explain must not lead the next ones.
+            let excess = chi_square.map_or(1.0, |chi| (chi / degrees_of_freedom as f64).max(1.0));
+            expectation.update(omega, gamma, details.objective.information / excess);
+        }
+
+        let variance = white.variance / details.objective.information;
+        let mut violations = Vec::new();
+        violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
+        if let Some(chi_square) = chi_square {
+            let limit = chi_square_limit(degrees_of_freedom);
+            if chi_square > limit {
+                violations.push(Violation::Misfit {
+                    chi_square,
+                    degrees_of_freedom,
+                    limit,
+                });
+            }
+        }
+        let line = SolvedLine {
+            index,
+            frequency_hz,
+            gamma,
+            variance,
+            curvature: details.curvature,
+            amplification: (white.mean_power() / details.objective.information).sqrt(),
+            closed_form: None,
+            termination: minimum.termination,
+            violations,
+        }
+        .into_modulus(&self.rod)?;
+        let (forward, backward, shared) = details.waves_covariance;
+        let fit = LineFit {
+            propagation_variance: variance,
+            chi_square,
+            degrees_of_freedom,
+            second_order: details.curvature * variance.sqrt(),
+            waves: LineOfWaves {
+                frequency_hz,
+                gamma,
+                gamma_variance: variance,
+                covariance: (
+                    white.variance * forward,
+                    white.variance * backward,
+                    white.variance * shared,
+                ),
+            },
+        };
+        Ok((line, fit))
+    }
+}
+
+/// What noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube root; up to 2.4 % too high at
+/// 2 degrees of freedom, less above).
+fn chi_square_limit(degrees_of_freedom: usize) -> f64 {
+    const NORMAL_QUANTILE: f64 = 3.0902;
+    let n = degrees_of_freedom as f64;
+    let spread = 2.0 / (9.0 * n);
+    n * (1.0 - spread + NORMAL_QUANTILE * spread.sqrt()).powi(3)
+}
+
+/// The result of [`MultiPoint`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MultiPointEstimate {
+    modulus: ModulusEstimate,
+    fits: Vec<LineFit>,
+    amplitudes: Vec<TestWaves>,
+    n_tests: usize,
+    first: f64,
+    aperture: f64,
+    quantity: Quantity,
+}
+
+impl MultiPointEstimate {
+    /// The modulus a line.
+    #[must_use]
+    pub fn modulus(&self) -> &ModulusEstimate {
+        &self.modulus
+    }
+
+    /// How well the waves explain each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    #[must_use]
+    pub fn fits(&self) -> &[LineFit] {
+        &self.fits
+    }
+
+    /// The waves of `quantity` at `section` x \[m\], on the line `line` of [`ModulusEstimate::lines`] in test `test`, both
+    /// from 0; `None` if there is no such line or test.
+    ///
+    /// The section may lie outside the gauges, as long as the rod is uniform up to there.
+    #[must_use]
+    pub fn waves(
+        &self,
+        line: usize,
+        test: usize,
+        section: f64,
+        quantity: Quantity,
+    ) -> Option<WavesAtSection> {
+        if test >= self.n_tests {
+            return None;
+        }
+        let fit = self.fits.get(line)?;
+        let test = self.amplitudes.get(line * self.n_tests + test)?;
+        let way = section - self.first;
+        Some(waves::waves_at(
+            &fit.waves,
+            test,
+            way,
+            self.aperture - way,
+            self.quantity,
+            quantity,
+        ))
+    }
+}
+
+/// How well two waves explain a line.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct LineFit {
+    /// E|δγ|² [1/m²], half of it each for α and k, without correlation.
+    pub propagation_variance: f64,
+    /// Twice the sum of squares of the residuals by noise: chi-square distributed. `None` without noise or without redundancy.
+    pub chi_square: Option<f64>,
+    /// 2(M(n - 2) - 1) for M tests with n gauges.
+    pub degrees_of_freedom: usize,
+    /// Second order of the error of γ by its standard error.
+    pub second_order: f64,
+    waves: LineOfWaves,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantiles of 99.9 % from tables of the chi-square distribution; 2 degrees of freedom: 2 ln 1000.
+    #[test]
+    fn one_line_in_a_thousand_exceeds_the_limit() {
+        for (degrees_of_freedom, quantile) in [
+            (2, 13.816),
+            (4, 18.467),
+            (10, 29.588),
+            (40, 73.402),
+            (100, 149.449),
+        ] {
+            let limit = chi_square_limit(degrees_of_freedom);
+            assert!(
+                (-1e-3..0.024).contains(&(limit / quantile - 1.0)),
+                "{limit} for {quantile}"
+            );
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Where to put the gauges.
+//!
+//! For a guess of the material and of the waves, the standard error of γ is predicted before anything is glued
+//! (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are singular at ka = nπ, whatever the waves are.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+use rodwave::medium::{Medium, PropagationLaw};
+
+use super::projection::Projection;
+use super::spectra::{WhiteLine, check_positions};
+use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
+
+/// Waves that are expected in the rod: an incident one of amplitude 1 along +x, and what comes back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedWaves {
+    /// Section at which the incident wave has the amplitude 1 \[m\].
+    pub incident_at: f64,
+    /// Section from which it is reflected \[m\].
+    pub reflector_at: f64,
+    /// Reflection coefficient N/P there: -1 for the strain at a free end, 1 at a fixed one, 0 for no reflection.
+    pub reflection: Complex64,
+}
+
+/// What is to be expected on one line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Prediction {
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// (E|δγ|²)^½/|γ|; infinite where the gauges determine nothing. The modulus has twice as much in both parts together.
+    pub relative_deviation: f64,
+}
+
+/// The relative standard deviation of γ for gauges at `positions` \[m\] with `noise`, by the amplitude of the incident wave
+/// (root mean square of real and imaginary part together), in a rod of `medium`.
+///
+/// # Errors
+/// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`], [`CmodError::NonPhysical`] for positions, noise and waves;
+/// [`CmodError::NoLines`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`].
+pub fn predict<L: PropagationLaw>(
+    medium: &Medium<L>,
+    positions: &[f64],
+    waves: ExpectedWaves,
+    noise: f64,
+    frequency_hz: &[f64],
+) -> Result<Vec<Prediction>, CmodError> {
+    check_positions(positions)?;
+    check_frequencies(frequency_hz)?;
+    check_not_negative("noise by the incident wave", noise)?;
+    for value in [
+        waves.incident_at,
+        waves.reflector_at,
+        waves.reflection.norm(),
+    ] {
+        if !value.is_finite() {
+            return Err(CmodError::NonPhysical {
+                quantity: "section or reflection of the expected waves",
+                value,
+                expected: "a finite value",
+            });
+        }
+    }
+    let mut projection = Projection::new(positions);
+    let mut line = WhiteLine {
+        values: vec![Complex64::ZERO; positions.len()],
+        weights: vec![1.0; positions.len()],
+        variance: 1.0,
+        power: 0.0,
+    };
+    let prediction = |&frequency_hz: &f64| {
+        let gamma = medium.propagation_coefficient(TAU * frequency_hz);
+        for (value, x) in line.values.iter_mut().zip(positions) {
+            let way = 2.0 * waves.reflector_at - waves.incident_at - x;
+            *value =
+                (-gamma * (x - waves.incident_at)).exp() + waves.reflection * (-gamma * way).exp();
+        }
+        let relative = projection
+            .evaluate(gamma, &line)
+            .map(|at| noise / (at.information.sqrt() * gamma.norm()))
+            .filter(|relative| !relative.is_nan());
+        Prediction {
+            frequency_hz,
+            relative_deviation: relative.unwrap_or(f64::INFINITY),
+        }
+    };
+    Ok(frequency_hz.iter().map(prediction).collect())
+}
+
+/// Spacing of the coarsest grid on which all `positions` \[m\] lie to within `tolerance` \[m\]: Euclid's algorithm on their
+/// distances. `None` if the only grid is finer than ten times the tolerance.
+///
+/// # Errors
+/// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`].
+pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, CmodError> {
+    check_positions(positions)?;
+    check_positive("tolerance [m]", tolerance)?;
+    let mut spacing = 0.0;
+    for (x, y) in positions.iter().zip(positions.iter().skip(1)) {
+        let (mut a, mut b): (f64, f64) = (y - x, spacing);
+        while b > tolerance {
+            // nearest multiple: a remainder just below b is one just below 0
+            (a, b) = (b, (a - b * (a / b).round()).abs());
+        }
+        spacing = a;
+    }
+    Ok((spacing > 10.0 * tolerance).then_some(spacing))
+}
+
+/// Frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a wavelength apart: ka = nπ with the
+/// [`common_spacing`] a. There the gauges see both waves alike and, but for the damping, γ cannot be found.
+///
+/// # Errors
+/// As [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.
+pub fn singular_frequencies<L: PropagationLaw>(
+    medium: &Medium<L>,
+    positions: &[f64],
+    tolerance: f64,
+    highest_hz: f64,
+) -> Result<Vec<f64>, CmodError> {
+    check_positive("highest frequency [Hz]", highest_hz)?;
+    let Some(spacing) = common_spacing(positions, tolerance)? else {
+        return Ok(Vec::new());
+    };
+    let half_waves = |f: f64| medium.wave_number(TAU * f) * spacing / PI;
+    let mut found = Vec::new();
+    let mut number = 1.0;
+    let mut below = 0.0;
+    while half_waves(highest_hz) >= number {
+        let (mut low, mut high) = (below, highest_hz);
+        // k increases with frequency: bisection, down to rounding
+        while high - low > 1e-13 * highest_hz {
+            let middle = 0.5 * (low + high);
+            if half_waves(middle) < number {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        found.push(high);
+        below = high;
+        number += 1.0;
+    }
+    Ok(found)
+}

@@ -1,0 +1,89 @@
+//! From a propagation coefficient and its variance to a line of the result.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+use rodwave::medium::modulus_from_propagation;
+
+use super::spectra::GaugedRod;
+use crate::branch::ResolvedRoot;
+use crate::estimate::{ModulusLine, Refusal, StandardError, Termination};
+use crate::validity::{Validity, Violation, conditions};
+
+/// At most so large a part of the standard error may its second order be. At 0.1 it is a bias of a tenth of σ and the
+/// bounds of 1σ and 2σ keep their meaning.
+pub(super) const MOST_SECOND_ORDER: f64 = 0.1;
+
+/// γ of one line and all that goes with it.
+pub(super) struct SolvedLine {
+    pub(super) index: usize,
+    pub(super) frequency_hz: f64,
+    pub(super) gamma: Complex64,
+    /// E|δγ|² [1/m²].
+    pub(super) variance: f64,
+    /// Second order of the error of γ by |δγ|² \[m\].
+    pub(super) curvature: f64,
+    /// |dγ| by the relative error of the gauges [1/m].
+    pub(super) amplification: f64,
+    pub(super) closed_form: Option<ResolvedRoot>,
+    pub(super) termination: Termination,
+    pub(super) violations: Vec<Violation>,
+}
+
+impl SolvedLine {
+    pub(super) fn into_modulus(self, rod: &GaugedRod) -> Result<ModulusLine, Refusal> {
+        let gamma = self.gamma;
+        let omega = TAU * self.frequency_hz;
+        let modulus =
+            modulus_from_propagation(gamma, omega, rod.density).map_err(|_| Refusal::NoRoot)?;
+        let mut violations = conditions(gamma, rod.diameter, rod.aperture());
+        violations.extend(self.violations);
+        let second_order = self.curvature * self.variance.sqrt();
+        if second_order > MOST_SECOND_ORDER {
+            violations.push(Violation::NearSingular {
+                second_order,
+                limit: MOST_SECOND_ORDER,
+                half_waves: gamma.im * rod.least_distance() / PI,
+            });
+        }
+        if let Termination::LostPatience {
+            iterations,
+            residual,
+        } = self.termination
+        {
+            violations.push(Violation::NotConverged {
+                iterations,
+                residual,
+            });
+        }
+        // E = -ρω²/γ²: dE/E = -2 dγ/γ
+        let sensitivity = -2.0 * modulus / gamma;
+        let line = ModulusLine {
+            index: self.index,
+            frequency_hz: self.frequency_hz,
+            propagation_coefficient: gamma,
+            modulus,
+            loss_factor: modulus.im / modulus.re,
+            phase_velocity: omega / gamma.im,
+            standard_error: StandardError::propagated(modulus, sensitivity, self.variance),
+            error_amplification: 2.0 * self.amplification / gamma.norm(),
+            closed_form: self.closed_form,
+            termination: self.termination,
+            validity: Validity::from_violations(violations),
+        };
+        let numbers = [
+            modulus.norm(),
+            line.loss_factor,
+            line.phase_velocity,
+            line.standard_error.storage_modulus,
+            line.standard_error.loss_factor,
+            line.error_amplification,
+            second_order,
+        ];
+        if numbers.iter().all(|number| number.is_finite()) {
+            Ok(line)
+        } else {
+            Err(Refusal::Undetermined)
+        }
+    }
+}

@@ -1,0 +1,436 @@
+//! One line by variable projection: the two waves are eliminated, and what they leave unexplained is least over γ.
+//!
+//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each gauge, the waves that
+//! explain b best are c = A⁺b, and
+//!
+//! ```text
+//! V(γ) = |P b|² ,    P = I - A A⁺ ,    d = P A'c ,    γ ← γ + d^H P b / d^H d
+//! ```
+//!
+//! is the Gauss-Newton step. Each wave is counted from the gauge at which it enters, so that neither column grows; that
+//! multiplies columns by constants and leaves P, d and the step as they are. Several tests add up in V, d^H P b and d^H d.
+
+use num_complex::Complex64;
+
+use super::spectra::WhiteLine;
+use crate::estimate::Termination;
+
+/// Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
+const MOST_STEPS: u32 = 60;
+/// Halvings of one step.
+const MOST_HALVINGS: u32 = 12;
+
+/// V and its step at one γ.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Objective {
+    /// V.
+    pub(super) misfit: f64,
+    /// d^H d, the inverse of the variance of γ.
+    pub(super) information: f64,
+    /// d^H P b.
+    gradient: Complex64,
+}
+
+/// Waves of one test and how γ moves them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TestWaves {
+    /// Along +x, at the first gauge; along -x, at the last gauge.
+    pub(super) amplitudes: [Complex64; 2],
+    /// A⁺A'c: minus dc/dγ.
+    pub(super) drift: [Complex64; 2],
+}
+
+/// A line at its solution.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Details {
+    pub(super) objective: Objective,
+    /// (A^H A)⁻¹ as its diagonal and its element 1, 2.
+    pub(super) waves_covariance: (f64, f64, Complex64),
+    /// Second-order error of γ by |δγ|², [m].
+    pub(super) curvature: f64,
+}
+
+/// A minimum of V.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Minimum {
+    pub(super) gamma: Complex64,
+    /// The objective at γ, or a negligible step from it; `None` if something else was evaluated after it.
+    pub(super) evaluated_at: Option<Objective>,
+    pub(super) termination: Termination,
+}
+
+/// The columns at one γ, orthonormal, with room for a row of gauges.
+pub(super) struct Projection {
+    /// x - x₁ and x_n - x.
+    from_first: Vec<f64>,
+    to_last: Vec<f64>,
+    aperture: f64,
+    forward: Vec<Complex64>,
+    backward: Vec<Complex64>,
+    /// A'.
+    slope_columns: [Vec<Complex64>; 2],
+    basis: [Vec<Complex64>; 2],
+    /// A'c of one test.
+    slope: Vec<Complex64>,
+    /// A = [q₁, q₂] R, R upper triangular: r₁₁, r₁₂, r₂₂.
+    r: (f64, Complex64, f64),
+}
+
+impl Projection {
+    pub(super) fn new(positions: &[f64]) -> Self {
+        let first = positions.first().copied().unwrap_or_default();
+        let last = positions.last().copied().unwrap_or_default();
+        let column = || vec![Complex64::ZERO; positions.len()];
+        Self {
+            from_first: positions.iter().map(|x| x - first).collect(),
+            to_last: positions.iter().map(|x| last - x).collect(),
+            aperture: last - first,
+            forward: column(),
+            backward: column(),
+            slope_columns: [column(), column()],
+            basis: [column(), column()],
+            slope: column(),
+            r: (1.0, Complex64::ZERO, 1.0),
+        }
+    }
+
+    pub(super) fn n_gauges(&self) -> usize {
+        self.from_first.len()
+    }
+
+    /// Columns at γ; `None` where the gauges cannot tell the two waves apart, or γ is out of all bounds.
+    fn set(&mut self, gamma: Complex64, weights: &[f64]) -> Option<()> {
+        let whole = (-gamma * self.aperture).exp();
+        let mut forward_power = 0.0;
+        let mut backward_power = 0.0;
+        let mut shared = Complex64::ZERO;
+        for ((x, w), (f, b)) in self
+            .from_first
+            .iter()
+            .zip(weights)
+            .zip(self.forward.iter_mut().zip(&mut self.backward))
+        {
+            let wave = (-gamma * x).exp();
+            *f = wave * w;
+            // e^{-γ(x_n - x)}: one exponential serves both columns
+            *b = whole * wave.conj() * (w / wave.norm_sqr());
+            forward_power += f.norm_sqr();
+            backward_power += b.norm_sqr();
+            shared += f.conj() * *b;
+        }
+        let r11 = forward_power.sqrt();
+        let r12 = shared / r11;
+        let scale = r11.recip();
+        let [q1, q2] = &mut self.basis;
+        let mut rest = 0.0;
+        for ((f, b), (q1, q2)) in self
+            .forward
+            .iter()
+            .zip(&self.backward)
+            .zip(q1.iter_mut().zip(q2.iter_mut()))
+        {
+            *q1 = f * scale;
+            *q2 = b - r12 * *q1;
+            rest += q2.norm_sqr();
+        }
+        let distinguishable = rest.is_finite() && rest > 1e-26 * backward_power;
+        let r22 = rest.sqrt();
+        let scale = r22.recip();
+        for q2 in q2.iter_mut() {
+            *q2 *= scale;
+        }
+        self.r = (r11, r12, r22);
+        distinguishable.then_some(())
+    }
+
+    /// A', with the columns where they are.
+    fn set_slopes(&mut self) {
+        let [first, second] = &mut self.slope_columns;
+        for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
+            *s = f * -x;
+        }
+        for ((s, b), x) in second.iter_mut().zip(&self.backward).zip(&self.to_last) {
+            *s = b * -x;
+        }
+    }
+
+    /// Coefficients of one vector in the basis.
+    fn coefficients(&self, vector: impl Iterator<Item = Complex64>) -> [Complex64; 2] {
+        let [q1, q2] = &self.basis;
+        let mut y = [Complex64::ZERO; 2];
+        for (v, (q1, q2)) in vector.zip(q1.iter().zip(q2)) {
+            y[0] += q1.conj() * v;
+            y[1] += q2.conj() * v;
+        }
+        y
+    }
+
+    /// R⁻¹ y.
+    fn amplitudes(&self, y: [Complex64; 2]) -> [Complex64; 2] {
+        let (r11, r12, r22) = self.r;
+        let backward = y[1] / r22;
+        [(y[0] - r12 * backward) / r11, backward]
+    }
+
+    /// A'c into `slope`; its coefficients.
+    fn set_slope(&mut self, c: [Complex64; 2]) -> [Complex64; 2] {
+        let [first, second] = &self.slope_columns;
+        for (s, (f, b)) in self.slope.iter_mut().zip(first.iter().zip(second)) {
+            *s = f * c[0] + b * c[1];
+        }
+        self.coefficients(self.slope.iter().copied())
+    }
+
+    /// V alone.
+    pub(super) fn misfit(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<f64> {
+        self.set(gamma, &line.weights)?;
+        let [q1, q2] = &self.basis;
+        let mut misfit = 0.0;
+        for values in line.values.chunks_exact(self.n_gauges()) {
+            let y = self.coefficients(values.iter().copied());
+            for (value, (q1, q2)) in values.iter().zip(q1.iter().zip(q2)) {
+                misfit += (value - y[0] * q1 - y[1] * q2).norm_sqr();
+            }
+        }
+        misfit.is_finite().then_some(misfit)
+    }
+
+    /// V, its information and its gradient at γ.
+    pub(super) fn evaluate(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Objective> {
+        self.set(gamma, &line.weights)?;
+        self.set_slopes();
+        let mut objective = Objective {
+            misfit: 0.0,
+            information: 0.0,
+            gradient: Complex64::ZERO,
+        };
+        for values in line.values.chunks_exact(self.n_gauges()) {
+            let y = self.coefficients(values.iter().copied());
+            let w = self.set_slope(self.amplitudes(y));
+            let [q1, q2] = &self.basis;
+            for ((value, slope), (q1, q2)) in values.iter().zip(&self.slope).zip(q1.iter().zip(q2))
+            {
+                let residual = value - y[0] * q1 - y[1] * q2;
+                let d = slope - w[0] * q1 - w[1] * q2;
+                objective.misfit += residual.norm_sqr();
+                objective.information += d.norm_sqr();
+                objective.gradient += d.conj() * residual;
+            }
+        }
+        (objective.misfit.is_finite() && objective.information.is_finite()).then_some(objective)
+    }
+
+    /// Gauss-Newton with step halving from `start`; `None` where γ cannot be determined.
+    ///
+    /// It ends where the step is a hundredth of the standard error that the residuals show, or is rounding. That step is
+    /// still taken, and leaves of itself what the relative noise is.
+    pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
+        let mut gamma = start;
+        let mut now = self.evaluate(gamma, line)?;
+        let rounding = 16.0 * f64::EPSILON * line.power.sqrt();
+        for iterations in 1..=MOST_STEPS {
+            if now.information <= 0.0 {
+                return None;
+            }
+            let mut step = now.gradient / now.information;
+            let moved = step.norm() * now.information.sqrt();
+            let negligible = step.norm() <= 1e-12 * gamma.norm()
+                || moved <= 1e-2 * now.misfit.sqrt()
+                || moved <= rounding;
+            let termination = Termination::Converged {
+                iterations,
+                residual: now.misfit.sqrt(),
+            };
+            if negligible {
+                return Some(Minimum {
+                    gamma: gamma + step,
+                    evaluated_at: Some(now),
+                    termination,
+                });
+            }
+            // The model turns with the phase over the aperture: no step beyond one radian.
+            let most = self.aperture.recip();
+            if step.norm() > most {
+                step *= most / step.norm();
+            }
+            let mut halvings = 0;
+            loop {
+                if let Some(next) = self.evaluate(gamma + step, line)
+                    && next.misfit <= now.misfit
+                {
+                    gamma += step;
+                    now = next;
+                    break;
+                }
+                halvings += 1;
+                if halvings > MOST_HALVINGS {
+                    return Some(lost(gamma, &now, iterations));
+                }
+                step *= 0.5;
+            }
+        }
+        Some(lost(gamma, &now, MOST_STEPS))
+    }
+
+    /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the
+    /// last evaluation was there, or nearer than matters.
+    pub(super) fn details(
+        &mut self,
+        gamma: Complex64,
+        at: Option<Objective>,
+        line: &WhiteLine,
+        waves: &mut Vec<TestWaves>,
+    ) -> Option<Details> {
+        let objective = match at {
+            Some(objective) => objective,
+            None => self.evaluate(gamma, line)?,
+        };
+        let mut bend = 0.0;
+        for values in line.values.chunks_exact(self.n_gauges()) {
+            let c = self.amplitudes(self.coefficients(values.iter().copied()));
+            let w = self.set_slope(c);
+            let drift = self.amplitudes(w);
+            // P(A''c/2 - A'A⁺A'c): by so much the residual leaves its tangent d at a distance 1 of γ
+            let [first, second] = &self.slope_columns;
+            let columns = first.iter().zip(second);
+            for (((s, (f, b)), x), y) in self
+                .slope
+                .iter_mut()
+                .zip(columns)
+                .zip(&self.from_first)
+                .zip(&self.to_last)
+            {
+                *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
+            }
+            let z = self.coefficients(self.slope.iter().copied());
+            let [q1, q2] = &self.basis;
+            for (s, (q1, q2)) in self.slope.iter().zip(q1.iter().zip(q2)) {
+                bend += (s - z[0] * q1 - z[1] * q2).norm_sqr();
+            }
+            waves.push(TestWaves {
+                amplitudes: c,
+                drift,
+            });
+        }
+        let (r11, r12, r22) = self.r;
+        let backward = (r22 * r22).recip();
+        let shared = -r12 * backward / r11;
+        let forward = (1.0 + r12.norm_sqr() * backward) / (r11 * r11);
+        Some(Details {
+            objective,
+            waves_covariance: (forward, backward, shared),
+            curvature: (bend / objective.information).sqrt(),
+        })
+    }
+}
+
+fn lost(gamma: Complex64, now: &Objective, iterations: u32) -> Minimum {
+    Minimum {
+        gamma,
+        evaluated_at: None,
+        termination: Termination::LostPatience {
+            iterations,
+            residual: now.misfit.sqrt(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAMMA: Complex64 = Complex64::new(1.3, 21.0);
+    const POSITIONS: [f64; 4] = [0.1, 0.17, 0.22, 0.31];
+
+    fn line() -> WhiteLine {
+        let weights = vec![1.0, 2.0, 0.5, 1.5];
+        let mut values = Vec::new();
+        for (p, n) in [
+            (Complex64::new(1.0, 0.2), Complex64::new(-0.3, 0.6)),
+            (Complex64::new(0.1, -1.2), Complex64::new(0.8, 0.1)),
+        ] {
+            for (x, w) in POSITIONS.iter().zip(&weights) {
+                values.push((p * (-GAMMA * x).exp() + n * (GAMMA * x).exp()) * w);
+            }
+        }
+        WhiteLine {
+            power: values.iter().map(Complex64::norm_sqr).sum(),
+            values,
+            weights,
+            variance: 1.0,
+        }
+    }
+
+    #[test]
+    fn two_waves_leave_nothing_at_their_own_propagation_coefficient() {
+        let mut projection = Projection::new(&POSITIONS);
+        let line = line();
+        let at = projection.evaluate(GAMMA, &line).unwrap();
+        // rounding of the values, squared
+        assert!(at.misfit < 1e-28 * line.power);
+        // V = |δγ|² d^H d near the minimum; the next order is the curvature, of order the aperture
+        for delta in [Complex64::new(1e-5, 0.0), Complex64::new(0.0, 1e-5)] {
+            let beside = projection.evaluate(GAMMA + delta, &line).unwrap();
+            let ratio = beside.misfit / (at.information * delta.norm_sqr());
+            assert!((ratio - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_minimum_is_found_from_half_a_radian_away() {
+        let mut projection = Projection::new(&POSITIONS);
+        let found = projection
+            .minimise(GAMMA + Complex64::new(-0.8, 2.0), &line())
+            .unwrap();
+        assert!(found.termination.was_successful());
+        assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
+    }
+
+    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is not orthogonal to both.
+    #[test]
+    fn the_curvature_is_the_second_order_of_the_residual() {
+        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
+        let gamma = Complex64::new(0.9, 28.0);
+        let values: Vec<Complex64> = [0.0, 0.1, 0.2]
+            .iter()
+            .map(|x| (-gamma * x).exp() + 0.4 * (gamma * x).exp())
+            .collect();
+        let line = WhiteLine {
+            power: values.iter().map(Complex64::norm_sqr).sum(),
+            values,
+            weights: vec![1.0; 3],
+            variance: 1.0,
+        };
+        let details = projection
+            .details(gamma, None, &line, &mut Vec::new())
+            .unwrap();
+        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The turning of P adds to q
+        // what is of order the aperture: near ka = π the first dominates.
+        let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
+        assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_is_refused() {
+        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
+        let line = WhiteLine {
+            values: vec![Complex64::ONE; 3],
+            weights: vec![1.0; 3],
+            variance: 1.0,
+            power: 3.0,
+        };
+        assert!(projection.evaluate(Complex64::ZERO, &line).is_none());
+        let half_waves = Complex64::new(0.0, std::f64::consts::PI / 0.1);
+        assert!(projection.evaluate(half_waves, &line).is_none());
+        assert!(
+            projection
+                .evaluate(Complex64::new(f64::NAN, 1.0), &line)
+                .is_none()
+        );
+        assert!(
+            projection
+                .evaluate(Complex64::new(1e5, 1.0), &line)
+                .is_none()
+        );
+    }
+}

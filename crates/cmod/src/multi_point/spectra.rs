@@ -1,0 +1,211 @@
+//! What the gauges have measured, and one line of it with equal noise at all gauges.
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_frequencies, check_positive};
+use crate::estimate::Refusal;
+
+/// A uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). What is attached to the rod need not be
+/// known, as long as nothing acts between the gauges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GaugedRod {
+    /// Positions x of the gauges \[m\], increasing.
+    pub positions: Vec<f64>,
+    /// Diameter D \[m\], for the condition λ > 5D.
+    pub diameter: f64,
+    /// Density ρ [kg/m³].
+    pub density: f64,
+}
+
+impl GaugedRod {
+    /// Distance between the outermost gauges \[m\].
+    #[must_use]
+    pub fn aperture(&self) -> f64 {
+        match (self.positions.first(), self.positions.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// Least distance between two gauges \[m\].
+    #[must_use]
+    pub fn least_distance(&self) -> f64 {
+        self.distances().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distances between neighbours \[m\].
+    pub(super) fn distances(&self) -> impl Iterator<Item = f64> {
+        let positions = &self.positions;
+        positions
+            .iter()
+            .zip(positions.iter().skip(1))
+            .map(|(x, y)| y - x)
+    }
+
+    pub(super) fn check(&self) -> Result<(), CmodError> {
+        check_positive("diameter [m]", self.diameter)?;
+        check_positive("density [kg/m^3]", self.density)?;
+        check_positions(&self.positions)
+    }
+}
+
+/// Accepts three or more finite and increasing positions.
+pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
+    if positions.len() < 3 {
+        return Err(CmodError::GaugeCount {
+            found: positions.len(),
+            expected: "3 or more",
+        });
+    }
+    let mut previous = None;
+    for (gauge, &position) in positions.iter().enumerate() {
+        if !position.is_finite() {
+            return Err(CmodError::NonPhysical {
+                quantity: "position of a gauge [m]",
+                value: position,
+                expected: "a finite value",
+            });
+        }
+        if let Some(previous) = previous
+            && position <= previous
+        {
+            return Err(CmodError::PositionOrder {
+                gauge,
+                position,
+                previous,
+            });
+        }
+        previous = Some(position);
+    }
+    Ok(())
+}
+
+/// Fourier transforms of what the gauges have measured in one test or several, and their noise.
+///
+/// | field | shape |
+/// |---|---|
+/// | `frequency_hz` | `(n_lines)`, increasing |
+/// | `tests` | `(n_tests)(n_gauges)(n_lines)` |
+/// | `noise` | `(n_gauges)(n_lines)` |
+///
+/// Tests are not averaged: every blow has waves of its own, and the propagation coefficient is common to all.
+#[derive(Debug, Clone, Copy)]
+pub struct GaugeSpectra<'a> {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: &'a [f64],
+    /// Spectra of strain, displacement, velocity or acceleration, all gauges in one unit.
+    pub tests: &'a [&'a [Vec<Complex64>]],
+    /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part together, in the unit of the
+    /// spectra. 0 at all gauges stands for data without noise.
+    pub noise: &'a [Vec<f64>],
+}
+
+impl GaugeSpectra<'_> {
+    pub(super) fn check(&self, n_gauges: usize) -> Result<(), CmodError> {
+        check_frequencies(self.frequency_hz)?;
+        let expected = self.frequency_hz.len();
+        if self.tests.is_empty() {
+            return Err(CmodError::NoTests);
+        }
+        for (test, spectra) in self.tests.iter().enumerate() {
+            if spectra.len() != n_gauges {
+                return Err(CmodError::SpectraOfTest {
+                    test,
+                    found: spectra.len(),
+                    expected: n_gauges,
+                });
+            }
+            for (gauge, spectrum) in spectra.iter().enumerate() {
+                if spectrum.len() != expected {
+                    return Err(CmodError::SpectrumLength {
+                        test,
+                        gauge,
+                        found: spectrum.len(),
+                        expected,
+                    });
+                }
+            }
+        }
+        crate::error::check_length("row of gauges of the noise", self.noise.len(), n_gauges)
+            .map_err(|_| CmodError::GaugeCount {
+                found: self.noise.len(),
+                expected: "noise of as many as there are positions",
+            })?;
+        for (gauge, noise) in self.noise.iter().enumerate() {
+            crate::error::check_length("noise of a gauge", noise.len(), expected)?;
+            if let Some((line, &noise)) = noise.iter().enumerate().find(|(_, s)| **s < 0.0) {
+                return Err(CmodError::NegativeNoise { gauge, line, noise });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One line of all tests, divided by the noise of each gauge.
+pub(super) struct WhiteLine {
+    /// (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
+    pub(super) values: Vec<Complex64>,
+    /// 1/noise of each gauge; 1 without noise.
+    pub(super) weights: Vec<f64>,
+    /// Variance of one value: 1, or 0 without noise.
+    pub(super) variance: f64,
+    /// Sum of the squares of the values.
+    pub(super) power: f64,
+}
+
+impl WhiteLine {
+    pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_gauges: usize) -> Self {
+        Self {
+            values: Vec::with_capacity(spectra.tests.len() * n_gauges),
+            weights: Vec::with_capacity(n_gauges),
+            variance: 1.0,
+            power: 0.0,
+        }
+    }
+
+    pub(super) fn n_tests(&self) -> usize {
+        self.values.len() / self.weights.len().max(1)
+    }
+
+    /// Mean power of a value.
+    pub(super) fn mean_power(&self) -> f64 {
+        self.power / self.values.len() as f64
+    }
+
+    /// Takes line `index` of the spectra.
+    pub(super) fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> Result<(), Refusal> {
+        if spectra.frequency_hz.get(index) == Some(&0.0) {
+            return Err(Refusal::ZeroFrequency);
+        }
+        let noises = || spectra.noise.iter().filter_map(|noise| noise.get(index));
+        if noises().any(|noise| !noise.is_finite()) {
+            return Err(Refusal::SpectrumNotFinite);
+        }
+        let silent = noises().filter(|noise| **noise == 0.0).count();
+        self.variance = if silent == 0 { 1.0 } else { 0.0 };
+        self.weights.clear();
+        if silent == 0 {
+            self.weights.extend(noises().map(|noise| noise.recip()));
+        } else if silent == spectra.noise.len() {
+            self.weights.resize(silent, 1.0);
+        } else {
+            return Err(Refusal::NoiseOfSomeGauges);
+        }
+        self.values.clear();
+        self.power = 0.0;
+        for test in spectra.tests {
+            for (spectrum, weight) in test.iter().zip(&self.weights) {
+                let value = spectrum.get(index).copied().unwrap_or_default() * weight;
+                self.power += value.norm_sqr();
+                self.values.push(value);
+            }
+        }
+        if !self.power.is_finite() {
+            return Err(Refusal::SpectrumNotFinite);
+        }
+        if self.power == 0.0 {
+            return Err(Refusal::Undetermined);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,226 @@
+//! Where the wave number starts: one wave speed for the first lines together.
+//!
+//! On a single line V(γ) has many minima. But a speed that is nearly constant over the first wavelengths explains many
+//! lines at once, and no other does: of a row of speeds the one is taken at which the misfit, averaged over lines with up
+//! to one wavelength between the outermost gauges, is least. The misfit enters by its logarithm, and the worst third of the
+//! lines not at all, so that bad lines cannot decide. The best speeds are compared once more on more lines.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::projection::Projection;
+use super::spectra::{GaugeSpectra, WhiteLine};
+use crate::branch::BranchDoubt;
+
+/// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
+const SLOWEST: f64 = 20.0;
+const FASTEST: f64 = 20e3;
+/// Within this factor of a guess.
+const GUESS_FACTOR: f64 = 1.5;
+/// Ratio of neighbouring speeds: a third of a radian at one wavelength.
+const SPEED_RATIO: f64 = 1.055;
+/// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
+const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
+/// Lines that are compared at each speed, first at all and then at the best ones.
+const LINES: usize = 16;
+const MORE_LINES: usize = 64;
+/// Minima over the speed that are compared on [`MORE_LINES`].
+const FINALISTS: usize = 8;
+/// Without a guess, fewer lines than this do not tell one speed from another.
+const FEWEST_LINES: usize = 8;
+/// What one speed and one damping for all lines cannot explain, by the root mean square of the gauges.
+const MODEL_ERROR: f64 = 0.02;
+/// Logarithm of the ratio from which on two speeds are two.
+const DISTINCT: f64 = 0.3;
+/// Two speeds with mean log misfits closer than this are not told apart.
+const TOO_CLOSE: f64 = 0.1;
+
+/// γ by ω of the first lines [s/m], and what speaks against it.
+pub(super) struct Start {
+    pub(super) slowness: Complex64,
+    pub(super) doubt: Option<BranchDoubt>,
+}
+
+/// Compares speeds over the `usable` lines (their indices); `None` if there is no line.
+pub(super) fn wave_speed(
+    projection: &mut Projection,
+    spectra: &GaugeSpectra<'_>,
+    usable: &[usize],
+    aperture: f64,
+    guess: Option<f64>,
+) -> Option<Start> {
+    let (slowest, fastest) = guess.map_or((SLOWEST, FASTEST), |speed| {
+        (speed / GUESS_FACTOR, speed * GUESS_FACTOR)
+    });
+    let mut search = Search {
+        line: WhiteLine::for_spectra(spectra, projection.n_gauges()),
+        projection,
+        spectra,
+        usable,
+        aperture,
+        misfits: Vec::with_capacity(MORE_LINES),
+    };
+    let mut speed = slowest;
+    let mut tried = Vec::new();
+    while speed <= fastest {
+        let mut best = (f64::INFINITY, speed, Complex64::ZERO);
+        for damping in DAMPING {
+            let slowness = Complex64::new(damping, 1.0) / speed;
+            let score = search.score(slowness, LINES);
+            if score < best.0 {
+                best = (score, speed, slowness);
+            }
+        }
+        tried.push(best);
+        speed *= SPEED_RATIO;
+    }
+    let mut scores = minima(&tried);
+    scores.sort_by(|a, b| a.0.total_cmp(&b.0));
+    scores.truncate(FINALISTS);
+    for (score, _, slowness) in &mut scores {
+        *score = search.score(*slowness, MORE_LINES);
+    }
+    let chosen = scores.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied()?;
+    let rival = scores
+        .iter()
+        .filter(|(_, speed, _)| (speed / chosen.1).ln().abs() > DISTINCT)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let doubt = if guess.is_none() && usable.len() < FEWEST_LINES {
+        Some(BranchDoubt::FewLines {
+            found: usable.len(),
+            expected: FEWEST_LINES,
+        })
+    } else {
+        rival
+            .filter(|(score, _, _)| *score < chosen.0 + TOO_CLOSE)
+            .map(|(_, other, _)| BranchDoubt::SeveralSpeeds {
+                chosen: chosen.1,
+                other: *other,
+            })
+    };
+    chosen.0.is_finite().then_some(Start {
+        slowness: chosen.2,
+        doubt,
+    })
+}
+
+/// Score, speed [m/s] and slowness [s/m].
+type Tried = (f64, f64, Complex64);
+
+/// The finite minima of the score over a row of speeds.
+fn minima(tried: &[Tried]) -> Vec<Tried> {
+    let score = |index: Option<usize>| index.and_then(|i| tried.get(i)).map(|t| t.0);
+    let is_minimum = |(index, this): &(usize, &Tried)| {
+        let lower = |other: Option<f64>| other.is_none_or(|other| this.0 <= other);
+        this.0.is_finite() && lower(score(index.checked_sub(1))) && lower(score(Some(index + 1)))
+    };
+    let found = tried.iter().enumerate().filter(is_minimum);
+    found.map(|(_, this)| *this).collect()
+}
+
+/// What a speed is judged by.
+struct Search<'a> {
+    projection: &'a mut Projection,
+    spectra: &'a GaugeSpectra<'a>,
+    usable: &'a [usize],
+    aperture: f64,
+    line: WhiteLine,
+    misfits: Vec<f64>,
+}
+
+impl Search<'_> {
+    /// Mean log of the misfit, by noise and [`MODEL_ERROR`], at one slowness, of the better two thirds of at most `count`
+    /// lines.
+    fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
+        let frequencies = self.spectra.frequency_hz;
+        let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);
+        let highest = 1.0 / (slowness.im * self.aperture);
+        let below = self
+            .usable
+            .partition_point(|index| frequency(index) <= highest);
+        let within = self
+            .usable
+            .get(..below.max(LINES / 2).min(self.usable.len()))
+            .unwrap_or_default();
+        let stride = within.len().div_ceil(count).max(1);
+        self.misfits.clear();
+        for index in within.iter().rev().step_by(stride) {
+            if self.line.load(self.spectra, *index).is_err() {
+                continue;
+            }
+            let gamma = slowness * (TAU * frequency(index));
+            let Some(misfit) = self.projection.misfit(gamma, &self.line) else {
+                return f64::INFINITY;
+            };
+            let line = &self.line;
+            let freedom = (line.n_tests() * (line.weights.len() - 2)) as f64;
+            let expected = line.variance + MODEL_ERROR * MODEL_ERROR * line.mean_power();
+            self.misfits.push((misfit / freedom / expected).ln_1p());
+        }
+        self.misfits.sort_by(f64::total_cmp);
+        let kept = (2 * self.misfits.len()).div_ceil(3);
+        let better = self.misfits.get(..kept).unwrap_or_default();
+        if better.is_empty() {
+            f64::INFINITY
+        } else {
+            better.iter().sum::<f64>() / kept as f64
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSITIONS: [f64; 3] = [0.0, 0.08, 0.2];
+    const SPEED: f64 = 1234.0;
+
+    fn start_of(first_hz: f64, n_lines: u32) -> Start {
+        let frequency_hz: Vec<f64> = (0..n_lines)
+            .map(|j| first_hz + 20.0 * f64::from(j))
+            .collect();
+        let spectrum = |x: &f64| {
+            let value = |f: &f64| {
+                let gamma = Complex64::new(0.03, 1.0) * (TAU * f / SPEED);
+                (-gamma * x).exp() - 0.6 * (gamma * (x - 0.5)).exp()
+            };
+            frequency_hz.iter().map(value).collect()
+        };
+        let test: Vec<Vec<Complex64>> = POSITIONS.iter().map(spectrum).collect();
+        let usable: Vec<usize> = (0..frequency_hz.len()).collect();
+        wave_speed(
+            &mut Projection::new(&POSITIONS),
+            &GaugeSpectra {
+                frequency_hz: &frequency_hz,
+                tests: &[&test],
+                noise: &vec![vec![1e-3; frequency_hz.len()]; 3],
+            },
+            &usable,
+            0.2,
+            None,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn the_speed_is_found_wherever_the_lines_begin() {
+        // the phase over 0.2 m is 0.02 and 4 on the first line
+        for first_hz in [20.0, 500.0, 1000.0, 4000.0] {
+            let start = start_of(first_hz, 300);
+            assert!(start.doubt.is_none(), "{first_hz} Hz: {:?}", start.doubt);
+            let speed = start.slowness.im.recip();
+            assert!((speed / SPEED - 1.0).abs() < 0.06, "{first_hz} Hz: {speed}");
+        }
+    }
+
+    #[test]
+    fn few_lines_are_not_trusted() {
+        let doubt = start_of(1000.0, 5).doubt.unwrap();
+        assert!(doubt.is_ambiguous());
+        assert_eq!(
+            doubt.to_string(),
+            "5 lines are too few to find the wave speed, expected 8 or a guess of it"
+        );
+    }
+}

@@ -1,0 +1,220 @@
+//! Three equidistant sections, in closed form (Ödeen 1993, paper B).
+//!
+//! ```text
+//! cosh γa = Ψ ,    Ψ = (q̂₁ + q̂₂)/(2 q̂₀)                              (paper B, eqs. 6-7)
+//! ```
+//!
+//! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of a rod with a free end
+//! of length a, and has the same root and branches (eqs. 8-9, Table 1): [`crate::branch`].
+
+use num_complex::Complex64;
+
+use super::line::SolvedLine;
+use super::spectra::{GaugeSpectra, GaugedRod};
+use crate::branch::resolve;
+use crate::error::CmodError;
+use crate::estimate::{ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::validity::Violation;
+
+/// Relative difference of the distances up to which they count as equal: rounding of positions in metres.
+const EQUAL: f64 = 1e-9;
+/// Noise by signal of the middle gauge, as amplitudes, up to which Ψ stands: it is then biased by 1 %.
+pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
+
+/// The three-point method for one rod (paper B).
+///
+/// ```
+/// use cmod::{GaugeSpectra, GaugedRod, ThreePoint};
+/// use num_complex::Complex64;
+///
+/// // one wave along +x in a rod with c = 1700 m/s and a loss factor of 0.1
+/// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
+/// let frequency_hz: Vec<f64> = (1..=100).map(|j| 50.0 * f64::from(j)).collect();
+/// let at = |x: f64| frequency_hz.iter().map(|&f| (-gamma(f) * x).exp()).collect::<Vec<Complex64>>();
+/// let rod = GaugedRod { positions: vec![0.0, 0.2, 0.4], diameter: 0.016, density: 919.0 };
+/// let estimate = ThreePoint::new(rod)?.estimate(&GaugeSpectra {
+///     frequency_hz: &frequency_hz,
+///     tests: &[&[at(0.0), at(0.2), at(0.4)]],
+///     noise: &vec![vec![1e-3; 100]; 3],
+/// })?;
+/// for line in estimate.valid() {
+///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);
+/// }
+/// assert!(estimate.valid().count() > 50);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThreePoint {
+    rod: GaugedRod,
+    distance: f64,
+}
+
+/// Ψ of one line.
+struct Ratio {
+    index: usize,
+    frequency_hz: f64,
+    value: Complex64,
+    variance: f64,
+    /// |Ψ| error by the relative error of the gauges.
+    amplification: f64,
+    noise_to_signal: f64,
+}
+
+impl ThreePoint {
+    /// The method for a `rod` with three equidistant gauges.
+    ///
+    /// # Errors
+    /// [`CmodError::GaugeCount`], [`CmodError::NotEquidistant`], [`CmodError::PositionOrder`] and
+    /// [`CmodError::NonPhysical`] for the rod.
+    pub fn new(rod: GaugedRod) -> Result<Self, CmodError> {
+        rod.check()?;
+        let [first, middle, last] = rod.positions[..] else {
+            return Err(CmodError::GaugeCount {
+                found: rod.positions.len(),
+                expected: "3",
+            });
+        };
+        let (before, behind) = (middle - first, last - middle);
+        let size = first.abs().max(last.abs());
+        if (before - behind).abs() > EQUAL * size.max(before) {
+            return Err(CmodError::NotEquidistant {
+                first: before,
+                second: behind,
+            });
+        }
+        Ok(Self {
+            distance: 0.5 * (last - first),
+            rod,
+        })
+    }
+
+    /// Distance a between neighbouring gauges \[m\].
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// The complex modulus.
+    ///
+    /// Of several tests, Ψ is the sum of the cross-spectra of (q₁ + q₂)/2 and q₀ by that of the auto-spectra of q₀
+    /// (paper B, section 3). The lines must start below ka = π, see [`crate::branch::resolve`]. The variance of γ is
+    ///
+    /// ```text
+    /// E|δγ|² = [(σ₁² + σ₂²)/4 + |Ψ|² σ₀²] / (a² |sinh γa|² Σ|q̂₀|²)
+    /// ```
+    ///
+    /// It grows without bound near ka = nπ and where a node lies at the middle gauge. Such lines are marked.
+    ///
+    /// # Errors
+    /// What is wrong with the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
+    /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
+    /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
+    /// [`CmodError::NegativeNoise`].
+    pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError> {
+        spectra.check(3)?;
+        let mut refused = Vec::new();
+        let mut ratios = Vec::with_capacity(spectra.frequency_hz.len());
+        for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
+            match ratio(spectra, index, frequency_hz) {
+                Ok(ratio) => ratios.push(ratio),
+                Err(reason) => refused.push(RefusedLine {
+                    index,
+                    frequency_hz,
+                    reason,
+                }),
+            }
+        }
+        let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
+        let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
+        let roots = if values.is_empty() {
+            Vec::new()
+        } else {
+            resolve(&frequency_hz, &values)?
+        };
+        let mut lines = Vec::with_capacity(ratios.len());
+        for (ratio, root) in ratios.iter().zip(roots) {
+            match self.solved(ratio, root).into_modulus(&self.rod) {
+                Ok(line) => lines.push(line),
+                Err(reason) => refused.push(RefusedLine {
+                    index: ratio.index,
+                    frequency_hz: ratio.frequency_hz,
+                    reason,
+                }),
+            }
+        }
+        refused.sort_by_key(|line| line.index);
+        Ok(ModulusEstimate::new(lines, refused))
+    }
+
+    fn solved(&self, ratio: &Ratio, root: crate::branch::ResolvedRoot) -> SolvedLine {
+        let a = self.distance;
+        let gamma_a = root.gamma_length;
+        let sinh = gamma_a.sinh();
+        let mut violations = Vec::new();
+        violations.extend(
+            root.doubt
+                .filter(|doubt| doubt.is_ambiguous())
+                .map(Violation::BranchAmbiguous),
+        );
+        if ratio.noise_to_signal > MOST_NOISE_AT_THE_MIDDLE {
+            violations.push(Violation::NodeAtMiddleGauge {
+                noise_to_signal: ratio.noise_to_signal,
+                limit: MOST_NOISE_AT_THE_MIDDLE,
+            });
+        }
+        SolvedLine {
+            index: ratio.index,
+            frequency_hz: ratio.frequency_hz,
+            gamma: gamma_a / a,
+            variance: ratio.variance / (a * a * sinh.norm_sqr()),
+            // δΨ = a sinh γa δγ + a² cosh γa δγ²/2
+            curvature: 0.5 * a * gamma_a.cosh().norm() / sinh.norm(),
+            amplification: ratio.amplification / (a * sinh.norm()),
+            closed_form: Some(root),
+            termination: Termination::ClosedForm,
+            violations,
+        }
+    }
+}
+
+fn ratio(spectra: &GaugeSpectra<'_>, index: usize, frequency_hz: f64) -> Result<Ratio, Refusal> {
+    if frequency_hz == 0.0 {
+        return Err(Refusal::ZeroFrequency);
+    }
+    let mut cross = Complex64::ZERO;
+    let mut auto = 0.0;
+    let mut power = 0.0;
+    let mut count = 0.0;
+    for test in spectra.tests {
+        let value = |gauge: usize| test.get(gauge)?.get(index).copied();
+        let (Some(first), Some(middle), Some(last)) = (value(0), value(1), value(2)) else {
+            return Err(Refusal::SpectrumNotFinite);
+        };
+        cross += 0.5 * (first + last) * middle.conj();
+        auto += middle.norm_sqr();
+        power += first.norm_sqr() + middle.norm_sqr() + last.norm_sqr();
+        count += 1.0;
+    }
+    let variance_of = |gauge: usize| {
+        let noise = spectra.noise.get(gauge).and_then(|noise| noise.get(index));
+        noise.map_or(f64::NAN, |noise| noise * noise)
+    };
+    let (first, middle, last) = (variance_of(0), variance_of(1), variance_of(2));
+    if !(power.is_finite() && first.is_finite() && middle.is_finite() && last.is_finite()) {
+        return Err(Refusal::SpectrumNotFinite);
+    }
+    let value = cross / auto;
+    if auto == 0.0 || !value.is_finite() {
+        return Err(Refusal::Undetermined);
+    }
+    let propagated = |s1: f64, s0: f64, s2: f64| (0.25 * (s1 + s2) + value.norm_sqr() * s0) / auto;
+    let relative = power / (3.0 * count);
+    Ok(Ratio {
+        index,
+        frequency_hz,
+        value,
+        variance: propagated(first, middle, last),
+        amplification: propagated(relative, relative, relative).sqrt(),
+        noise_to_signal: (middle * count / auto).sqrt(),
+    })
+}

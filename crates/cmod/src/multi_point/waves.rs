@@ -1,0 +1,112 @@
+//! The two waves at a section, with their covariance.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::projection::TestWaves;
+
+/// What the gauges measure. All of these obey the same equation (paper B, after eq. 7); the choice only tells how to turn
+/// the waves of one into those of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// ε = ∂u/∂x, positive in tension.
+    #[default]
+    Strain,
+    /// u \[m\], along +x.
+    Displacement,
+    /// v = ∂u/∂t [m/s].
+    Velocity,
+    /// a = ∂²u/∂t² [m/s²].
+    Acceleration,
+}
+
+impl Quantity {
+    /// Powers of ∂/∂x and ∂/∂t that make it of u.
+    fn derivatives(self) -> (i32, i32) {
+        match self {
+            Self::Strain => (1, 0),
+            Self::Displacement => (0, 0),
+            Self::Velocity => (0, 1),
+            Self::Acceleration => (0, 2),
+        }
+    }
+}
+
+/// The waves of a quantity at one section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct WavesAtSection {
+    /// P e^{-γx}, along +x.
+    pub forward: Complex64,
+    /// N e^{γx}, along -x.
+    pub backward: Complex64,
+    /// E|δP|², real and imaginary part together, one half each without correlation.
+    pub forward_variance: f64,
+    /// E|δN|².
+    pub backward_variance: f64,
+    /// E δP δN*.
+    pub covariance: Complex64,
+}
+
+impl WavesAtSection {
+    /// P + N, the quantity itself at the section.
+    #[must_use]
+    pub fn sum(&self) -> Complex64 {
+        self.forward + self.backward
+    }
+
+    /// E|δ(P + N)|².
+    #[must_use]
+    pub fn sum_variance(&self) -> f64 {
+        self.forward_variance + self.backward_variance + 2.0 * self.covariance.re
+    }
+}
+
+/// What of a line the waves need.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineOfWaves {
+    pub(super) frequency_hz: f64,
+    pub(super) gamma: Complex64,
+    /// Variance E|δγ|² [1/m²].
+    pub(super) gamma_variance: f64,
+    /// (A^H A)⁻¹ by the variance of a value: its diagonal and its element 1, 2.
+    pub(super) covariance: (f64, f64, Complex64),
+}
+
+/// Waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last, turned from `measured` into `wanted`.
+///
+/// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} moves by
+/// δP = e^{-γx} (A⁺e)₁ + (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the quantities.
+pub(super) fn waves_at(
+    line: &LineOfWaves,
+    test: &TestWaves,
+    from_first: f64,
+    to_last: f64,
+    measured: Quantity,
+    wanted: Quantity,
+) -> WavesAtSection {
+    let (x_measured, t_measured) = measured.derivatives();
+    let (x_wanted, t_wanted) = wanted.derivatives();
+    let order = x_wanted - x_measured;
+    let in_time = Complex64::new(0.0, TAU * line.frequency_hz).powi(t_wanted - t_measured);
+    let wave = |index: usize, way: f64, sign: f64| {
+        let factor = in_time * (sign * line.gamma).powi(order) * (-line.gamma * way).exp();
+        let by_gamma =
+            -test.drift[index] + test.amplitudes[index] * (f64::from(order) / line.gamma - way);
+        (factor, factor * test.amplitudes[index], factor * by_gamma)
+    };
+    let (forward_factor, forward, forward_slope) = wave(0, from_first, -1.0);
+    let (backward_factor, backward, backward_slope) = wave(1, to_last, 1.0);
+    let (first, second, shared) = line.covariance;
+    let variance = line.gamma_variance;
+    WavesAtSection {
+        forward,
+        backward,
+        forward_variance: forward_factor.norm_sqr() * first + forward_slope.norm_sqr() * variance,
+        backward_variance: backward_factor.norm_sqr() * second
+            + backward_slope.norm_sqr() * variance,
+        covariance: forward_factor * shared * backward_factor.conj()
+            + forward_slope * backward_slope.conj() * variance,
+    }
+}

@@ -1,0 +1,371 @@
+//! All tests together.
+
+use std::fmt;
+
+use super::super::least_squares::{Directions, Ending, Linearised, minimise};
+use super::super::{RecoveryTest, ThreeElement};
+use super::prediction::{Coordinates, grid_start, linearise, predict};
+use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
+use crate::error::{CmodError, check_not_negative, check_positive};
+
+/// The modulus of the virgin material, which the loss factors do not tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesModulus {
+    /// E₁ \[Pa\], the measured |E| at the frequency of the tests.
+    pub value: f64,
+    /// Its standard error \[Pa\].
+    pub standard_error: f64,
+}
+
+/// What the standard errors rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum ErrorScale {
+    /// The errors stated with the readings.
+    #[default]
+    Stated,
+    /// The residual: the stated errors are taken as relative weights, and multiplied by √(χ²/ν).
+    FromResidual,
+}
+
+/// The parameters of the three-element model from recovery tests, by weighted least squares over all readings.
+///
+/// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of the largest stresses. The
+/// derivatives are exact, the start is the best point of a grid, the iteration is damped least squares. The errors are of first
+/// order.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct RecoveryFit {
+    /// The model at the minimum.
+    pub model: ThreeElement,
+    /// σ_r \[Pa\].
+    pub reference_stress: f64,
+    /// E₁, E₂, B, m and k, in this order.
+    pub estimates: [Estimate; 5],
+    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is not determined at all.
+    pub covariance: Option<[[f64; 3]; 3]>,
+    /// Singular values of the Jacobian, descending: by how many standard errors of the readings the predictions change along each of
+    /// the `directions`. 0 is a combination of parameters on which the predictions do not depend.
+    pub signal_to_noise: Vec<f64>,
+    /// Unit vectors in (ln E₂, ln k, ln m), one for each singular value.
+    pub directions: Vec<Vec<f64>>,
+    /// χ² of the readings.
+    pub chi_squared: f64,
+    /// ν, readings less the number of singular values above 0.
+    pub degrees_of_freedom: usize,
+    /// t_r \[s\] of each test.
+    pub recovery_times: Vec<f64>,
+    /// Why the iteration ended.
+    pub ending: Ending,
+}
+
+impl RecoveryFit {
+    /// Fits `tests`.
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the residual shall tell the errors; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a
+    /// negative error of it; [`CmodError::NoStart`] if the loss factor is not raised; [`CmodError::LoadNotIntegrated`].
+    pub fn new(
+        tests: &[RecoveryTest],
+        series_modulus: SeriesModulus,
+        error_scale: ErrorScale,
+    ) -> Result<Self, CmodError> {
+        let e1 = check_positive("series modulus [Pa]", series_modulus.value)?;
+        check_not_negative(
+            "standard error of the series modulus [Pa]",
+            series_modulus.standard_error,
+        )?;
+        let readings: usize = tests.iter().map(|test| test.time.len()).sum();
+        if readings < 3 {
+            return Err(CmodError::TooFewReadings {
+                found: readings,
+                expected: 3,
+            });
+        }
+        let start = grid_start(tests, e1)?;
+        let coordinates = |at: &[f64]| match *at {
+            [log_parallel_modulus, log_rate, log_exponent] => Coordinates {
+                log_parallel_modulus,
+                log_rate,
+                exponent: log_exponent.exp(),
+                ..start
+            },
+            _ => start,
+        };
+        let first = [
+            start.log_parallel_modulus,
+            start.log_rate,
+            start.exponent.ln(),
+        ];
+        let minimum = minimise(&first, |at| {
+            match linearise(tests, &coordinates(at)) {
+                // a step to rates that cannot be integrated is one to turn back from
+                Err(CmodError::LoadNotIntegrated { .. }) if at != first => {
+                    Ok(Linearised::not_finite())
+                }
+                other => other,
+            }
+        })?
+        .ok_or(CmodError::NoStart)?;
+        let at = coordinates(&minimum.parameters);
+        let chi_squared = minimum.linearised.sum_of_squares();
+        let rank = minimum.directions.rank();
+        let degrees_of_freedom = readings.saturating_sub(rank);
+        if error_scale == ErrorScale::FromResidual && degrees_of_freedom == 0 {
+            return Err(CmodError::TooFewReadings {
+                found: readings,
+                expected: rank + 1,
+            });
+        }
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "the number of readings is far below 2^52"
+        )]
+        let variance = match error_scale {
+            ErrorScale::Stated => 1.0,
+            ErrorScale::FromResidual => chi_squared / degrees_of_freedom as f64,
+        };
+        let mut recovery_times = Vec::with_capacity(tests.len());
+        for test in tests {
+            recovery_times.push(predict(test, &at)?.recovery_time);
+        }
+        let errors = Errors::new(
+            &minimum.directions,
+            &at,
+            variance,
+            series_modulus.standard_error / e1,
+        );
+        let reason = errors
+            .unidentified()
+            .map(|standard_error| reason(tests, &recovery_times, standard_error));
+        let model = ThreeElement::new(at.parameters())?;
+        Ok(Self {
+            model,
+            reference_stress: at.reference_stress,
+            estimates: errors.estimates(&at, reason),
+            covariance: (rank == 3).then_some(errors.of_parameters),
+            signal_to_noise: minimum.directions.singular_values,
+            directions: minimum.directions.vectors,
+            chi_squared,
+            degrees_of_freedom,
+            recovery_times,
+            ending: minimum.ending,
+        })
+    }
+
+    /// Standard error of the predicted Δtan δ at the readings of `test`, which need not be one of those fitted; infinite where
+    /// the tests fitted leave it open.
+    ///
+    /// # Errors
+    /// [`CmodError::LoadNotIntegrated`].
+    pub fn prediction(&self, test: &RecoveryTest) -> Result<Vec<PredictedChange>, CmodError> {
+        let parameters = self.model.parameters();
+        let log_parallel_modulus = parameters.parallel_modulus.ln();
+        let at = Coordinates {
+            series_modulus: parameters.series_modulus,
+            reference_stress: self.reference_stress,
+            log_parallel_modulus,
+            log_rate: self.estimates[4].value.ln(),
+            exponent: parameters.exponent,
+        };
+        let predicted = predict(test, &at)?;
+        let [by_modulus, by_rate, by_exponent] = &predicted.derivatives;
+        Ok(predicted
+            .change
+            .iter()
+            .zip(by_modulus)
+            .zip(by_rate.iter().zip(by_exponent))
+            .map(|((change, a), (b, c))| {
+                let gradient = [*a, *b, c * at.exponent];
+                let variance: f64 = self
+                    .signal_to_noise
+                    .iter()
+                    .zip(&self.directions)
+                    .map(|(s, vector)| {
+                        let along: f64 = vector.iter().zip(gradient).map(|(v, g)| v * g).sum();
+                        if *s > 0.0 {
+                            (along / s).powi(2)
+                        } else if along.abs() <= 1e-6 * change.abs() {
+                            0.0
+                        } else {
+                            f64::INFINITY
+                        }
+                    })
+                    .sum();
+                PredictedChange {
+                    change: *change,
+                    standard_error: variance.sqrt(),
+                }
+            })
+            .collect())
+    }
+}
+
+/// A predicted change of the loss factor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictedChange {
+    /// Δtan δ.
+    pub change: f64,
+    /// Its standard error, by the errors stated with the readings; infinite if they leave it open.
+    pub standard_error: f64,
+}
+
+/// Standard errors of the coordinates and of what follows from them.
+struct Errors {
+    parallel_modulus: f64,
+    rate: f64,
+    exponent: f64,
+    series_modulus: f64,
+    /// Covariance of (ln E₂, ln B, m).
+    of_parameters: [[f64; 3]; 3],
+}
+
+impl Errors {
+    fn new(directions: &Directions, at: &Coordinates, variance: f64, series_modulus: f64) -> Self {
+        let m = at.exponent;
+        let log_stress = at.reference_stress.ln();
+        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r
+        let gradients = [[1.0, 0.0, 0.0], [-1.0, 1.0, -m * log_stress], [0.0, 0.0, m]];
+        // E₂ goes with E₁, B against it
+        let shared = [series_modulus, -series_modulus, 0.0];
+        let of_parameters = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                variance * directions.covariance(&gradients[i], &gradients[j])
+                    + shared[i] * shared[j]
+            })
+        });
+        let rate = [0.0, 1.0, 0.0];
+        let of = |i: usize| -> f64 {
+            let row: &[f64; 3] = &of_parameters[i];
+            row[i].sqrt()
+        };
+        Self {
+            parallel_modulus: of(0),
+            rate: (variance * directions.covariance(&rate, &rate)).sqrt(),
+            exponent: of(2),
+            series_modulus,
+            of_parameters,
+        }
+    }
+
+    /// The largest standard error, if it is too large.
+    fn unidentified(&self) -> Option<f64> {
+        let errors = [self.parallel_modulus, self.rate, self.exponent];
+        // a comparison with NaN is false: what cannot be assessed is not identified
+        let identified = errors.iter().all(|error| *error < IDENTIFIED_BELOW);
+        (!identified).then(|| errors.into_iter().fold(0.0, f64::max))
+    }
+
+    fn estimates(&self, at: &Coordinates, reason: Option<Reason>) -> [Estimate; 5] {
+        let judged = |standard_error: f64| match reason {
+            None => Verdict::Identified,
+            Some(_) if standard_error < IDENTIFIED_BELOW => Verdict::Identified,
+            Some(reason) => Verdict::NotIdentifiable(reason),
+        };
+        let parameters = at.parameters();
+        [
+            Estimate {
+                name: "series modulus",
+                symbol: "E1",
+                unit: "Pa",
+                value: parameters.series_modulus,
+                standard_error: self.series_modulus,
+                scale: Scale::Ratio,
+                verdict: Verdict::Given,
+            },
+            Estimate {
+                name: "parallel modulus",
+                symbol: "E2",
+                unit: "Pa",
+                value: parameters.parallel_modulus,
+                standard_error: self.parallel_modulus,
+                scale: Scale::Ratio,
+                verdict: judged(self.parallel_modulus),
+            },
+            Estimate {
+                name: "coefficient",
+                symbol: "B",
+                unit: "Pa^-(m+1) s^-1",
+                value: parameters.coefficient,
+                standard_error: self.of_parameters[1][1].sqrt(),
+                scale: Scale::Ratio,
+                verdict: reason.map_or(Verdict::FollowsFromIdentified, Verdict::NotIdentifiable),
+            },
+            Estimate {
+                name: "exponent",
+                symbol: "m",
+                unit: "1",
+                value: parameters.exponent,
+                standard_error: self.exponent,
+                scale: Scale::Difference,
+                verdict: judged(self.exponent),
+            },
+            Estimate {
+                name: "rate at the reference stress",
+                symbol: "k",
+                unit: "1/s",
+                value: at.log_rate.exp(),
+                standard_error: self.rate,
+                scale: Scale::Ratio,
+                verdict: judged(self.rate),
+            },
+        ]
+    }
+}
+
+fn reason(tests: &[RecoveryTest], recovery_times: &[f64], standard_error: f64) -> Reason {
+    let one_load = tests
+        .windows(2)
+        .all(|pair| matches!(pair, [a, b] if a.load == b.load));
+    if one_load {
+        return Reason::OneLoad;
+    }
+    let mut earliest = f64::INFINITY;
+    let mut latest = 0.0_f64;
+    for (test, recovery_time) in tests.iter().zip(recovery_times) {
+        for t in &test.time {
+            earliest = earliest.min(t / recovery_time);
+            latest = latest.max(t / recovery_time);
+        }
+    }
+    if latest < 0.3 {
+        Reason::RecoveryNotFollowed { latest }
+    } else if earliest > 3.0 {
+        Reason::OnlyTail { earliest }
+    } else {
+        Reason::Noise { standard_error }
+    }
+}
+
+impl fmt::Display for RecoveryFit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "three-element model, chi-squared {:.1} of {} degrees of freedom, reference stress {:.2} MPa",
+            self.chi_squared,
+            self.degrees_of_freedom,
+            1e-6 * self.reference_stress
+        )?;
+        for estimate in &self.estimates {
+            let of = match estimate.scale {
+                Scale::Ratio => "ln",
+                Scale::Difference => "  ",
+            };
+            writeln!(
+                f,
+                "{:<2} = {:<10.4e} {:<15} s.e. {of} {:<7.4} {}",
+                estimate.symbol,
+                estimate.value,
+                estimate.unit,
+                estimate.standard_error,
+                estimate.verdict
+            )?;
+        }
+        write!(f, "signal to noise")?;
+        for value in &self.signal_to_noise {
+            write!(f, " {value:.3e}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,295 @@
+//! Loss factors that the model predicts for a set of tests, with derivatives.
+//!
+//! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress amid the loads, and m. B itself is
+//! the rate at 1 Pa, seven decades off; its error is that of m multiplied by ln σ_r.
+
+use std::f64::consts::TAU;
+
+use super::super::dashpot::Dashpot;
+use super::super::least_squares::Linearised;
+use super::super::{RecoveryTest, ThreeElementParameters};
+use crate::error::CmodError;
+
+/// A point in the space of parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Coordinates {
+    /// E₁ \[Pa\], given.
+    pub(super) series_modulus: f64,
+    /// σ_r \[Pa\].
+    pub(super) reference_stress: f64,
+    /// ln E₂.
+    pub(super) log_parallel_modulus: f64,
+    /// ln k.
+    pub(super) log_rate: f64,
+    /// m.
+    pub(super) exponent: f64,
+}
+
+impl Coordinates {
+    pub(super) fn parameters(&self) -> ThreeElementParameters {
+        ThreeElementParameters {
+            series_modulus: self.series_modulus,
+            parallel_modulus: self.log_parallel_modulus.exp(),
+            coefficient: self.log_coefficient().exp(),
+            exponent: self.exponent,
+        }
+    }
+
+    pub(super) fn log_coefficient(&self) -> f64 {
+        self.log_rate - self.log_parallel_modulus - self.exponent * self.reference_stress.ln()
+    }
+
+    pub(super) fn dashpot(&self) -> Dashpot {
+        Dashpot {
+            rate: self.log_rate.exp(),
+            exponent: self.exponent,
+            reference_stress: self.reference_stress,
+        }
+    }
+}
+
+/// Δtan δ of the readings of one test and its derivatives by ln E₂, ln k and m.
+pub(super) struct Prediction {
+    pub(super) change: Vec<f64>,
+    pub(super) derivatives: [Vec<f64>; 3],
+    /// t_r \[s\].
+    pub(super) recovery_time: f64,
+}
+
+pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Prediction, CmodError> {
+    let pair = at.dashpot();
+    let m = at.exponent;
+    let spring = test.load.response(&pair)?;
+    let (rate, logarithm) = pair.local_rate(spring.value);
+    // without a stress there is no change and nothing that it depends on
+    let (rate_by_log_rate, rate_by_exponent) = if spring.value == 0.0 {
+        (0.0, 0.0)
+    } else {
+        (
+            1.0 + m * spring.by_log_rate / spring.value,
+            logarithm + m * spring.by_exponent / spring.value,
+        )
+    };
+    let amplitude =
+        at.series_modulus * (m + 1.0) / (at.log_parallel_modulus.exp() * TAU * test.frequency_hz);
+    let count = test.time.len();
+    let mut change = Vec::with_capacity(count);
+    let mut derivatives = [(); 3].map(|()| Vec::with_capacity(count));
+    let [by_modulus, by_rate, by_exponent] = &mut derivatives;
+    for t in &test.time {
+        let fall = 1.0 + m * rate * t;
+        let value = amplitude * rate / fall;
+        change.push(value);
+        by_modulus.push(-value);
+        by_rate.push(value / fall * rate_by_log_rate);
+        by_exponent
+            .push(value * (1.0 / (m + 1.0) - rate * t / fall) + value / fall * rate_by_exponent);
+    }
+    Ok(Prediction {
+        change,
+        derivatives,
+        recovery_time: 1.0 / (m * rate),
+    })
+}
+
+/// Whitened residuals, predicted minus measured, of all `tests` with derivatives by ln E₂, ln k and ln m.
+pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Linearised, CmodError> {
+    let mut residual = Vec::new();
+    let mut jacobian = vec![Vec::new(); 3];
+    for test in tests {
+        let Prediction {
+            mut change,
+            derivatives,
+            ..
+        } = predict(test, at)?;
+        for (value, measured) in change.iter_mut().zip(&test.change) {
+            *value -= measured;
+        }
+        test.whiten(&mut change);
+        residual.extend(change);
+        for ((column, mut derivative), scale) in
+            jacobian
+                .iter_mut()
+                .zip(derivatives)
+                .zip([1.0, 1.0, at.exponent])
+        {
+            for value in &mut derivative {
+                *value *= scale;
+            }
+            test.whiten(&mut derivative);
+            column.extend(derivative);
+        }
+    }
+    Ok(Linearised { residual, jacobian })
+}
+
+/// The geometric mean of the largest stresses of the loads \[Pa\].
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "the number of tests is far below 2^52"
+)]
+pub(super) fn reference_stress(tests: &[RecoveryTest]) -> f64 {
+    let sum: f64 = tests
+        .iter()
+        .map(|test| test.load.largest_stress().ln())
+        .sum();
+    (sum / tests.len().max(1) as f64).exp()
+}
+
+/// Factor f of the whitened `shape` that fits the whitened `data` best, and the χ² that it leaves.
+pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let factor = product(shape, data) / product(shape, shape);
+    let left = shape
+        .iter()
+        .zip(data)
+        .map(|(s, d)| (d - factor * s) * (d - factor * s))
+        .sum();
+    (factor, left)
+}
+
+const START_EXPONENTS: [f64; 9] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0];
+
+/// The best point of a coarse grid over m and k; E₂ is a factor of the prediction and follows by linear least squares.
+pub(super) fn grid_start(
+    tests: &[RecoveryTest],
+    series_modulus: f64,
+) -> Result<Coordinates, CmodError> {
+    let mut data = Vec::new();
+    let mut log_duration = 0.0;
+    for test in tests {
+        let mut measured = test.change.clone();
+        test.whiten(&mut measured);
+        data.extend(measured);
+        log_duration += test.load.duration().ln();
+    }
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "the number of tests is far below 2^52"
+    )]
+    let log_duration = log_duration / tests.len().max(1) as f64;
+    let mut best: Option<(f64, Coordinates)> = None;
+    let mut shape = Vec::with_capacity(data.len());
+    for exponent in START_EXPONENTS {
+        let averaged: Vec<RecoveryTest> = tests
+            .iter()
+            .map(|test| RecoveryTest {
+                load: test.load.averaged(exponent),
+                ..test.clone()
+            })
+            .collect();
+        for step in -16..=16_i32 {
+            let mut at = Coordinates {
+                series_modulus,
+                reference_stress: reference_stress(tests),
+                log_parallel_modulus: 0.0,
+                log_rate: f64::from(step) - log_duration,
+                exponent,
+            };
+            shape.clear();
+            for test in &averaged {
+                let mut change = predict(test, &at)?.change;
+                test.whiten(&mut change);
+                shape.extend(change);
+            }
+            let (factor, left) = scaled(&shape, &data);
+            if factor > 0.0 && left.is_finite() && best.is_none_or(|(least, _)| left < least) {
+                at.log_parallel_modulus = -factor.ln();
+                best = Some((left, at));
+            }
+        }
+    }
+    best.map(|(_, at)| at).ok_or(CmodError::NoStart)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::{LoadHistory, LoadSegment, LossFactorReadings, ThreeElement};
+    use super::*;
+
+    const AT: Coordinates = Coordinates {
+        series_modulus: 3100e6,
+        reference_stress: 30e6,
+        log_parallel_modulus: 9.4,
+        log_rate: -6.7,
+        exponent: 1.8,
+    };
+
+    fn test(load: LoadHistory) -> RecoveryTest {
+        let time = [0.0, 60.0, 700.0, 9000.0];
+        RecoveryTest::new(
+            "t",
+            load,
+            10e3,
+            LossFactorReadings {
+                time: &time,
+                change: &[0.0; 4],
+                standard_error: &[1.0; 4],
+                virgin_standard_error: 0.0,
+            },
+        )
+        .unwrap()
+    }
+
+    fn loads() -> [LoadHistory; 2] {
+        [
+            LoadHistory::creep(45e6, 1800.0).unwrap(),
+            LoadHistory::new(vec![
+                LoadSegment::Ramp {
+                    from: 0.0,
+                    to: 40e6,
+                    duration: 100.0,
+                },
+                LoadSegment::Periodic {
+                    mean: 32e6,
+                    amplitude: 13e6,
+                    frequency_hz: 0.1,
+                    duration: 300.0,
+                },
+            ])
+            .unwrap(),
+        ]
+    }
+
+    #[test]
+    fn coordinates_are_those_of_the_model() {
+        let model = ThreeElement::new(AT.parameters()).unwrap();
+        for load in loads() {
+            let recovery = model.recovery(&load).unwrap();
+            let test = test(load);
+            let predicted = predict(&test, &AT).unwrap();
+            // two integrations of 1e-9, to the power m
+            assert!((predicted.recovery_time / recovery.recovery_time() - 1.0).abs() < 4e-9);
+            for (t, change) in test.time.iter().zip(&predicted.change) {
+                let expected = recovery.loss_factor_change(TAU * 10e3, *t);
+                assert!((change / expected - 1.0).abs() < 4e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_prediction() {
+        let h = 1e-4;
+        for load in loads() {
+            let test = test(load);
+            let exact = predict(&test, &AT).unwrap().derivatives;
+            for (k, column) in exact.iter().enumerate() {
+                let moved = |sign: f64| {
+                    let mut at = AT;
+                    match k {
+                        0 => at.log_parallel_modulus += sign * h,
+                        1 => at.log_rate += sign * h,
+                        _ => at.exponent += sign * h,
+                    }
+                    predict(&test, &at).unwrap().change
+                };
+                let (up, down) = (moved(1.0), moved(-1.0));
+                for ((u, d), e) in up.iter().zip(&down).zip(column) {
+                    let difference = (u - d) / (2.0 * h);
+                    // h² = 1e-8 of the value, and the integration's 1e-9/h
+                    assert!((difference - e).abs() < 1e-5 * u, "{k}: {difference} {e}");
+                }
+            }
+        }
+    }
+}

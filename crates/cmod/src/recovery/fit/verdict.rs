@@ -1,0 +1,107 @@
+//! Whether the tests determine a parameter, and why not.
+
+use std::fmt;
+
+/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as identified: a parameter of three
+/// standard errors.
+pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
+
+/// How the error of a parameter is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// The error is that of the natural logarithm.
+    Ratio,
+    /// The error is that of the value.
+    Difference,
+}
+
+/// Why the tests do not determine a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// There is one load only, which gives Δtan δᵢ and t_r: two numbers for three parameters.
+    OneLoad,
+    /// No reading is late enough to show a recovery: only Δtan δᵢ of each load is seen.
+    RecoveryNotFollowed {
+        /// The largest t/t_r of a reading.
+        latest: f64,
+    },
+    /// All readings are so late that the loads look alike: only Δtan δᵢ t_r is seen, common to all loads.
+    OnlyTail {
+        /// The smallest t/t_r of a reading.
+        earliest: f64,
+    },
+    /// The loads differ and the recovery is seen, but not beyond the errors of the readings.
+    Noise {
+        /// Standard error of the least determined of E₂, the rate k and m.
+        standard_error: f64,
+    },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OneLoad => f.write_str("one load gives two numbers for three parameters"),
+            Self::RecoveryNotFollowed { latest } => write!(
+                f,
+                "the latest reading is at {latest:.2} of the recovery time, before the loss factor falls"
+            ),
+            Self::OnlyTail { earliest } => write!(
+                f,
+                "the earliest reading is at {earliest:.0} recovery times, where all loads look alike"
+            ),
+            Self::Noise { standard_error } => write!(
+                f,
+                "the errors of the readings leave a standard error of {standard_error:.2}"
+            ),
+        }
+    }
+}
+
+/// Whether the tests determine a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// The standard error is below [`IDENTIFIED_BELOW`].
+    Identified,
+    /// It follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa: extrapolated over seven decades of stress, it
+    /// may be uncertain by a factor where the rate at the loads is well known.
+    FollowsFromIdentified,
+    /// Not from these tests; the value is where the iteration stopped, not a property of the material.
+    NotIdentifiable(Reason),
+    /// It is given. No loss factor determines it: E₁ and E₂ times a factor with B divided by it predict the same.
+    Given,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Identified => f.write_str("identified"),
+            Self::FollowsFromIdentified => {
+                f.write_str("follows from E2, k and m, which are identified")
+            }
+            Self::NotIdentifiable(reason) => write!(f, "not identifiable: {reason}"),
+            Self::Given => f.write_str("given"),
+        }
+    }
+}
+
+/// A parameter with its error and verdict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Estimate {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Value in SI units.
+    pub value: f64,
+    /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests say nothing.
+    pub standard_error: f64,
+    /// How the error is measured.
+    pub scale: Scale,
+    /// Whether the tests determine it.
+    pub verdict: Verdict,
+}

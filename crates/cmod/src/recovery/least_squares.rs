@@ -1,0 +1,315 @@
+//! Damped least squares for at most a handful of parameters.
+//!
+//! Residuals come with unit variance, parameters as logarithms, so no further scaling is needed. Each iteration takes the
+//! singular values of the Jacobian, J = U S Vᵀ; the step for a damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A direction that the data
+//! do not see has s = 0 and is left alone.
+
+use faer::Mat;
+
+/// A singular value below this share of the largest is rounding.
+const RANK: f64 = 1e-9;
+const MOST_ITERATIONS: usize = 200;
+/// No parameter changes by more in one iteration: a logarithm by 1 is a factor of e.
+const LONGEST_STEP: f64 = 1.0;
+
+/// Residuals and their derivatives, one column a parameter.
+#[derive(Debug, Clone)]
+pub(super) struct Linearised {
+    pub(super) residual: Vec<f64>,
+    pub(super) jacobian: Vec<Vec<f64>>,
+}
+
+impl Linearised {
+    /// Stands for a point where the problem has no value.
+    pub(super) fn not_finite() -> Self {
+        Self {
+            residual: vec![f64::INFINITY],
+            jacobian: Vec::new(),
+        }
+    }
+
+    pub(super) fn sum_of_squares(&self) -> f64 {
+        self.residual.iter().map(|r| r * r).sum()
+    }
+}
+
+/// Singular values and right vectors of a Jacobian.
+#[derive(Debug, Clone)]
+pub(super) struct Directions {
+    /// Descending, one a parameter; 0 where there are fewer readings than parameters, and where it is rounding.
+    pub(super) singular_values: Vec<f64>,
+    /// `vectors[k]` belongs to `singular_values[k]`.
+    pub(super) vectors: Vec<Vec<f64>>,
+    /// Uᵀ r.
+    projected: Vec<f64>,
+}
+
+impl Directions {
+    /// `None` if the Jacobian is not finite.
+    pub(super) fn of(linearised: &Linearised) -> Option<Self> {
+        let columns = linearised.jacobian.len();
+        // empty rows below do not change the singular values, and make as many as there are parameters
+        let rows = linearised.residual.len().max(columns);
+        let entry = |i: usize, j: usize| {
+            let column = linearised.jacobian.get(j);
+            column
+                .and_then(|column| column.get(i))
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let matrix = Mat::from_fn(rows, columns, entry);
+        let svd = matrix.thin_svd().ok()?;
+        let values = svd.S().column_vector();
+        let largest = if columns > 0 { values[0] } else { 0.0 };
+        if !largest.is_finite() {
+            return None;
+        }
+        let (left, right) = (svd.U(), svd.V());
+        Some(Self {
+            singular_values: (0..columns)
+                .map(|k| {
+                    if values[k] > RANK * largest {
+                        values[k]
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+            vectors: (0..columns)
+                .map(|k| (0..columns).map(|j| right[(j, k)]).collect())
+                .collect(),
+            projected: (0..columns)
+                .map(|k| {
+                    linearised
+                        .residual
+                        .iter()
+                        .enumerate()
+                        .map(|(i, r)| left[(i, k)] * r)
+                        .sum()
+                })
+                .collect(),
+        })
+    }
+
+    /// Number of singular values that are not rounding.
+    pub(super) fn rank(&self) -> usize {
+        self.singular_values.iter().filter(|s| **s > 0.0).count()
+    }
+
+    fn step(&self, damping: f64) -> Vec<f64> {
+        let mut step = vec![0.0; self.vectors.len()];
+        for ((s, u), vector) in self
+            .singular_values
+            .iter()
+            .zip(&self.projected)
+            .zip(&self.vectors)
+        {
+            if *s > 0.0 {
+                let weight = -s * u / (s * s + damping);
+                for (p, v) in step.iter_mut().zip(vector) {
+                    *p += weight * v;
+                }
+            }
+        }
+        step
+    }
+
+    /// What the linear model promises of the step.
+    fn promised_reduction(&self, damping: f64) -> f64 {
+        self.singular_values
+            .iter()
+            .zip(&self.projected)
+            .filter(|(s, _)| **s > 0.0)
+            .map(|(s, u)| {
+                let kept = damping / (s * s + damping);
+                u * u * (1.0 - kept * kept)
+            })
+            .sum()
+    }
+
+    /// gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a part along a direction that the data do not see.
+    pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
+        let along = |gradient: &[f64], vector: &[f64]| -> f64 {
+            gradient.iter().zip(vector).map(|(a, b)| a * b).sum()
+        };
+        let length = |gradient: &[f64]| along(gradient, gradient).sqrt();
+        self.singular_values
+            .iter()
+            .zip(&self.vectors)
+            .map(|(s, vector)| {
+                let (a, b) = (along(g, vector), along(h, vector));
+                if *s > 0.0 {
+                    a * b / (s * s)
+                } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
+                    // the vectors of rounding are themselves accurate to about RANK
+                    0.0
+                } else {
+                    f64::INFINITY * (a * b).signum()
+                }
+            })
+            .sum()
+    }
+}
+
+/// Why the iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Ending {
+    /// No step promises a reduction of χ² by more than 1e-9 of what one standard deviation changes, or of χ² itself by rounding.
+    Converged,
+    /// No step, however short, reduces χ².
+    NoDescent,
+    /// The limit of iterations was reached; the parameters are not a minimum.
+    OutOfIterations,
+}
+
+pub(super) struct Minimum {
+    pub(super) parameters: Vec<f64>,
+    pub(super) linearised: Linearised,
+    pub(super) directions: Directions,
+    pub(super) ending: Ending,
+}
+
+/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors are those of the problem.
+pub(super) fn minimise<E>(
+    start: &[f64],
+    problem: impl Fn(&[f64]) -> Result<Linearised, E>,
+) -> Result<Option<Minimum>, E> {
+    let mut parameters = start.to_vec();
+    let mut here = problem(start)?;
+    let mut value = here.sum_of_squares();
+    let mut damping = 0.0_f64;
+    let Some(mut directions) = Directions::of(&here).filter(|_| value.is_finite()) else {
+        return Ok(None);
+    };
+    let mut ending = Ending::OutOfIterations;
+    let mut rejected = 0;
+    for _ in 0..MOST_ITERATIONS {
+        let largest = directions.singular_values.first().copied().unwrap_or(0.0);
+        let promised = directions.promised_reduction(damping);
+        if rejected == 0 && promised <= 1e-9 + 1e-14 * value && damping == 0.0 || largest == 0.0 {
+            ending = Ending::Converged;
+            break;
+        }
+        if rejected > 60 {
+            ending = Ending::NoDescent;
+            break;
+        }
+        let mut step = directions.step(damping);
+        let longest = step.iter().fold(0.0, |l: f64, p| l.max(p.abs()));
+        let shortening = (LONGEST_STEP / longest).min(1.0);
+        for p in &mut step {
+            *p *= shortening;
+        }
+        let trial: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
+        let next = problem(&trial)?;
+        let reached = next.sum_of_squares();
+        let decomposed = if reached < value {
+            Directions::of(&next)
+        } else {
+            None
+        };
+        let Some(decomposed) = decomposed else {
+            // rounding of the sum of squares hides what is left to gain
+            if promised <= 1e-12 * value.max(1e-12) {
+                ending = Ending::Converged;
+                break;
+            }
+            rejected += 1;
+            damping = (damping * 6.0).max(1e-6 * largest * largest);
+            continue;
+        };
+        rejected = 0;
+        damping *= 0.1;
+        if damping < 1e-10 * largest * largest {
+            damping = 0.0;
+        }
+        parameters = trial;
+        value = reached;
+        here = next;
+        directions = decomposed;
+    }
+    Ok(Some(Minimum {
+        parameters,
+        linearised: here,
+        directions,
+        ending,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn infallible(start: &[f64], problem: impl Fn(&[f64]) -> Linearised) -> Option<Minimum> {
+        let Ok(minimum) = minimise(start, |t| Ok::<_, std::convert::Infallible>(problem(t)));
+        minimum
+    }
+
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), and a third parameter that nothing depends on.
+    #[test]
+    fn finds_the_bottom_of_a_curved_valley_and_leaves_the_unseen_alone() {
+        let minimum = infallible(&[-1.2, 1.0, 7.0], |t| Linearised {
+            residual: vec![10.0 * (t[1] - t[0] * t[0]), 1.0 - t[0]],
+            jacobian: vec![vec![-20.0 * t[0], -1.0], vec![10.0, 0.0], vec![0.0, 0.0]],
+        })
+        .unwrap();
+        assert_eq!(minimum.ending, Ending::Converged);
+        for (found, expected) in minimum.parameters.iter().zip([1.0, 1.0, 7.0]) {
+            // a quadratic end from a promised reduction of 1e-9 leaves 3e-5 at most
+            assert!((found - expected).abs() < 1e-4, "{:?}", minimum.parameters);
+        }
+        assert_eq!(minimum.directions.rank(), 2);
+        let directions = &minimum.directions;
+        assert!(
+            directions
+                .covariance(&[1.0, 0.0, 0.0], &[1.0, 0.0, 0.0])
+                .is_finite()
+        );
+        assert!(
+            directions
+                .covariance(&[0.0, 1.0, 1.0], &[0.0, 1.0, 1.0])
+                .is_infinite()
+        );
+    }
+
+    #[test]
+    fn covariance_is_that_of_a_straight_line() {
+        // y = a + b x at x = 0..3 with unit errors: var a = Σx²/Δ = 14/20, var b = 4/20, cov = -6/20
+        let minimum = infallible(&[5.0, -3.0], |t| Linearised {
+            residual: [0.1, 0.9, 2.2, 2.8]
+                .iter()
+                .zip([0.0, 1.0, 2.0, 3.0])
+                .map(|(y, x)| t[0] + t[1] * x - y)
+                .collect(),
+            jacobian: vec![vec![1.0; 4], vec![0.0, 1.0, 2.0, 3.0]],
+        })
+        .unwrap();
+        assert!((minimum.parameters[1] - 0.94).abs() < 1e-12);
+        assert!((minimum.parameters[0] - 0.09).abs() < 1e-12);
+        let (a, b) = ([1.0, 0.0], [0.0, 1.0]);
+        assert!((minimum.directions.covariance(&a, &a) - 0.7).abs() < 1e-14);
+        assert!((minimum.directions.covariance(&b, &b) - 0.2).abs() < 1e-14);
+        assert!((minimum.directions.covariance(&a, &b) + 0.3).abs() < 1e-14);
+    }
+
+    #[test]
+    fn fewer_readings_than_parameters_are_no_obstacle() {
+        let minimum = infallible(&[0.0, 0.0], |t| Linearised {
+            residual: vec![t[0] + t[1] - 2.0],
+            jacobian: vec![vec![1.0], vec![1.0]],
+        })
+        .unwrap();
+        assert_eq!(minimum.directions.rank(), 1);
+        assert!((minimum.parameters[0] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_start_that_is_no_number_is_no_minimum() {
+        let minimum = infallible(&[1.0], |_| Linearised {
+            residual: vec![f64::NAN],
+            jacobian: vec![vec![f64::NAN]],
+        });
+        assert!(minimum.is_none());
+    }
+}

@@ -1,0 +1,201 @@
+//! Recovery after a load: equations 4 and 5 of paper C.
+
+use num_complex::Complex64;
+
+use super::dashpot::relaxed_logarithm;
+use super::{LoadHistory, ThreeElement};
+use crate::error::CmodError;
+
+/// The model as it recovers without load, t \[s\] after unloading.
+///
+/// The spring beside the dashpot keeps the stress that the load has put into it, and drives the dashpot back:
+///
+/// ```text
+/// |σ_d(t)|^(-m) = |σ_d(0)|^(-m) + m E₂ B t
+/// Δtan δ(t) = Δtan δᵢ/(1 + t/t_r) ,   t_r = 1/(m E₂ B |σ_d(0)|^m) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)   (eqs. 4, 5)
+/// ```
+///
+/// For a Newtonian dashpot, m = 0, t_r is infinite: the stress decays exponentially and the loss factor does not change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub struct Recovery {
+    model: ThreeElement,
+    /// Stress of the dashpot right after unloading \[Pa\].
+    initial_dashpot_stress: f64,
+}
+
+impl Recovery {
+    pub(super) fn after(model: ThreeElement, load: &LoadHistory) -> Result<Self, CmodError> {
+        let largest = load.largest_stress();
+        let initial_dashpot_stress = if largest > 0.0 {
+            -load.response(&model.dashpot(largest))?.value
+        } else {
+            0.0
+        };
+        Ok(Self {
+            model,
+            initial_dashpot_stress,
+        })
+    }
+
+    /// Stress of the dashpot right after unloading \[Pa\]; of opposite sign to the load.
+    #[must_use]
+    pub fn initial_dashpot_stress(&self) -> f64 {
+        self.initial_dashpot_stress
+    }
+
+    /// t_r \[s\], in which the change of the loss factor falls to one half (eq. 5); infinite for m = 0 or without load.
+    #[must_use]
+    pub fn recovery_time(&self) -> f64 {
+        1.0 / (self.model.parameters.exponent * self.initial_rate())
+    }
+
+    /// Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (eq. 5).
+    #[must_use]
+    pub fn initial_loss_factor_change(&self, omega: f64) -> f64 {
+        self.model
+            .loss_factor_change(omega, self.initial_dashpot_stress)
+    }
+
+    /// Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (eq. 4).
+    #[must_use]
+    pub fn loss_factor_change(&self, omega: f64, t: f64) -> f64 {
+        self.initial_loss_factor_change(omega)
+            / (1.0 + self.model.parameters.exponent * self.initial_rate() * t)
+    }
+
+    /// Stress of the dashpot \[Pa\] at time `t` \[s\] after unloading.
+    #[must_use]
+    pub fn dashpot_stress(&self, t: f64) -> f64 {
+        let (logarithm, ..) =
+            relaxed_logarithm(self.initial_rate() * t, self.model.parameters.exponent);
+        self.initial_dashpot_stress * (-logarithm).exp()
+    }
+
+    /// Differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading; exact, without
+    /// the loss of the virgin material.
+    #[must_use]
+    pub fn complex_modulus(&self, omega: f64, t: f64) -> Complex64 {
+        self.model.complex_modulus(omega, self.dashpot_stress(t))
+    }
+
+    /// |E*|/E₁ - 1 at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading.
+    #[must_use]
+    pub fn modulus_change(&self, omega: f64, t: f64) -> f64 {
+        self.model.modulus_change(omega, self.dashpot_stress(t))
+    }
+
+    /// E₂ B |σ_d(0)|^m \[1/s\].
+    fn initial_rate(&self) -> f64 {
+        let parameters = self.model.parameters;
+        parameters.parallel_modulus
+            * parameters.coefficient
+            * self.initial_dashpot_stress.abs().powf(parameters.exponent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadSegment, ThreeElementParameters};
+    use super::*;
+
+    const PRINTED: ThreeElementParameters = ThreeElementParameters {
+        series_modulus: 3100e6,
+        parallel_modulus: 13100.0,
+        coefficient: 4.55e-21,
+        exponent: 1.8,
+    };
+    const OMEGA: f64 = std::f64::consts::TAU * 10e3;
+
+    #[test]
+    fn recovery_time_is_that_of_the_corrected_equation_5() {
+        let model = ThreeElement::new(PRINTED).unwrap();
+        let ThreeElementParameters {
+            parallel_modulus: e2,
+            coefficient: b,
+            exponent: m,
+            ..
+        } = PRINTED;
+        let t1 = 1.0 / (b * e2.powf(m + 1.0));
+        for (stress, duration) in [(45e6, 1800.0), (19e6, 1800.0), (32e6, 300.0)] {
+            let bracket = stress / e2 - (m * duration / t1 + (stress / e2).powf(-m)).powf(-1.0 / m);
+            let corrected = t1 / m * bracket.powf(-m);
+            let recovery = model
+                .recovery(&LoadHistory::creep(stress, duration).unwrap())
+                .unwrap();
+            // the bracket as written loses one to two digits
+            assert!((recovery.recovery_time() / corrected - 1.0).abs() < 1e-12);
+            // as printed the time is ten orders off
+            let printed = t1 / (m * bracket.powf(-m));
+            assert!(printed > 1e10 * corrected);
+            let initial =
+                PRINTED.series_modulus * (m + 1.0) / (e2 * OMEGA * m * recovery.recovery_time());
+            assert!((recovery.initial_loss_factor_change(OMEGA) / initial - 1.0).abs() < 1e-13);
+        }
+    }
+
+    /// Equation 4 against the integrated model: 600 s of rest belong to the load, then the recovery starts later.
+    #[test]
+    fn recovery_continues_a_rest_after_the_load() {
+        let model = ThreeElement::new(PRINTED).unwrap();
+        let creep = LoadSegment::Constant {
+            stress: 45e6,
+            duration: 1800.0,
+        };
+        let now = model
+            .recovery(&LoadHistory::new(vec![creep]).unwrap())
+            .unwrap();
+        let rest = LoadSegment::Ramp {
+            from: 0.0,
+            to: 0.0,
+            duration: 600.0,
+        };
+        let later = model
+            .recovery(&LoadHistory::new(vec![creep, rest]).unwrap())
+            .unwrap();
+        for t in [0.0, 60.0, 7200.0] {
+            let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
+            // integration to 1e-9 of 45 MPa, at a stress of a third of it
+            assert!((a / b - 1.0).abs() < 3e-9, "{t}: {a} {b}");
+            let (a, b) = (
+                now.loss_factor_change(OMEGA, 600.0 + t),
+                model.loss_factor_change(OMEGA, b),
+            );
+            // and multiplied by m
+            assert!((a / b - 1.0).abs() < 6e-9, "{t}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_newtonian_dashpot_recovers_without_change_of_loss() {
+        let model = ThreeElement::new(ThreeElementParameters {
+            exponent: 0.0,
+            coefficient: 1e-7,
+            ..PRINTED
+        })
+        .unwrap();
+        let recovery = model
+            .recovery(&LoadHistory::creep(10e6, 100.0).unwrap())
+            .unwrap();
+        let k: f64 = 13100.0 * 1e-7;
+        let initial = -10e6 * (1.0 - (-100.0 * k).exp());
+        assert!((recovery.initial_dashpot_stress() / initial - 1.0).abs() < 1e-14);
+        assert!(
+            (recovery.dashpot_stress(50.0) / (initial * (-50.0 * k).exp()) - 1.0).abs() < 1e-14
+        );
+        assert_eq!(recovery.recovery_time().to_bits(), f64::INFINITY.to_bits());
+        let ratio =
+            recovery.loss_factor_change(OMEGA, 1e5) / recovery.initial_loss_factor_change(OMEGA);
+        assert!((ratio - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn without_load_nothing_recovers() {
+        let model = ThreeElement::new(PRINTED).unwrap();
+        let recovery = model
+            .recovery(&LoadHistory::creep(0.0, 1800.0).unwrap())
+            .unwrap();
+        assert!(recovery.loss_factor_change(OMEGA, 60.0).abs() < 1e-300);
+        assert!(recovery.dashpot_stress(60.0).abs() < 1e-300);
+    }
+}

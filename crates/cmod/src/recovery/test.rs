@@ -1,0 +1,259 @@
+//! What was measured during the recovery from one load.
+
+use super::LoadHistory;
+use crate::error::{CmodError, check_not_negative, check_positive};
+
+/// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry a reading in every array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LossFactorReadings<'a> {
+    /// Times after unloading \[s\], increasing.
+    pub time: &'a [f64],
+    /// Δtan δ.
+    pub change: &'a [f64],
+    /// Standard error of each tan δ, independent from reading to reading.
+    pub standard_error: &'a [f64],
+    /// Standard error of the virgin tan δ₀, which all readings share; 0 if it is negligible.
+    pub virgin_standard_error: f64,
+}
+
+/// A recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and Figure 2).
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecoveryTest {
+    pub(super) name: String,
+    pub(super) load: LoadHistory,
+    pub(super) frequency_hz: f64,
+    pub(super) time: Vec<f64>,
+    pub(super) change: Vec<f64>,
+    pub(super) standard_error: Vec<f64>,
+    pub(super) virgin_standard_error: f64,
+}
+
+impl RecoveryTest {
+    /// A test called `name`, with `readings` at `frequency_hz` \[Hz\] after `load`.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a load without stress;
+    /// [`CmodError::ReadingCount`] for unequal lengths; [`CmodError::TooFewReadings`] without any; [`CmodError::Reading`] for
+    /// times that are negative or do not increase, changes that are not finite, errors that are not above 0.
+    pub fn new(
+        name: impl Into<String>,
+        load: LoadHistory,
+        frequency_hz: f64,
+        readings: LossFactorReadings<'_>,
+    ) -> Result<Self, CmodError> {
+        let name = name.into();
+        check_positive("frequency [Hz]", frequency_hz)?;
+        check_positive("largest stress of the load [Pa]", load.largest_stress())?;
+        check_positive("duration of the load [s]", load.duration())?;
+        let LossFactorReadings {
+            time,
+            change,
+            standard_error,
+            virgin_standard_error,
+        } = readings;
+        check_not_negative(
+            "standard error of the virgin loss factor",
+            virgin_standard_error,
+        )?;
+        for (array, found) in [
+            ("change of the loss factor", change.len()),
+            ("standard error", standard_error.len()),
+        ] {
+            if found != time.len() {
+                return Err(CmodError::ReadingCount {
+                    array,
+                    found,
+                    expected: time.len(),
+                });
+            }
+        }
+        if time.is_empty() {
+            return Err(CmodError::TooFewReadings {
+                found: 0,
+                expected: 1,
+            });
+        }
+        let wrong = |quantity, index, value, expected| CmodError::Reading {
+            test: name.clone(),
+            quantity,
+            index,
+            value,
+            expected,
+        };
+        let mut previous = None;
+        for (index, ((&t, &change), &error)) in
+            time.iter().zip(change).zip(standard_error).enumerate()
+        {
+            if !(t.is_finite() && t >= 0.0) {
+                let expected = "a finite value, 0 or above";
+                return Err(wrong("recovery time [s]", index, t, expected));
+            }
+            if previous.is_some_and(|previous| t <= previous) {
+                let expected = "more than that of the reading before";
+                return Err(wrong("recovery time [s]", index, t, expected));
+            }
+            if !change.is_finite() {
+                let expected = "a finite value";
+                return Err(wrong("change of the loss factor", index, change, expected));
+            }
+            if !(error.is_finite() && error > 0.0) {
+                let expected = "a finite value above 0";
+                return Err(wrong("standard error", index, error, expected));
+            }
+            previous = Some(t);
+        }
+        Ok(Self {
+            name,
+            load,
+            frequency_hz,
+            time: time.to_vec(),
+            change: change.to_vec(),
+            standard_error: standard_error.to_vec(),
+            virgin_standard_error,
+        })
+    }
+
+    /// Name of the test.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The load before the recovery.
+    #[must_use]
+    pub fn load(&self) -> &LoadHistory {
+        &self.load
+    }
+
+    /// Frequency of the loss factor \[Hz\].
+    #[must_use]
+    pub fn frequency_hz(&self) -> f64 {
+        self.frequency_hz
+    }
+
+    /// Times after unloading \[s\].
+    #[must_use]
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// Changes of the loss factor.
+    #[must_use]
+    pub fn change(&self) -> &[f64] {
+        &self.change
+    }
+
+    /// Turns values of the readings (a residual, or its derivatives) into ones of unit variance without correlation.
+    ///
+    /// The covariance is that of independent errors σᵢ and a common one σ₀: D (I + a aᵀ) D with D = diag σᵢ, aᵢ = σ₀/σᵢ. What
+    /// is applied is (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
+    pub(super) fn whiten(&self, values: &mut [f64]) {
+        let mut projection = 0.0;
+        let mut square = 0.0;
+        for (value, sigma) in values.iter_mut().zip(&self.standard_error) {
+            let a = self.virgin_standard_error / sigma;
+            *value /= sigma;
+            projection += a * *value;
+            square += a * a;
+        }
+        if square > 0.0 {
+            // (1 - 1/√(1+a²))/a², without the difference
+            let root = (1.0 + square).sqrt();
+            let factor = projection / (root * (1.0 + root));
+            for (value, sigma) in values.iter_mut().zip(&self.standard_error) {
+                *value -= factor * self.virgin_standard_error / sigma;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn readings<'a>(
+        time: &'a [f64],
+        change: &'a [f64],
+        error: &'a [f64],
+    ) -> LossFactorReadings<'a> {
+        LossFactorReadings {
+            time,
+            change,
+            standard_error: error,
+            virgin_standard_error: 2e-3,
+        }
+    }
+
+    fn test(readings: LossFactorReadings<'_>) -> Result<RecoveryTest, CmodError> {
+        let load = LoadHistory::creep(32e6, 1800.0).unwrap();
+        RecoveryTest::new("Test 2", load, 10e3, readings)
+    }
+
+    /// Wᵀ C W = I: the whitened form of C = D(I + aaᵀ)D, column by column.
+    #[test]
+    fn whitened_errors_are_independent_and_of_unit_variance() {
+        let sigma = [1e-3, 2e-3, 5e-4];
+        let test = test(readings(&[1.0, 2.0, 3.0], &[0.0; 3], &sigma)).unwrap();
+        let whitener: Vec<[f64; 3]> = (0..3)
+            .map(|j| {
+                let mut column = [0.0; 3];
+                column[j] = 1.0;
+                test.whiten(&mut column);
+                column
+            })
+            .collect();
+        let covariance = |i: usize, j: usize| 4e-6 + if i == j { sigma[i] * sigma[i] } else { 0.0 };
+        for p in 0..3 {
+            for q in 0..3 {
+                let mut sum = 0.0;
+                for i in 0..3 {
+                    for j in 0..3 {
+                        sum += whitener[i][p] * covariance(i, j) * whitener[j][q];
+                    }
+                }
+                let expected = if p == q { 1.0 } else { 0.0 };
+                assert!((sum - expected).abs() < 1e-12, "{p} {q}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_readings_are_refused() {
+        let text = |readings| test(readings).unwrap_err().to_string();
+        let one = [1e-3; 2];
+        assert_eq!(
+            text(readings(&[1.0, 2.0], &[0.1], &one)),
+            "change of the loss factor has 1 readings, expected 2 as the times have"
+        );
+        assert_eq!(
+            text(readings(&[], &[], &[])),
+            "0 readings, expected at least 1"
+        );
+        assert_eq!(
+            text(readings(&[1.0, 1.0], &one, &one)),
+            "recovery time [s] of reading 1 of Test 2 is 1, expected more than that of the reading before"
+        );
+        assert_eq!(
+            text(readings(&[-1.0, 1.0], &one, &one)),
+            "recovery time [s] of reading 0 of Test 2 is -1, expected a finite value, 0 or above"
+        );
+        assert_eq!(
+            text(readings(&[1.0, 2.0], &[0.1, f64::NAN], &one)),
+            "change of the loss factor of reading 1 of Test 2 is NaN, expected a finite value"
+        );
+        assert_eq!(
+            text(readings(&[1.0, 2.0], &one, &[0.0, 1.0])),
+            "standard error of reading 0 of Test 2 is 0, expected a finite value above 0"
+        );
+        let unloaded = RecoveryTest::new(
+            "rest",
+            LoadHistory::creep(0.0, 1.0).unwrap(),
+            10e3,
+            readings(&[1.0, 2.0], &one, &one),
+        );
+        assert_eq!(
+            unloaded.unwrap_err().to_string(),
+            "largest stress of the load [Pa] is 0, expected a finite value above 0"
+        );
+    }
+}

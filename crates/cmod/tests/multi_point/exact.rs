@@ -1,0 +1,237 @@
+//! Without noise: the propagation coefficient of the material, whatever the ends are.
+
+use std::f64::consts::TAU;
+
+use cmod::multi_point::Quantity;
+use cmod::validity::Violation;
+use cmod::{ModulusEstimate, ModulusLine, MultiPoint, ThreePoint};
+use num_complex::Complex64;
+use proptest::prelude::*;
+use rodwave::waves::TravellingWaves;
+
+use crate::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
+
+/// Relative error of γ of a line.
+fn error(line: &ModulusLine) -> f64 {
+    let exact = polypropylene().propagation_coefficient(TAU * line.frequency_hz);
+    (line.propagation_coefficient - exact).norm() / exact.norm()
+}
+
+/// Every line to 1e-9: the strains are exact to 1e-12 of their largest (their own test), which the gauges magnify at most
+/// 1000-fold, below 100 Hz and near nodes.
+fn check_exact(name: &str, estimate: &ModulusEstimate, n_lines: usize) {
+    assert!(
+        estimate.refused().is_empty(),
+        "{name}: {:?}",
+        estimate.refused()
+    );
+    assert_eq!(estimate.lines().len(), n_lines);
+    for line in estimate.lines() {
+        let error = error(line);
+        assert!(error < 1e-9, "{name}, {} Hz: {error:e}", line.frequency_hz);
+        let branch_doubted = line
+            .validity
+            .violations()
+            .iter()
+            .any(|violation| matches!(violation, Violation::BranchAmbiguous(_)));
+        assert!(
+            !branch_doubted,
+            "{name}, {} Hz: {}",
+            line.frequency_hz, line.validity
+        );
+    }
+}
+
+#[test]
+fn closed_form_is_exact_in_any_structure() {
+    let frequency_hz = lines(50.0, 25.0, 400);
+    let positions = [0.3, 0.4, 0.5];
+    for structure in STRUCTURES {
+        let strains = strains(structure, &positions, &frequency_hz);
+        let tests: [&[Vec<Complex64>]; 1] = [&strains];
+        let estimate = ThreePoint::new(rod(&positions))
+            .unwrap()
+            .estimate(&clean(&frequency_hz, &tests, &flat(&[0.0; 3], 400)))
+            .unwrap();
+        check_exact(&format!("{structure:?}"), &estimate, 400);
+    }
+}
+
+#[test]
+fn least_squares_are_exact_for_any_gauges_in_any_structure() {
+    let frequency_hz = lines(50.0, 25.0, 400);
+    for positions in [
+        vec![0.3, 0.4, 0.5],
+        vec![0.3, 0.37, 0.5],
+        vec![0.1, 0.15, 0.3, 0.32],
+        vec![0.2, 0.3, 0.4, 0.5, 0.6],
+        vec![0.05, 0.12, 0.3, 0.41, 0.7],
+    ] {
+        for structure in STRUCTURES {
+            let strains = strains(structure, &positions, &frequency_hz);
+            let tests: [&[Vec<Complex64>]; 1] = [&strains];
+            let result = MultiPoint::new(rod(&positions))
+                .unwrap()
+                .estimate(&clean(
+                    &frequency_hz,
+                    &tests,
+                    &flat(&vec![0.0; positions.len()], 400),
+                ))
+                .unwrap();
+            check_exact(
+                &format!("{structure:?} {positions:?}"),
+                result.modulus(),
+                400,
+            );
+        }
+    }
+}
+
+/// The joint estimate takes each test with the waves that it has.
+#[test]
+fn tests_on_different_structures_are_evaluated_together() {
+    let frequency_hz = lines(100.0, 50.0, 150);
+    let positions = [0.2, 0.29, 0.5];
+    let spectra = STRUCTURES.map(|structure| strains(structure, &positions, &frequency_hz));
+    let tests: Vec<&[Vec<Complex64>]> = spectra.iter().map(Vec::as_slice).collect();
+    let noise = flat(&[1e-9; 3], 150);
+    let method = MultiPoint::new(rod(&positions)).unwrap();
+    let joint = method
+        .estimate(&clean(&frequency_hz, &tests, &noise))
+        .unwrap();
+    check_exact("joint", joint.modulus(), 150);
+    let single: Vec<_> = tests
+        .iter()
+        .map(|test| {
+            method
+                .estimate(&clean(&frequency_hz, &[test], &noise))
+                .unwrap()
+        })
+        .collect();
+    for (index, fit) in joint.fits().iter().enumerate() {
+        assert_eq!(fit.degrees_of_freedom, 4); // 2 (3 · 1 - 1)
+        // information adds up
+        let sum: f64 = single
+            .iter()
+            .map(|single| single.fits()[index].propagation_variance.recip())
+            .sum();
+        assert!((fit.propagation_variance * sum - 1.0).abs() < 1e-6);
+    }
+}
+
+/// Three gauges: the same γ and the same errors as in closed form, 1/(a²|q₀|²|sinh γa|²) (½ + |Ψ|²) σ².
+#[test]
+fn three_equal_distances_are_the_closed_form() {
+    let frequency_hz = lines(100.0, 50.0, 150);
+    let positions = [0.3, 0.4, 0.5];
+    for structure in STRUCTURES {
+        let strains = strains(structure, &positions, &frequency_hz);
+        let tests: [&[Vec<Complex64>]; 1] = [&strains];
+        // unequal noise: whitening and the propagation of three variances must agree
+        let noise = flat(&[1e-9, 3e-9, 0.5e-9], 150);
+        let spectra = clean(&frequency_hz, &tests, &noise);
+        let closed = ThreePoint::new(rod(&positions)).unwrap();
+        let closed = closed.estimate(&spectra).unwrap();
+        let squares = MultiPoint::new(rod(&positions)).unwrap();
+        let squares = squares.estimate(&spectra).unwrap();
+        for (a, b) in closed.lines().iter().zip(squares.modulus().lines()) {
+            let difference = a.propagation_coefficient - b.propagation_coefficient;
+            assert!(difference.norm() < 1e-9 * a.propagation_coefficient.norm());
+            let ratio = a.standard_error.storage_modulus / b.standard_error.storage_modulus;
+            // 1e-5: ill-conditioned near nodes of the middle gauge
+            assert!((ratio - 1.0).abs() < 1e-5, "{} Hz: {ratio}", a.frequency_hz);
+        }
+        for fit in squares.fits() {
+            assert_eq!((fit.chi_square, fit.degrees_of_freedom), (None, 0));
+        }
+    }
+}
+
+/// P and N against the separation of waves with the exact propagation coefficient; and a free end sends back -1.
+#[test]
+fn the_waves_are_those_of_the_rod() {
+    let frequency_hz = lines(300.0, 50.0, 100);
+    let positions = [0.2, 0.29, 0.5, 0.55];
+    let spectra = strains(crate::frame::Structure::Free, &positions, &frequency_hz);
+    let tests: [&[Vec<Complex64>]; 1] = [&spectra];
+    let noise = flat(&[1e-9; 4], 100);
+    let result = MultiPoint::new(rod(&positions))
+        .unwrap()
+        .estimate(&clean(&frequency_hz, &tests, &noise))
+        .unwrap();
+    for (index, frequency) in frequency_hz.iter().enumerate() {
+        let gamma = polypropylene().propagation_coefficient(TAU * frequency);
+        let values: Vec<Complex64> = spectra.iter().map(|spectrum| spectrum[index]).collect();
+        let known = TravellingWaves::from_sections(gamma, &positions, &values).unwrap();
+        let found = result.waves(index, 0, 0.4, Quantity::Strain).unwrap();
+        let size = found.forward.norm() + found.backward.norm();
+        assert!((found.forward - known.waves.forward_at(0.4)).norm() < 1e-8 * size);
+        assert!((found.backward - known.waves.backward_at(0.4)).norm() < 1e-8 * size);
+        let end = result.waves(index, 0, 0.8, Quantity::Strain).unwrap();
+        assert!(end.sum().norm() < 1e-8 * end.forward.norm());
+        // a = -ω² u, ε = ∂u/∂x: at a free end both waves of the acceleration are alike
+        let acceleration = result.waves(index, 0, 0.8, Quantity::Acceleration).unwrap();
+        assert!((acceleration.backward / acceleration.forward - 1.0).norm() < 1e-8);
+        let expected = (TAU * frequency).powi(2) / gamma * end.forward;
+        assert!((acceleration.forward - expected).norm() < 1e-8 * expected.norm());
+    }
+    assert!(result.waves(0, 1, 0.4, Quantity::Strain).is_none());
+    assert!(result.waves(100, 0, 0.4, Quantity::Strain).is_none());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra.
+    #[test]
+    fn any_gauges_find_the_material(
+        first in 0.05..0.2_f64,
+        distances in prop::collection::vec(0.03..0.14_f64, 2..5),
+        weights in prop::collection::vec(0.1..10.0_f64, 5),
+        scale in -9..9_i32,
+        structure in 0..3_usize,
+    ) {
+        let mut positions = vec![first];
+        let mut position = first;
+        for distance in distances {
+            position += distance;
+            positions.push(position);
+        }
+        let frequency_hz = lines(100.0, 50.0, 120);
+        let mut spectra = strains(STRUCTURES[structure], &positions, &frequency_hz);
+        let scale = 10.0_f64.powi(scale);
+        spectra.iter_mut().flatten().for_each(|value| *value *= scale);
+        let weights: Vec<f64> = weights.iter().take(positions.len()).map(|w| 1e-9 * scale * w).collect();
+        let tests: [&[Vec<Complex64>]; 1] = [&spectra];
+        let result = MultiPoint::new(rod(&positions)).unwrap()
+            .estimate(&clean(&frequency_hz, &tests, &flat(&weights, 120)))
+            .unwrap();
+        prop_assert_eq!(result.modulus().lines().len(), 120);
+        for line in result.modulus().lines() {
+            // 1e-12 of the generator by what the gauges make of a relative error: dE/E is twice dγ/γ
+            let tolerance = 1e-11 * (1.0 + line.error_amplification);
+            prop_assert!(error(line) < tolerance, "{} Hz: {:e}", line.frequency_hz, error(line));
+        }
+    }
+}
+
+/// One line alone has many wave numbers, and says so; a guess of the speed decides.
+#[test]
+fn one_line_needs_a_guess() {
+    let frequency_hz = [6000.0];
+    let positions = [0.3, 0.4, 0.5];
+    let spectra = strains(crate::frame::Structure::I, &positions, &frequency_hz);
+    let tests: [&[Vec<Complex64>]; 1] = [&spectra];
+    let noise = flat(&[0.0; 3], 1);
+    let input = clean(&frequency_hz, &tests, &noise);
+    let method = MultiPoint::new(rod(&positions)).unwrap();
+    let alone = method.estimate(&input).unwrap();
+    assert!(matches!(
+        alone.modulus().lines()[0].validity.violations(),
+        [.., Violation::BranchAmbiguous(_)]
+    ));
+    let guessed = method.with_wave_speed(1600.0).unwrap();
+    let guessed = guessed.estimate(&input).unwrap();
+    check_exact("guessed", guessed.modulus(), 1);
+    assert_eq!(guessed.modulus().valid().count(), 1);
+}

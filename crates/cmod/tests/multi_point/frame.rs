@@ -1,0 +1,115 @@
+//! The bar of paper B in its structures.
+
+use std::f64::consts::TAU;
+
+use cmod::{GaugeSpectra, GaugedRod};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::chain::Termination;
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::HalfSine;
+use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+
+pub(crate) const DENSITY: f64 = 919.0;
+pub(crate) const DIAMETER: f64 = 0.016;
+
+/// Polypropylene: 2.6 GPa and a loss factor of 0.07, constant with frequency and causal.
+pub(crate) fn polypropylene() -> Medium<ConstantQ> {
+    Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Structure {
+    /// Two cantilever beams.
+    I,
+    /// The same with a lump of 0.1 kg at the right end; the paper gives no mass.
+    II,
+    /// Dismounted.
+    Free,
+}
+
+pub(crate) const STRUCTURES: [Structure; 3] = [Structure::I, Structure::II, Structure::Free];
+
+/// Strains (n_gauges)(n_lines) of the bar, 800 mm long, struck by a half sine of 50 N and 0.1 ms.
+pub(crate) fn strains(
+    structure: Structure,
+    positions: &[f64],
+    frequency_hz: &[f64],
+) -> Vec<Vec<Complex64>> {
+    let beam = EndSupport::PAPER_B_BEAM;
+    let (left, right) = match structure {
+        Structure::I => (beam.termination(), beam.termination()),
+        Structure::II => (beam.termination(), beam.with_lump(0.1).termination()),
+        Structure::Free => (Termination::Free, Termination::Free),
+    };
+    let section = Circle::of_diameter(DIAMETER).unwrap();
+    let member = FrameMember::new(&polypropylene(), section, 0.8, positions, right)
+        .unwrap()
+        .with_left_structure(left)
+        .unwrap();
+    let blow = HalfSine::new(50.0, 1e-4).unwrap();
+    let omegas: Vec<f64> = frequency_hz.iter().map(|f| TAU * f).collect();
+    member
+        .strain_spectra(&Excitation::Force(&blow), &omegas)
+        .unwrap()
+}
+
+pub(crate) fn rod(positions: &[f64]) -> GaugedRod {
+    GaugedRod {
+        positions: positions.to_vec(),
+        diameter: DIAMETER,
+        density: DENSITY,
+    }
+}
+
+/// `count` lines from `first` in steps of `step` [Hz].
+pub(crate) fn lines(first: f64, step: f64, count: u32) -> Vec<f64> {
+    (0..count).map(|j| first + step * f64::from(j)).collect()
+}
+
+/// Root mean square of all values.
+pub(crate) fn size(spectra: &[Vec<Complex64>]) -> f64 {
+    let power: f64 = spectra.iter().flatten().map(Complex64::norm_sqr).sum();
+    let count = spectra.iter().map(Vec::len).sum::<usize>();
+    (power / count as f64).sqrt()
+}
+
+/// The same noise on all lines of a gauge.
+pub(crate) fn flat(noise: &[f64], n_lines: usize) -> Vec<Vec<f64>> {
+    noise.iter().map(|&noise| vec![noise; n_lines]).collect()
+}
+
+/// Circular Gaussian noise of `noise` (n_gauges)(n_lines) on `clean` spectra.
+pub(crate) fn noisy(
+    clean: &[Vec<Complex64>],
+    noise: &[Vec<f64>],
+    seed: u64,
+) -> Vec<Vec<Complex64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut spectrum = |(clean, noise): (&Vec<Complex64>, &Vec<f64>)| {
+        let value = |(value, noise): (&Complex64, &f64)| {
+            let re: f64 = StandardNormal.sample(&mut random);
+            let im: f64 = StandardNormal.sample(&mut random);
+            value + Complex64::new(re, im) * (noise * 0.5_f64.sqrt())
+        };
+        clean.iter().zip(noise).map(value).collect()
+    };
+    clean.iter().zip(noise).map(&mut spectrum).collect()
+}
+
+/// One test without noise.
+pub(crate) fn clean<'a>(
+    frequency_hz: &'a [f64],
+    tests: &'a [&'a [Vec<Complex64>]],
+    noise: &'a [Vec<f64>],
+) -> GaugeSpectra<'a> {
+    GaugeSpectra {
+        frequency_hz,
+        tests,
+        noise,
+    }
+}

@@ -1,0 +1,72 @@
+//! Universal files of 32 769 complex lines (the response of 65 536 samples), in memory: text of 13 digits, text of 6 digits and 58b.
+#![allow(missing_docs, reason = "criterion makes a public function")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a benchmark that cannot run should say so at once"
+)]
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer};
+use labio::format::{Reader, Strictness, Writer};
+use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
+use num_complex::Complex64;
+
+const N_LINES: usize = 32_769;
+
+/// A receptance of one mode in metres per newton: numbers from 1e-10 to 1e-6, of all digits.
+fn receptance() -> Contents {
+    let lines = (0..N_LINES).map(|line| {
+        let ratio = line as f64 / 5000.3;
+        1e-7 / Complex64::new(1.0 - ratio * ratio, 0.02 * ratio)
+    });
+    let mut contents = Contents::of_format("computed");
+    contents.series.push(Series {
+        name: "end A".to_owned(),
+        kind: SeriesKind::FrequencyResponse,
+        abscissa: Abscissa::Even {
+            start: 0.0,
+            step: 0.5,
+        },
+        ordinate: Ordinate::Complex(lines.collect()),
+        abscissa_axis: SeriesAxis::default(),
+        ordinate_axis: SeriesAxis::default(),
+        properties: Vec::new(),
+    });
+    contents
+}
+
+fn universal_files(criterion: &mut Criterion) {
+    let contents = receptance();
+    let cases = [
+        ("text, double", Encoding::Ascii, Precision::Double),
+        ("text, single", Encoding::Ascii, Precision::Single),
+        (
+            "58b, double",
+            Encoding::Binary(ByteOrder::LittleEndian),
+            Precision::Double,
+        ),
+    ];
+    for (name, encoding, precision) in cases {
+        let writer = Uff58Writer {
+            encoding,
+            precision,
+        };
+        let mut file = Vec::new();
+        writer.write(&contents, &mut file).unwrap();
+        criterion.bench_function(&format!("write 32769 complex lines, {name}"), |bencher| {
+            bencher.iter(|| {
+                let mut output = Vec::new();
+                writer.write(black_box(&contents), &mut output).unwrap();
+                output
+            });
+        });
+        criterion.bench_function(&format!("read 32769 complex lines, {name}"), |bencher| {
+            bencher.iter(|| Uff58.read(black_box(&file), Strictness::Strict).unwrap());
+        });
+    }
+}
+
+criterion_group!(benches, universal_files);
+criterion_main!(benches);

@@ -1,0 +1,173 @@
+//! From hammer hits to an accelerance with its errors, on a virtual body whose accelerance is known.
+//!
+//! ```text
+//! cargo run --release --package labio --example frf_from_hammer_hits [table.csv]
+//! ```
+//!
+//! writes the lines as a table, by default `target/examples/frf_from_hammer_hits.csv`, and a figure beside it.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+mod free_body;
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use free_body::{Hammer, MASS};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use labio::{
+    Estimator, ForceWindow, FrequencyResponse, ResponseKind, RigidBand, RigidBody,
+    SpectrumAverager, Window,
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let hammer = Hammer {
+        peak_force: 80.0,
+        contact: 3e-4,
+        force_noise: 0.05,
+        acceleration_noise: 0.5,
+    };
+    let hits = hammer.strike(5, 1)?;
+
+    // the hammer touches the body for 0.3 ms after sample 100: the rest of its channel is noise
+    let contact = ForceWindow::new(1.8e-3, 2.5e-3, 2e-4)?;
+    let mut averager = SpectrumAverager::for_records_like(&hits[0], Window::Rectangular)?
+        .with_force_window("hammer", contact)?;
+    for hit in &hits {
+        averager.add(hit)?;
+    }
+    let spectra = averager.spectra()?;
+    let accelerance = spectra.response(Estimator::H1, "hammer", "face")?;
+
+    let coherence = accelerance.coherence.as_ref().ok_or("one hit only")?;
+    let errors = accelerance.random_error().ok_or("one hit only")?;
+    println!("     f, Hz   |A|, 1/kg      exact   random error   coherence");
+    for wanted_hz in [50.0, 200.0, 500.0, 900.0, 1500.0, 2640.0, 4000.0, 6000.0] {
+        let line = accelerance.frequency_hz.partition_point(|f| *f < wanted_hz);
+        let f = accelerance.frequency_hz[line];
+        println!(
+            "{f:10.1} {:11.4} {:10.4} {:11.2} % {:13.5}",
+            accelerance.values[line].norm(),
+            free_body::accelerance(f).norm(),
+            100.0 * errors[line].magnitude,
+            coherence[line]
+        );
+    }
+    println!(
+        "squared error over its estimated variance, mean of 20 to 5000 Hz: {:.2}; of n = 5 hits n/(n - 2) is expected",
+        reduced_error(&accelerance).ok_or("one hit only")?
+    );
+
+    let completed = RigidBody::new(MASS, 0.001)?.complete(
+        &accelerance,
+        RigidBand {
+            from_hz: 40.0,
+            to_hz: 200.0,
+        },
+    )?;
+    println!(
+        "weighed {MASS} kg; the lines from 40 to 200 Hz say {:.3} kg, standard error {:.3} kg",
+        completed.apparent_mass, completed.apparent_mass_standard_error
+    );
+    let mobility = completed.response.to_kind(ResponseKind::Mobility)?;
+    let passivity = mobility.passivity(3.0)?;
+    let excited = passivity.frequency_hz.partition_point(|f| *f < 5000.0);
+    println!(
+        "{} of the {excited} lines below 5 kHz are active beyond three standard errors",
+        passivity
+            .active_lines()
+            .filter(|line| *line < excited)
+            .count(),
+    );
+
+    let table = table_path()?;
+    fs::write(&table, csv(&accelerance)?)?;
+    let figure = table.with_extension("svg");
+    fs::write(&figure, svg(&accelerance))?;
+    println!("{} and {}", table.display(), figure.display());
+    Ok(())
+}
+
+/// Mean of |measured - exact|^2/variance.
+fn reduced_error(accelerance: &FrequencyResponse) -> Option<f64> {
+    let variances = accelerance.variance.as_ref()?;
+    let lines = accelerance.frequency_hz.iter().zip(&accelerance.values);
+    let ratios: Vec<f64> = lines
+        .zip(variances)
+        .filter(|((f, _), _)| (20.0..5000.0).contains(*f))
+        .map(|((f, value), variance)| (value - free_body::accelerance(*f)).norm_sqr() / variance)
+        .collect();
+    Some(ratios.iter().sum::<f64>() / ratios.len() as f64)
+}
+
+fn csv(accelerance: &FrequencyResponse) -> Result<String, Box<dyn Error>> {
+    let coherence = accelerance.coherence.as_ref().ok_or("one hit only")?;
+    let variance = accelerance.variance.as_ref().ok_or("one hit only")?;
+    let mut text =
+        "frequency [Hz],real [1/kg],imaginary [1/kg],standard error [1/kg],coherence\n".to_owned();
+    for (line, f) in accelerance.frequency_hz.iter().enumerate() {
+        let value = accelerance.values[line];
+        let error = variance[line].sqrt();
+        writeln!(
+            text,
+            "{f},{},{},{error},{}",
+            value.re, value.im, coherence[line]
+        )?;
+    }
+    Ok(text)
+}
+
+fn svg(accelerance: &FrequencyResponse) -> String {
+    let shown = || {
+        let lines = accelerance.frequency_hz.iter().zip(&accelerance.values);
+        lines.filter(|(f, _)| (20.0..6000.0).contains(*f))
+    };
+    let measured = shown().map(|(f, value)| (1e-3 * f, value.norm().log10()));
+    let exact = shown().map(|(f, _)| (1e-3 * f, free_body::accelerance(*f).norm().log10()));
+    let curve = |data: Vec<(f64, f64)>, colour: &str, legend: &str| {
+        Plot::Line(
+            LinePlot::new()
+                .with_data(data)
+                .with_color(colour)
+                .with_legend(legend),
+        )
+    };
+    let curves = vec![
+        curve(measured.collect(), "#c2410c", "H1 of five hits"),
+        curve(exact.collect(), "#1d4ed8", "exact"),
+    ];
+    let layout = Layout::auto_from_plots(&curves)
+        .with_title("Accelerance of a free body with two modes")
+        .with_x_label("frequency, kHz")
+        .with_y_label("log10 of accelerance, 1/kg")
+        .with_legend_position(LegendPosition::InsideBottomRight);
+    let scene = Figure::new(1, 1)
+        .with_plots(vec![curves])
+        .with_layouts(vec![layout])
+        .with_cell_size(760.0, 440.0)
+        .render();
+    SvgBackend::default().render_scene(&scene)
+}
+
+/// The path that was given, or one in `target/examples`.
+fn table_path() -> Result<PathBuf, Box<dyn Error>> {
+    if let Some(path) = std::env::args_os().nth(1) {
+        return Ok(path.into());
+    }
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    Ok(folder.join("frf_from_hammer_hits.csv"))
+}

@@ -1,0 +1,333 @@
+//! Receptance, mobility, accelerance and their reciprocals.
+
+use std::fmt;
+
+use num_complex::Complex64;
+
+use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Quantity};
+
+/// The six frequency responses of a structure between a motion and a force (ISO 7626-1).
+///
+/// | | motion/force | force/motion |
+/// |---|---|---|
+/// | displacement | receptance \[m/N\] | dynamic stiffness \[N/m\] |
+/// | velocity | mobility \[m/(N s)\] | impedance \[N s/m\] |
+/// | acceleration | accelerance \[1/kg\] | dynamic mass \[kg\] |
+///
+/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The kinds of a row are
+/// reciprocals of each other *line by line*, which makes the force/motion kinds those of a body that is free at all other points.
+/// Blocked ones are elements of the inverse of the whole matrix, and cannot be had from one response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ResponseKind {
+    /// Displacement over force.
+    Receptance,
+    /// Velocity over force.
+    Mobility,
+    /// Acceleration over force.
+    Accelerance,
+    /// Force over displacement.
+    DynamicStiffness,
+    /// Force over velocity.
+    Impedance,
+    /// Force over acceleration.
+    DynamicMass,
+}
+
+impl ResponseKind {
+    /// The kind of a response from a channel of `input` to one of `output`; none if it is not between a force and a motion.
+    #[must_use]
+    pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
+        match (input, output) {
+            (Quantity::Force, Quantity::Displacement) => Some(Self::Receptance),
+            (Quantity::Force, Quantity::Velocity) => Some(Self::Mobility),
+            (Quantity::Force, Quantity::Acceleration) => Some(Self::Accelerance),
+            (Quantity::Displacement, Quantity::Force) => Some(Self::DynamicStiffness),
+            (Quantity::Velocity, Quantity::Force) => Some(Self::Impedance),
+            (Quantity::Acceleration, Quantity::Force) => Some(Self::DynamicMass),
+            _ => None,
+        }
+    }
+
+    /// The quantity of the motion.
+    #[must_use]
+    pub fn motion(self) -> Quantity {
+        match self {
+            Self::Receptance | Self::DynamicStiffness => Quantity::Displacement,
+            Self::Mobility | Self::Impedance => Quantity::Velocity,
+            Self::Accelerance | Self::DynamicMass => Quantity::Acceleration,
+        }
+    }
+
+    /// Whether the motion is divided by the force, and not the force by the motion.
+    #[must_use]
+    pub fn is_motion_over_force(self) -> bool {
+        matches!(self, Self::Receptance | Self::Mobility | Self::Accelerance)
+    }
+
+    /// Number of derivatives of the displacement that the motion is.
+    fn derivatives(self) -> i32 {
+        match self {
+            Self::Receptance | Self::DynamicStiffness => 0,
+            Self::Mobility | Self::Impedance => 1,
+            Self::Accelerance | Self::DynamicMass => 2,
+        }
+    }
+}
+
+impl fmt::Display for ResponseKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Receptance => "receptance",
+            Self::Mobility => "mobility",
+            Self::Accelerance => "accelerance",
+            Self::DynamicStiffness => "dynamic stiffness",
+            Self::Impedance => "impedance",
+            Self::DynamicMass => "dynamic mass",
+        })
+    }
+}
+
+impl FrequencyResponse {
+    /// Which of the six kinds this is.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoResponseKind`] if it is not between a force and a motion.
+    pub fn kind(&self) -> Result<ResponseKind, LabioError> {
+        let (input, output) = (self.input.quantity(), self.output.quantity());
+        ResponseKind::between(input, output).ok_or_else(|| LabioError::NoResponseKind {
+            input: self.input.to_string(),
+            output: self.output.to_string(),
+        })
+    }
+
+    /// The same measurement as another kind: values times a power of $`s = \sigma+i\omega`$ ($`\sigma`$ of the exponential window, or
+    /// 0), and their reciprocal where force and motion change places.
+    ///
+    /// Coherence and relative random error of a line stay what they are. The reciprocal of H1 is H2 of the exchanged
+    /// channels and the other way round, exactly.
+    ///
+    /// # Low frequencies
+    ///
+    /// Nothing is filtered. An integration divides by $`i\omega`$ and makes absolute errors of low lines as much larger
+    /// as the values; their relative errors tell. The line at 0 Hz has no integral: it is flagged
+    /// [`LineValidity::NotDefined`], as is the reciprocal of zero. [`RigidBody`](crate::RigidBody) can replace low lines of a free
+    /// body.
+    ///
+    /// # Errors
+    ///
+    /// As [`FrequencyResponse::kind`].
+    pub fn to_kind(&self, kind: ResponseKind) -> Result<Self, LabioError> {
+        let from = self.kind()?;
+        let exchange = from.is_motion_over_force() != kind.is_motion_over_force();
+        let motion_over_force = kind.derivatives() - from.derivatives();
+        let power = if from.is_motion_over_force() {
+            motion_over_force
+        } else {
+            -motion_over_force
+        };
+        let mut converted = self.clone();
+        for line in 0..self.values.len() {
+            let factor = self.laplace_variable(line).powi(power);
+            let multiplied = self.values[line] * factor;
+            let value = if exchange {
+                multiplied.inv()
+            } else {
+                multiplied
+            };
+            if self.validity[line] != LineValidity::Valid {
+                continue;
+            }
+            if !value.is_finite() {
+                converted.invalidate(line, LineValidity::NotDefined);
+                continue;
+            }
+            converted.values[line] = value;
+            if let Some(variance) = &mut converted.variance {
+                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. A response that is zero at 0 Hz stays certain.
+                let scale = if exchange {
+                    (value / self.values[line]).norm_sqr()
+                } else {
+                    factor.norm_sqr()
+                };
+                variance[line] *= scale;
+            }
+        }
+        let motion = |channel: &Channel| Channel::new(channel.name(), kind.motion());
+        let (force, moving) = if from.is_motion_over_force() {
+            (&self.input, &self.output)
+        } else {
+            (&self.output, &self.input)
+        };
+        (converted.input, converted.output) = if kind.is_motion_over_force() {
+            (force.clone(), motion(moving)?)
+        } else {
+            (motion(moving)?, force.clone())
+        };
+        if exchange {
+            converted.estimator = match self.estimator {
+                Estimator::H1 => Estimator::H2,
+                Estimator::H2 => Estimator::H1,
+                Estimator::Hv => Estimator::Hv,
+            };
+        }
+        Ok(converted)
+    }
+
+    /// Takes all information from a line.
+    pub(crate) fn invalidate(&mut self, line: usize, reason: LineValidity) {
+        let none = f64::NAN;
+        self.validity[line] = reason;
+        self.values[line] = Complex64::new(none, none);
+        if let Some(coherence) = &mut self.coherence {
+            coherence[line] = none;
+        }
+        if let Some(variance) = &mut self.variance {
+            variance[line] = none;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AddedDamping, AveragedSpectra, Provenance, Record, SpectrumAverager, Window};
+    use ndarray::Array2;
+    use std::f64::consts::TAU;
+
+    const KINDS: [ResponseKind; 6] = [
+        ResponseKind::Receptance,
+        ResponseKind::Mobility,
+        ResponseKind::Accelerance,
+        ResponseKind::DynamicStiffness,
+        ResponseKind::Impedance,
+        ResponseKind::DynamicMass,
+    ];
+
+    /// Three hits of a force and a motion without pattern.
+    fn spectra(output: Quantity) -> AveragedSpectra {
+        let channels = vec![
+            Channel::new("f", Quantity::Force).unwrap(),
+            Channel::new("x", output).unwrap(),
+        ];
+        let hits: Vec<Record> = (1..4_u8)
+            .map(|hit| {
+                let samples = Array2::from_shape_fn((2, 33), |(c, n)| {
+                    (f64::from(hit) * (1.3 + c as f64) * (n * n) as f64).sin()
+                });
+                let provenance = Provenance::computed("sines");
+                Record::new(samples, 330.0, 0.0, channels.clone(), provenance).unwrap()
+            })
+            .collect();
+        AveragedSpectra::of(&hits, Window::Rectangular).unwrap()
+    }
+
+    #[test]
+    fn every_kind_is_reached_from_every_other_on_every_way() {
+        let receptance = spectra(Quantity::Displacement).h1("f", "x").unwrap();
+        for first in KINDS {
+            for second in KINDS {
+                let there = receptance.to_kind(first).unwrap().to_kind(second).unwrap();
+                let direct = receptance.to_kind(second).unwrap();
+                assert_eq!(there.kind().unwrap(), second);
+                assert_eq!(there.estimator, direct.estimator);
+                assert_eq!(
+                    (&there.input, &there.output),
+                    (&direct.input, &direct.output)
+                );
+                for line in 1..direct.values.len() {
+                    // a few products and reciprocals
+                    let relative = (there.values[line] / direct.values[line] - 1.0).norm();
+                    assert!(relative < 1e-14);
+                    let variance = |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line];
+                    assert!((variance(&there) / variance(&direct) - 1.0).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn mobility_is_i_omega_times_receptance_and_impedance_its_reciprocal() {
+        let receptance = spectra(Quantity::Displacement).h1("f", "x").unwrap();
+        let mobility = receptance.to_kind(ResponseKind::Mobility).unwrap();
+        let impedance = receptance.to_kind(ResponseKind::Impedance).unwrap();
+        let (line, omega) = (7, TAU * 70.0);
+        let expected = Complex64::i() * omega * receptance.values[line];
+        assert!((mobility.values[line] / expected - 1.0).norm() < 1e-14);
+        assert!((impedance.values[line] * expected - 1.0).norm() < 1e-14);
+        assert_eq!(mobility.output.to_string(), "`x` [m/s]");
+        assert_eq!(impedance.input.to_string(), "`x` [m/s]");
+        // exact zero from zero frequency, and its reciprocal is none
+        assert_eq!(mobility.values[0], Complex64::ZERO);
+        assert_eq!(impedance.validity[0], LineValidity::NotDefined);
+        assert!(impedance.values[0].is_nan());
+        // the relative error of a line does not change
+        let relative =
+            |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line] / r.values[line].norm_sqr();
+        for kind in KINDS {
+            let ratio = relative(&receptance.to_kind(kind).unwrap()) / relative(&receptance);
+            assert!((ratio - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_reciprocal_of_h1_is_h2_the_other_way_round() {
+        let spectra = spectra(Quantity::Velocity);
+        let reciprocal = spectra
+            .h1("f", "x")
+            .unwrap()
+            .to_kind(ResponseKind::Impedance)
+            .unwrap();
+        let direct = spectra.h2("x", "f").unwrap();
+        assert_eq!(reciprocal.estimator, direct.estimator);
+        let variances = |r: &FrequencyResponse| r.variance.clone().unwrap();
+        for line in 0..direct.values.len() {
+            assert!((reciprocal.values[line] / direct.values[line] - 1.0).norm() < 1e-14);
+            let ratio = variances(&reciprocal)[line] / variances(&direct)[line];
+            // 1 - coherence of lines that are nearly coherent loses some digits
+            assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn an_integral_at_zero_frequency_is_flagged_unless_the_window_moved_it() {
+        let accelerance = spectra(Quantity::Acceleration).h1("f", "x").unwrap();
+        let mobility = accelerance.to_kind(ResponseKind::Mobility).unwrap();
+        assert_eq!(mobility.validity[0], LineValidity::NotDefined);
+        assert!(mobility.random_error().unwrap()[0].magnitude.is_nan());
+        assert_eq!(mobility.invalid_lines().count(), 1);
+
+        // with an exponential window the line at 0 Hz is at s = sigma
+        let channels = accelerance_channels();
+        let mut averager = SpectrumAverager::new(&channels, 4, 10.0, Window::Rectangular)
+            .unwrap()
+            .with_exponential_window(AddedDamping::new(2.0).unwrap())
+            .unwrap();
+        let samples = ndarray::array![[1.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]];
+        let hit = Record::new(samples, 10.0, 0.0, channels, Provenance::computed("t")).unwrap();
+        averager.add(&hit).unwrap();
+        let response = averager.spectra().unwrap().h1("f", "x").unwrap();
+        let mobility = response.to_kind(ResponseKind::Mobility).unwrap();
+        // accelerance 3 on every line
+        assert!((mobility.values[0] - 1.5).norm() < 1e-15);
+        let s = Complex64::new(2.0, TAU * 2.5);
+        assert!((mobility.values[1] - 3.0 / s).norm() < 1e-15);
+    }
+
+    fn accelerance_channels() -> Vec<Channel> {
+        vec![
+            Channel::new("f", Quantity::Force).unwrap(),
+            Channel::new("x", Quantity::Acceleration).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn a_ratio_of_two_motions_is_no_such_kind() {
+        let spectra = spectra(Quantity::Strain);
+        let error = spectra.h1("f", "x").unwrap().kind().unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a response from `f` [N] to `x` [1] is not between a force and a motion"
+        );
+    }
+}

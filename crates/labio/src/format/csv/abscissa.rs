@@ -1,0 +1,333 @@
+//! Which column is the abscissa, and whether it is a clock.
+
+use std::fmt;
+
+use super::header::Header;
+use super::table::Table;
+use super::{CsvAbscissa, malformed};
+use crate::format::Strictness;
+use crate::format::kind::kind_of_name;
+use crate::format::rounding::{Written, WrittenValues};
+use crate::format::text::{self, DecimalMark};
+use crate::{Abscissa, Contents, LabioError, Place, Series, SeriesAxis, SeriesKind};
+
+/// Largest relative uncertainty of a step that rounded values leave: a frequency is then off by less than a line in ten thousand.
+pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
+
+const TIME_NAMES: [&str; 9] = [
+    "time",
+    "zeit",
+    "temps",
+    "tid",
+    "tiempo",
+    "tempo",
+    "x_value",
+    "seconds",
+    "timestamp",
+];
+const TIME_UNITS: [&str; 9] = [
+    "s", "ms", "us", "\u{b5}s", "\u{3bc}s", "ns", "min", "h", "sec",
+];
+const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
+const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
+
+/// The letter alone is time in the lower case; in the upper case it is a temperature.
+fn is_time(name: &str, unit: &str) -> bool {
+    called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
+}
+
+fn is_frequency(name: &str, unit: &str) -> bool {
+    // the letter in the upper case is a force
+    called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
+}
+
+fn called(name: &str, names: &[&str]) -> bool {
+    names.contains(&name.to_lowercase().as_str())
+}
+
+/// What our writer says of the abscissa, in a comment of the header.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Marker {
+    Even { start: f64, step: f64 },
+    Uneven,
+}
+
+impl fmt::Display for Marker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Even { start, step } => write!(f, "even, start {start:?}, step {step:?}"),
+            Self::Uneven => f.write_str("uneven"),
+        }
+    }
+}
+
+impl Marker {
+    pub(super) fn parse(text: &str) -> Option<Self> {
+        if text == "uneven" {
+            return Some(Self::Uneven);
+        }
+        let (start, step) = text.strip_prefix("even, start ")?.split_once(", step ")?;
+        Some(Self::Even {
+            start: start.parse().ok()?,
+            step: step.parse().ok()?,
+        })
+    }
+}
+
+/// The column of the abscissa, before the numbers are read.
+#[derive(Debug)]
+pub(super) struct Choice {
+    pub(super) column: Option<usize>,
+    /// Only if it increases evenly.
+    tentative: bool,
+    step: Option<f64>,
+    marker: Option<Marker>,
+}
+
+impl Choice {
+    pub(super) fn of(
+        header: &Header,
+        wish: CsvAbscissa,
+        n_columns: usize,
+    ) -> Result<Self, LabioError> {
+        let mut choice = Self {
+            column: None,
+            tentative: false,
+            step: None,
+            marker: None,
+        };
+        match wish {
+            CsvAbscissa::Index => return Ok(choice),
+            CsvAbscissa::Column(column) => {
+                if column == 0 || column > n_columns {
+                    return Err(LabioError::CountMismatch {
+                        what: "column of the abscissa, from 1 to the number of columns",
+                        found: column,
+                        expected: n_columns,
+                    });
+                }
+                choice.column = Some(column - 1);
+                return Ok(choice);
+            }
+            CsvAbscissa::Step(step) => choice.step = Some(step),
+            CsvAbscissa::ByContent => {
+                // oscilloscopes write the interval beside a column in few digits
+                choice.step = header
+                    .properties
+                    .iter()
+                    .find(|(key, _)| key == "Sample Interval")
+                    .and_then(|(_, value)| value.split_whitespace().next())
+                    .and_then(|value| text::real(value, DecimalMark::Point))
+                    .filter(|step| step.is_finite() && *step > 0.0);
+            }
+        }
+        let columns = &header.columns;
+        let first = |test: fn(&str, &str) -> bool| {
+            columns.first().is_some_and(|(name, unit)| test(name, unit))
+        };
+        if let Some(marker) = header.abscissa.as_deref().and_then(Marker::parse) {
+            choice.marker = Some(marker);
+            choice.column = Some(0);
+        } else if n_columns < 2 {
+            choice.column = None;
+        } else if columns.is_empty() {
+            choice.column = Some(0);
+            choice.tentative = true;
+        } else if let Some(column) = columns.iter().position(|(name, _)| is_time(name, "")) {
+            choice.column = Some(column);
+        } else if first(is_time)
+            || first(is_frequency)
+            || first(|name, _| called(name, &INDEX_NAMES))
+        {
+            choice.column = Some(0);
+        }
+        Ok(choice)
+    }
+}
+
+/// The contents from the columns and what the header says of them.
+pub(super) fn assemble(
+    table: Table,
+    header: Header,
+    choice: &Choice,
+    strictness: Strictness,
+    contents: &mut Contents,
+) -> Result<(), LabioError> {
+    let place = Place::Cell {
+        line: table.first_line,
+        column: choice.column.map_or(1, |column| column as u64 + 1),
+    };
+    let abscissa = spacing(
+        &table.digits,
+        choice,
+        place,
+        strictness,
+        &mut contents.defects,
+    )?;
+    let column = choice.column.filter(|_| abscissa.is_some());
+    let index = Abscissa::Even {
+        start: 0.0,
+        step: choice
+            .step
+            .filter(|_| choice.column.is_none())
+            .unwrap_or(1.0),
+    };
+    let abscissa = abscissa.unwrap_or(index);
+    contents.properties.extend(header.properties);
+    let axis = |at: usize| {
+        let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
+        text::axis(label, unit_text)
+    };
+    let abscissa_axis = match column {
+        Some(column) => axis(column),
+        None => SeriesAxis {
+            label: "index".to_owned(),
+            ..SeriesAxis::default()
+        },
+    };
+    let kind = default_kind(&abscissa_axis);
+    for (at, ordinate) in table.columns.into_iter().enumerate() {
+        if column == Some(at) {
+            continue;
+        }
+        let abscissa = match &abscissa {
+            Abscissa::Uneven(values) => match values.get(..ordinate.len()) {
+                Some(values) => Abscissa::Uneven(values.to_vec()),
+                None => {
+                    return Err(malformed(
+                        place,
+                        "abscissa",
+                        &format!("{} values", values.len()),
+                        &format!("the {} of column {}", ordinate.len(), at + 1),
+                    ));
+                }
+            },
+            even => even.clone(),
+        };
+        let SeriesAxis {
+            label: name,
+            unit_text,
+            unit,
+        } = axis(at);
+        let mut series = Series {
+            name,
+            kind,
+            abscissa,
+            ordinate,
+            abscissa_axis: abscissa_axis.clone(),
+            ordinate_axis: SeriesAxis {
+                label: String::new(),
+                unit_text,
+                unit,
+            },
+            properties: Vec::new(),
+        };
+        for (key, value) in header.of_columns.get(&(at + 1)).into_iter().flatten() {
+            match (key.as_str(), kind_of_name(value)) {
+                ("kind", Some(kind)) => series.kind = kind,
+                ("label", _) => series.ordinate_axis.label.clone_from(value),
+                _ => series.properties.push((key.clone(), value.clone())),
+            }
+        }
+        contents.series.push(series);
+    }
+    Ok(())
+}
+
+/// The abscissa that the written values are, `None` if the column is none.
+fn spacing(
+    digits: &WrittenValues,
+    choice: &Choice,
+    place: Place,
+    strictness: Strictness,
+    defects: &mut Vec<LabioError>,
+) -> Result<Option<Abscissa>, LabioError> {
+    let (Some(_), Some(start)) = (choice.column, digits.get(0)) else {
+        return Ok(None);
+    };
+    let off = |found: String, expected: &str| Err(malformed(place, "abscissa", &found, expected));
+    match choice.marker {
+        Some(Marker::Uneven) => return Ok(Some(Abscissa::Uneven(digits.values.clone()))),
+        Some(Marker::Even { start, step }) => {
+            return match digits.first_not_exactly(start, step) {
+                None => Ok(Some(Abscissa::Even { start, step })),
+                Some(row) => off(
+                    format!("another value than start and step give in row {}", row + 1),
+                    "the abscissa that the header announces",
+                ),
+            };
+        }
+        None => {}
+    }
+    if let Some(step) = choice.step {
+        // numbers may have been rounded before they were printed in more digits
+        let within = Written {
+            half_unit: start.half_unit.max(0.5 * step.abs()),
+            ..start
+        };
+        return match digits.first_off(within, Written::exactly(step)) {
+            None => Ok(Some(Abscissa::Even {
+                start: start.value,
+                step,
+            })),
+            Some(row) => off(
+                format!(
+                    "{:e} in row {}",
+                    digits.get(row).map_or(f64::NAN, |x| x.value),
+                    row + 1
+                ),
+                &format!(
+                    "{:e}, by the step of {step:e}",
+                    start.value + row as f64 * step
+                ),
+            ),
+        };
+    }
+    let even = digits.even_spacing();
+    if let Some((start, step)) = even {
+        let known = step.half_unit <= ROUNDED_STEP_TOLERANCE * step.value.abs();
+        if known || digits.is_even(start, step.value) {
+            let increasing = step.value > 0.0 || !choice.tentative;
+            return Ok(increasing.then_some(Abscissa::Even {
+                start,
+                step: step.value,
+            }));
+        }
+    }
+    if choice.tentative {
+        return Ok(None);
+    }
+    let repeats = digits
+        .values
+        .windows(2)
+        .any(|pair| matches!(pair, [a, b] if a.to_bits() == b.to_bits()));
+    if let (Some((start, step)), true) = (even, repeats) {
+        let error = malformed(
+            place,
+            "abscissa",
+            &format!(
+                "values that repeat; their digits give a step of {:e} within {:.1e}",
+                step.value, step.half_unit
+            ),
+            &format!("a step known to {ROUNDED_STEP_TOLERANCE} of itself, or one given beforehand"),
+        );
+        if strictness == Strictness::Strict {
+            return Err(error);
+        }
+        defects.push(error);
+        return Ok(Some(Abscissa::Even {
+            start,
+            step: step.value,
+        }));
+    }
+    Ok(Some(Abscissa::Uneven(digits.values.clone())))
+}
+
+/// What a column over such an abscissa is, if nothing else is said.
+pub(super) fn default_kind(abscissa_axis: &SeriesAxis) -> SeriesKind {
+    if is_time(&abscissa_axis.label, &abscissa_axis.unit_text) {
+        SeriesKind::TimeResponse
+    } else {
+        SeriesKind::General
+    }
+}

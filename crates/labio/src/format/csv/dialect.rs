@@ -1,0 +1,235 @@
+//! Finding separator, decimal mark and header of a table.
+
+use std::borrow::Cow;
+
+use super::{CsvDialect, CsvSeparator, header, malformed};
+use crate::format::text::{self, DecimalMark};
+use crate::{LabioError, Place};
+
+/// Lines that are looked at; no header of a laboratory file is longer.
+const LINES_SEARCHED: usize = 1000;
+
+/// Rows after which a block of numbers is large enough to be the table.
+const ROWS_ENOUGH: u64 = 256;
+
+/// The dialects that are tried; of those that find equally many numbers, the first wins.
+const CANDIDATES: [(CsvSeparator, DecimalMark); 10] = [
+    (CsvSeparator::Tab, DecimalMark::Point),
+    (CsvSeparator::Tab, DecimalMark::Comma),
+    (CsvSeparator::Semicolon, DecimalMark::Point),
+    (CsvSeparator::Semicolon, DecimalMark::Comma),
+    (CsvSeparator::Comma, DecimalMark::Point),
+    (CsvSeparator::Bar, DecimalMark::Point),
+    (CsvSeparator::Bar, DecimalMark::Comma),
+    (CsvSeparator::Blanks, DecimalMark::Point),
+    (CsvSeparator::Blanks, DecimalMark::Comma),
+    // in quotes
+    (CsvSeparator::Comma, DecimalMark::Comma),
+];
+
+impl CsvSeparator {
+    fn sign(self) -> Option<char> {
+        match self {
+            Self::Comma => Some(','),
+            Self::Semicolon => Some(';'),
+            Self::Tab => Some('\t'),
+            Self::Bar => Some('|'),
+            Self::Blanks => None,
+        }
+    }
+
+    /// Cuts a line into cells without the blanks around them.
+    pub(super) fn cut<'a>(self, line: &'a str, cells: &mut Vec<Cow<'a, str>>) {
+        cells.clear();
+        match self.sign() {
+            None => cells.extend(line.split_ascii_whitespace().map(Cow::Borrowed)),
+            Some(sign) if !line.contains('"') => {
+                cells.extend(line.split(sign).map(|cell| Cow::Borrowed(cell.trim())));
+            }
+            Some(sign) => {
+                let mut reader = ::csv::ReaderBuilder::new()
+                    .delimiter(u8::try_from(sign).unwrap_or(b','))
+                    .has_headers(false)
+                    .trim(::csv::Trim::All)
+                    .from_reader(line.as_bytes());
+                let mut record = ::csv::StringRecord::new();
+                // a line of text has one record, and it is valid UTF-8
+                if reader.read_record(&mut record).unwrap_or(false) {
+                    cells.extend(record.iter().map(|cell| Cow::Owned(cell.to_owned())));
+                }
+            }
+        }
+    }
+}
+
+/// Whether the cell holds a real or a complex number.
+pub(super) fn is_number(cell: &str, mark: DecimalMark) -> bool {
+    text::real(cell, mark).is_some() || text::complex(cell, mark).is_some()
+}
+
+/// Consecutive lines of equally many cells, all of them numbers or empty.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    first_line: u64,
+    n_rows: u64,
+    n_cells: u64,
+    /// Cells that hold a number.
+    n_numbers: u64,
+}
+
+/// The runs of numbers under one dialect, up to the first that is long enough.
+fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    let mut open = false;
+    let mut cells = Vec::new();
+    for (line, row) in text::lines(text).take(LINES_SEARCHED) {
+        if row.trim().is_empty() {
+            continue;
+        }
+        separator.cut(row, &mut cells);
+        let n_numbers = cells.iter().filter(|cell| !cell.is_empty()).count() as u64;
+        let numeric = n_numbers > 0
+            && cells
+                .iter()
+                .all(|cell| cell.is_empty() || is_number(cell, mark));
+        if !numeric {
+            open = false;
+            continue;
+        }
+        let n_cells = cells.len() as u64;
+        match runs.last_mut() {
+            Some(run) if open && run.n_cells == n_cells => {
+                run.n_rows += 1;
+                run.n_numbers += n_numbers;
+                if run.n_rows >= ROWS_ENOUGH {
+                    break;
+                }
+            }
+            _ => runs.push(Run {
+                first_line: line,
+                n_rows: 1,
+                n_cells,
+                n_numbers,
+            }),
+        }
+        open = true;
+    }
+    runs
+}
+
+/// The largest run, under its dialect, with the line at which rows of that many numbers begin.
+fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
+    let mut best: Option<(CsvSeparator, DecimalMark, Run)> = None;
+    for (separator, mark) in CANDIDATES {
+        let runs = runs(text, separator, mark);
+        let Some(largest) = runs.iter().rev().max_by_key(|run| run.n_numbers) else {
+            continue;
+        };
+        if best.is_some_and(|(_, _, run)| run.n_numbers >= largest.n_numbers) {
+            continue;
+        }
+        // a strange line among the numbers must not turn those above it into a header
+        let first_line = runs
+            .iter()
+            .find(|run| run.n_cells == largest.n_cells)
+            .map_or(largest.first_line, |run| run.first_line);
+        best = Some((
+            separator,
+            mark,
+            Run {
+                first_line,
+                ..*largest
+            },
+        ));
+    }
+    best
+}
+
+pub(super) fn holds_table(text: &str) -> bool {
+    largest(text).is_some_and(|(_, _, run)| run.n_numbers > 1)
+}
+
+pub(super) fn detect(text: &str) -> Result<CsvDialect, LabioError> {
+    let Some((separator, decimal_mark, run)) = largest(text) else {
+        return Err(malformed(
+            Place::Line(1),
+            "table",
+            "not found",
+            &format!("rows of numbers within the first {LINES_SEARCHED} lines"),
+        ));
+    };
+    let mut dialect = CsvDialect::new(separator, decimal_mark, run.first_line - 1);
+    header::find_names(text, &mut dialect)?;
+    let single = |run: &Run| run.n_cells == 1;
+    let either_mark = separator == CsvSeparator::Comma
+        && run.n_cells == 2
+        && dialect.name_line.is_none()
+        && runs(text, CsvSeparator::Blanks, DecimalMark::Comma)
+            .iter()
+            .filter(|other| single(other))
+            .any(|other| other.n_rows == run.n_rows);
+    if either_mark {
+        return Err(malformed(
+            Place::Line(run.first_line),
+            "comma",
+            "either a separator or a decimal mark",
+            "names above the numbers, or an explicit dialect",
+        ));
+    }
+    Ok(dialect)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(text: &str) -> (CsvSeparator, DecimalMark, u64) {
+        let dialect = detect(text).unwrap();
+        (
+            dialect.separator,
+            dialect.decimal_mark,
+            dialect.header_lines,
+        )
+    }
+
+    #[test]
+    fn separator_and_decimal_mark_are_found_by_the_numbers() {
+        use CsvSeparator::{Bar, Blanks, Comma, Semicolon, Tab};
+        use DecimalMark::{Comma as C, Point as P};
+        assert_eq!(found("a,b\n1.5,2\n2,3\n"), (Comma, P, 1));
+        assert_eq!(found("1.5, 2\n2, 3\n"), (Comma, P, 0));
+        assert_eq!(found("a;b\n1,5;2\n2;3\n"), (Semicolon, C, 1));
+        assert_eq!(found("a;b\n1.5;2\n2;3\n"), (Semicolon, P, 1));
+        assert_eq!(found("a\tb\n1,5\t2\n2\t3\n"), (Tab, C, 1));
+        assert_eq!(found("x\n\n a   b\n 1,5 2\n 2   3\n"), (Blanks, C, 3));
+        assert_eq!(found("a|b\n1.5|2\n"), (Bar, P, 1));
+        assert_eq!(
+            found("a,b\n\"1,5\",\"2,5\"\n\"2,5\",\"3,5\"\n"),
+            (Comma, C, 1)
+        );
+        assert_eq!(found("1.5-2j,3+4j\n"), (Comma, P, 0));
+        // names with a comma make the comma a separator
+        assert_eq!(found("a,b\n1,5\n2,5\n"), (Comma, P, 1));
+    }
+
+    #[test]
+    fn a_number_in_the_header_is_not_the_table() {
+        let text = "Samples,1000\n1000\n17\nt,F,a\n0,1,2\n1,2,3\n";
+        assert_eq!(found(text), (CsvSeparator::Comma, DecimalMark::Point, 4));
+        // but a strange line among the numbers is not the end of the header
+        let text = "t,F\n0,1\n1,oops\n2,3\n3,4\n4,5\n";
+        assert_eq!(found(text), (CsvSeparator::Comma, DecimalMark::Point, 1));
+    }
+
+    #[test]
+    fn a_comma_that_may_be_either_is_refused() {
+        assert_eq!(
+            detect("0,914\n0,537\n").unwrap_err().to_string(),
+            "csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect"
+        );
+        assert_eq!(
+            detect("no numbers here\n").unwrap_err().to_string(),
+            "csv, line 1: table is not found, expected rows of numbers within the first 1000 lines"
+        );
+    }
+}

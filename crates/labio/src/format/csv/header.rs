@@ -1,0 +1,324 @@
+//! Names, units and properties above a table.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use super::abscissa::Marker;
+use super::table::Shape;
+use super::{CsvDialect, CsvSeparator, malformed};
+use crate::format::text;
+use crate::{LabioError, Place};
+
+/// Begin a comment.
+const COMMENT_SIGNS: [char; 2] = ['#', '%'];
+
+/// What is applied to a quantity and is no name of one: `real(accelerance)` is not in the unit `accelerance`.
+const FUNCTIONS: [&str; 14] = [
+    "real",
+    "imag",
+    "re",
+    "im",
+    "abs",
+    "mag",
+    "magnitude",
+    "amplitude",
+    "phase",
+    "angle",
+    "arg",
+    "log",
+    "log10",
+    "db",
+];
+
+/// Units that stand in headers beside those that [`Unit`](crate::Unit) knows.
+const UNITS_IN_HEADERS: [&str; 34] = [
+    "-",
+    "1",
+    "#",
+    "%",
+    "s",
+    "ms",
+    "us",
+    "\u{b5}s",
+    "\u{3bc}s",
+    "ns",
+    "min",
+    "h",
+    "Hz",
+    "kHz",
+    "MHz",
+    "V",
+    "mV",
+    "N",
+    "kN",
+    "m",
+    "mm",
+    "m/s",
+    "m/s^2",
+    "m/s\u{b2}",
+    "g",
+    "Pa",
+    "kPa",
+    "MPa",
+    "GPa",
+    "C",
+    "\u{b0}C",
+    "K",
+    "rad",
+    "deg",
+];
+
+/// What the header says.
+#[derive(Debug, Default)]
+pub(super) struct Header {
+    /// One name and unit for each column, or none at all.
+    pub(super) columns: Vec<(String, String)>,
+    pub(super) properties: Vec<(String, String)>,
+    /// Line as written by our writer: what the abscissa is.
+    pub(super) abscissa: Option<String>,
+    /// Keys and values by the column from 1, as written by our writer.
+    pub(super) of_columns: HashMap<usize, Vec<(String, String)>>,
+}
+
+impl Header {
+    pub(super) fn read(
+        text: &str,
+        dialect: &CsvDialect,
+        shape: &Shape,
+    ) -> Result<Self, LabioError> {
+        let mut header = Self::default();
+        let (mut names, mut units) = (None, None);
+        let all = Shape::n_cells(shape);
+        for (number, line) in above(text, dialect) {
+            let field = if dialect.name_line == Some(number) {
+                &mut names
+            } else if dialect.unit_line == Some(number) {
+                &mut units
+            } else {
+                if !line.trim().is_empty() {
+                    header.property(number, line, dialect.separator);
+                }
+                continue;
+            };
+            let cells = cells_of(line, dialect.separator, all).ok_or_else(|| {
+                malformed(
+                    Place::Line(number),
+                    "row of names or units",
+                    &text::quoted(line),
+                    &format!("{all} cells, as the rows of numbers have"),
+                )
+            })?;
+            *field = Some(cells);
+        }
+        for (line, found) in [(dialect.name_line, &names), (dialect.unit_line, &units)] {
+            if let (Some(line), None) = (line, found) {
+                return Err(malformed(
+                    Place::Line(line),
+                    "row of names or units",
+                    "not in the header",
+                    &format!("one of its {} lines", dialect.header_lines),
+                ));
+            }
+        }
+        if names.is_some() || units.is_some() {
+            let cell = |cells: &Option<Vec<Cow<'_, str>>>, at: usize| {
+                cells
+                    .as_ref()
+                    .and_then(|cells| cells.get(at))
+                    .map(|cell| cell.clone().into_owned())
+            };
+            header.columns = shape
+                .columns
+                .iter()
+                .map(|&at| {
+                    let name = cell(&names, at).unwrap_or_default();
+                    match cell(&units, at) {
+                        Some(unit) => (name, without_brackets(&unit).to_owned()),
+                        None => split_unit(&name),
+                    }
+                })
+                .collect();
+        }
+        Ok(header)
+    }
+
+    fn property(&mut self, number: u64, line: &str, separator: CsvSeparator) {
+        let bare = line.trim_start().trim_start_matches(COMMENT_SIGNS).trim();
+        let comment = bare.len() < line.trim().len();
+        if let Some((key, value)) = key_and_value(bare) {
+            if key == "abscissa" && comment && Marker::parse(value).is_some() {
+                self.abscissa = Some(value.to_owned());
+                return;
+            }
+            if let Some((column, key)) = key
+                .strip_prefix("column ")
+                .and_then(|rest| rest.split_once(": "))
+                && let Ok(column) = column.parse()
+            {
+                let said = (key.to_owned(), value.to_owned());
+                self.of_columns.entry(column).or_default().push(said);
+                return;
+            }
+            self.properties.push((key.to_owned(), value.to_owned()));
+            return;
+        }
+        let mut cells = Vec::new();
+        separator.cut(bare, &mut cells);
+        match cells.split_first() {
+            Some((key, rest))
+                if separator != CsvSeparator::Blanks && !rest.is_empty() && !key.is_empty() =>
+            {
+                let rest: Vec<&str> = rest.iter().map(AsRef::as_ref).collect();
+                let value = rest.join(" ").trim().to_owned();
+                self.properties.push((key.clone().into_owned(), value));
+            }
+            _ => {
+                let key = format!("header line {number}");
+                self.properties.push((key, bare.to_owned()));
+            }
+        }
+    }
+}
+
+/// A line `key = value`.
+pub(super) fn key_and_value(line: &str) -> Option<(&str, &str)> {
+    line.split_once(" = ")
+        .or_else(|| Some((line.strip_suffix(" =")?, "")))
+        .map(|(key, value)| (key.trim(), value.trim()))
+        .filter(|(key, _)| !key.is_empty())
+}
+
+/// The lines above the numbers.
+fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, &'a str)> {
+    let last = dialect.header_lines;
+    text::lines(text).take_while(move |(number, _)| *number <= last)
+}
+
+/// The cells of a line of the header, if there are as many as in the rows of numbers.
+fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
+    let bare = line.trim_start_matches(COMMENT_SIGNS);
+    let bare = if separator == CsvSeparator::Tab {
+        bare
+    } else {
+        bare.trim_start()
+    };
+    let mut cells = Vec::new();
+    for separator in [separator, CsvSeparator::Blanks] {
+        separator.cut(bare, &mut cells);
+        if cells.len() == n {
+            return Some(cells);
+        }
+        // a separator at the end of the rows of numbers need not stand behind the names
+        if cells.len() + 1 == n && separator != CsvSeparator::Blanks {
+            cells.push(Cow::Borrowed(""));
+            return Some(cells);
+        }
+    }
+    None
+}
+
+/// Looks for the rows of names and of units right above the numbers.
+pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), LabioError> {
+    let n = Shape::of(text, dialect)?;
+    let n_cells = n.n_cells();
+    let mut last = above(text, dialect)
+        .filter(|(_, line)| !line.trim().is_empty())
+        .collect::<Vec<_>>();
+    last.drain(..last.len().saturating_sub(2));
+    let mut rows = last
+        .iter()
+        .rev()
+        .map(|&(number, line)| (number, cells_of(line, dialect.separator, n_cells)));
+    let (Some((number, Some(cells))), above) = (rows.next(), rows.next()) else {
+        return Ok(());
+    };
+    let is_word = |cell: &Cow<'_, str>| {
+        !cell.is_empty() && !super::dialect::is_number(cell, dialect.decimal_mark)
+    };
+    if !cells.iter().any(is_word) || n.first_line <= number {
+        return Ok(());
+    }
+    let filled = || cells.iter().filter(|cell| !cell.is_empty());
+    let bracketed = filled().all(|cell| without_brackets(cell).len() < cell.len());
+    // one unit in four may be unheard of
+    let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
+    match above {
+        Some((names, Some(cells_above)))
+            if bracketed || (units && cells_above.iter().all(is_word)) =>
+        {
+            dialect.name_line = Some(names);
+            dialect.unit_line = Some(number);
+        }
+        _ if bracketed => dialect.unit_line = Some(number),
+        _ => dialect.name_line = Some(number),
+    }
+    Ok(())
+}
+
+fn without_brackets(text: &str) -> &str {
+    text.strip_prefix('[')
+        .and_then(|inner| inner.strip_suffix(']'))
+        .or_else(|| {
+            text.strip_prefix('(')
+                .and_then(|inner| inner.strip_suffix(')'))
+        })
+        .map_or(text, str::trim)
+}
+
+fn is_unit(text: &str) -> bool {
+    let text = without_brackets(text);
+    UNITS_IN_HEADERS.contains(&text) || text::known_unit(text).is_some()
+}
+
+/// Name and unit of `Time [s]`, `Time (s)` or `Time/s`.
+fn split_unit(name: &str) -> (String, String) {
+    let split = |head: &str, unit: &str| (head.trim().to_owned(), unit.trim().to_owned());
+    if let Some((head, unit)) = name.strip_suffix(']').and_then(|n| n.rsplit_once('[')) {
+        return split(head, unit);
+    }
+    if let Some((head, unit)) = name.strip_suffix(')').and_then(|n| n.rsplit_once('(')) {
+        let function = FUNCTIONS.contains(&head.trim().to_ascii_lowercase().as_str());
+        let number = unit.bytes().all(|byte| byte.is_ascii_digit());
+        if !function && !number && !head.trim().is_empty() {
+            return split(head, unit);
+        }
+    }
+    for (slash, _) in name.match_indices('/') {
+        let (head, unit) = (
+            name.get(..slash).unwrap_or(""),
+            name.get(slash + 1..).unwrap_or(""),
+        );
+        if !head.trim().is_empty() && is_unit(unit.trim()) && !is_unit(head.trim()) {
+            return split(head, unit);
+        }
+    }
+    (name.to_owned(), String::new())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_behind_a_name_is_split_off() {
+        let split = |name: &str| {
+            let (name, unit) = split_unit(name);
+            format!("{name}|{unit}")
+        };
+        assert_eq!(split("Time [s]"), "Time|s");
+        assert_eq!(split("frequency(Hz)"), "frequency|Hz");
+        assert_eq!(split("Time/s"), "Time|s");
+        assert_eq!(split("v/m/s"), "v|m/s");
+        assert_eq!(split("a (m/s^2)"), "a|m/s^2");
+        for plain in [
+            "m/s",
+            "real(accelerance)",
+            "at 0.15 m (1)",
+            "Dev0/Ai0",
+            "signal/voltage",
+            "(s)",
+        ] {
+            assert_eq!(split(plain), format!("{plain}|"));
+        }
+    }
+}

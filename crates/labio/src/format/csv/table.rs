@@ -1,0 +1,290 @@
+//! The numbers of a table.
+
+use std::borrow::Cow;
+
+use num_complex::Complex64;
+
+use super::{CsvDialect, malformed};
+use crate::format::Strictness;
+use crate::format::rounding::WrittenValues;
+use crate::format::text::{self, DecimalMark};
+use crate::{LabioError, Ordinate, Place};
+
+/// Defects that are listed one by one.
+const DEFECTS_LISTED: usize = 100;
+
+/// Which cells of a row are the table.
+#[derive(Debug)]
+pub(super) struct Shape {
+    /// Positions of the cells that are columns, from 0.
+    pub(super) columns: Vec<usize>,
+    n_cells: usize,
+    /// First line with numbers.
+    pub(super) first_line: u64,
+}
+
+impl Shape {
+    /// By the first row of numbers. Cells that are empty there and have no name are no columns. Rows right above that hold the same
+    /// columns, and text beside them, belong to the table.
+    pub(super) fn of(text: &str, dialect: &CsvDialect) -> Result<Self, LabioError> {
+        let mut cells = Vec::new();
+        let first = text::lines(text)
+            .skip_while(|(number, _)| *number <= dialect.header_lines)
+            .find(|(_, line)| !line.trim().is_empty());
+        let Some((mut first_line, line)) = first else {
+            return Err(LabioError::NoData {
+                format: super::FORMAT,
+            });
+        };
+        dialect.separator.cut(line, &mut cells);
+        let n_cells = cells.len();
+        let mut above = [Vec::new(), Vec::new()];
+        for (cells, line) in above.iter_mut().zip([dialect.name_line, dialect.unit_line]) {
+            let found = line.and_then(|line| text::lines(text).find(|(number, _)| *number == line));
+            if let Some((_, text)) = found {
+                dialect.separator.cut(text, cells);
+            }
+        }
+        let named = |at: usize| {
+            above
+                .iter()
+                .any(|cells| cells.get(at).is_some_and(|cell| !cell.is_empty()))
+        };
+        let columns: Vec<usize> = cells
+            .iter()
+            .enumerate()
+            .filter(|(at, cell)| !cell.is_empty() || named(*at))
+            .map(|(at, _)| at)
+            .collect();
+        if columns.first().is_some_and(|&at| at > 0) && dialect.name_line.is_none() {
+            // the rows before `first_line`, backwards, as long as all columns hold numbers in them
+            let above: Vec<(u64, &str)> = text::lines(text)
+                .take_while(|(number, _)| *number < first_line)
+                .collect();
+            for (number, line) in above.into_iter().rev() {
+                dialect.separator.cut(line, &mut cells);
+                let full = cells.len() == n_cells
+                    && columns.iter().all(|&at| {
+                        cells.get(at).is_some_and(|cell| {
+                            super::dialect::is_number(cell, dialect.decimal_mark)
+                        })
+                    });
+                if !full {
+                    break;
+                }
+                first_line = number;
+            }
+        }
+        Ok(Self {
+            columns,
+            n_cells,
+            first_line,
+        })
+    }
+
+    pub(super) fn n_cells(&self) -> usize {
+        self.n_cells
+    }
+}
+
+/// The columns of a table.
+#[derive(Debug)]
+pub(super) struct Table {
+    pub(super) columns: Vec<Ordinate>,
+    /// The column that may be the abscissa, with its digits.
+    pub(super) digits: WrittenValues,
+    /// Line of the first number.
+    pub(super) first_line: u64,
+}
+
+struct Defects<'a> {
+    strictness: Strictness,
+    list: &'a mut Vec<LabioError>,
+    /// Those that are no longer listed, and the line of the first of them.
+    further: (usize, u64),
+}
+
+impl Defects<'_> {
+    fn add(&mut self, line: u64, error: LabioError) -> Result<(), LabioError> {
+        if self.strictness == Strictness::Strict {
+            return Err(error);
+        }
+        if self.list.len() < DEFECTS_LISTED {
+            self.list.push(error);
+        } else {
+            if self.further.0 == 0 {
+                self.further.1 = line;
+            }
+            self.further.0 += 1;
+        }
+        Ok(())
+    }
+
+    fn finish(self) {
+        let (count, line) = self.further;
+        if count > 0 {
+            self.list.push(malformed(
+                Place::Line(line),
+                "rest of the table",
+                &format!("{count} further defects"),
+                "none",
+            ));
+        }
+    }
+}
+
+/// Reads the rows. `abscissa` is the column of which the digits are kept; it is no column of the table returned.
+pub(super) fn read(
+    text: &str,
+    dialect: &CsvDialect,
+    shape: &Shape,
+    abscissa: Option<usize>,
+    strictness: Strictness,
+    list: &mut Vec<LabioError>,
+) -> Result<Table, LabioError> {
+    let mark = dialect.decimal_mark;
+    let mut table = Table {
+        columns: vec![Ordinate::Real(Vec::new()); shape.columns.len()],
+        digits: WrittenValues::default(),
+        first_line: shape.first_line,
+    };
+    let mut defects = Defects {
+        strictness,
+        list,
+        further: (0, 0),
+    };
+    let mut used = vec![false; shape.n_cells];
+    for &at in &shape.columns {
+        if let Some(used) = used.get_mut(at) {
+            *used = true;
+        }
+    }
+    let mut cells: Vec<Cow<'_, str>> = Vec::new();
+    let mut n_rows = 0;
+    for (line, row) in text::lines(text).skip_while(|(number, _)| *number < shape.first_line) {
+        if row.trim().is_empty() {
+            continue;
+        }
+        dialect.separator.cut(row, &mut cells);
+        let beside = line > dialect.header_lines
+            && cells
+                .iter()
+                .enumerate()
+                .any(|(at, cell)| !cell.is_empty() && !used.get(at).is_some_and(|used| *used));
+        if cells.len() != shape.n_cells || beside {
+            let expected = format!("a row of {} numbers", shape.columns.len());
+            defects.add(
+                line,
+                malformed(Place::Line(line), "row", &text::quoted(row), &expected),
+            )?;
+            continue;
+        }
+        let cell = |column: usize| {
+            let at = shape.columns.get(column)?;
+            cells.get(*at).map(AsRef::as_ref)
+        };
+        let any_number = (0..shape.columns.len())
+            .any(|column| cell(column).is_some_and(|cell| super::dialect::is_number(cell, mark)));
+        if !any_number {
+            let expected = format!("a row of {} numbers", shape.columns.len());
+            defects.add(
+                line,
+                malformed(Place::Line(line), "row", &text::quoted(row), &expected),
+            )?;
+            continue;
+        }
+        for (column, values) in table.columns.iter_mut().enumerate() {
+            let text = cell(column).unwrap_or("");
+            if text.is_empty() {
+                continue; // the column has ended, or a gap is found at its next number
+            }
+            let at = shape.columns.get(column).map_or(0, |at| *at as u64 + 1);
+            let place = Place::Cell { line, column: at };
+            if values.len() < n_rows {
+                let gap = n_rows - values.len();
+                let found = format!("a number under {gap} empty");
+                defects.add(
+                    line,
+                    malformed(place, "cell", &found, "no gap in the column"),
+                )?;
+                while values.len() < n_rows {
+                    push(values, Value::Real(f64::NAN));
+                    if abscissa == Some(column) {
+                        table.digits.push(f64::NAN, 0.0);
+                    }
+                }
+            }
+            let value = match value(text, mark) {
+                Some(value) => value,
+                None => {
+                    defects.add(
+                        line,
+                        malformed(place, "cell", &text::quoted(text), "a number"),
+                    )?;
+                    Value::Real(f64::NAN)
+                }
+            };
+            if abscissa == Some(column) {
+                let (number, digits) = match value {
+                    Value::Real(number) => (number, text),
+                    Value::Complex(number) if number.im == 0.0 => {
+                        (number.re, text::real_part(text).unwrap_or(text))
+                    }
+                    Value::Complex(_) => {
+                        return Err(malformed(
+                            place,
+                            "abscissa",
+                            &text::quoted(text),
+                            "a real number",
+                        ));
+                    }
+                };
+                if !number.is_finite() {
+                    defects.add(
+                        line,
+                        malformed(place, "abscissa", &text::quoted(text), "a finite number"),
+                    )?;
+                }
+                table.digits.push(number, text::half_unit(digits, mark));
+                push(values, Value::Real(number));
+            } else {
+                push(values, value);
+            }
+        }
+        n_rows += 1;
+    }
+    defects.finish();
+    if n_rows == 0 {
+        return Err(LabioError::NoData {
+            format: super::FORMAT,
+        });
+    }
+    Ok(table)
+}
+
+#[derive(Clone, Copy)]
+enum Value {
+    Real(f64),
+    Complex(Complex64),
+}
+
+fn value(text: &str, mark: DecimalMark) -> Option<Value> {
+    match text::real(text, mark) {
+        Some(value) => Some(Value::Real(value)),
+        None => text::complex(text, mark).map(Value::Complex),
+    }
+}
+
+/// A column becomes complex with its first complex number.
+fn push(values: &mut Ordinate, value: Value) {
+    match (&mut *values, value) {
+        (Ordinate::Real(values), Value::Real(value)) => values.push(value),
+        (Ordinate::Complex(values), Value::Real(value)) => values.push(Complex64::new(value, 0.0)),
+        (Ordinate::Complex(values), Value::Complex(value)) => values.push(value),
+        (Ordinate::Real(reals), Value::Complex(value)) => {
+            let mut all: Vec<Complex64> = reals.iter().map(|&re| Complex64::new(re, 0.0)).collect();
+            all.push(value);
+            *values = Ordinate::Complex(all);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! MATLAB files of version 5 (saved with `-v6` or `-v7`), read only.
+//!
+//! # What becomes of the variables
+//!
+//! | variable | becomes |
+//! |---|---|
+//! | row or column of numbers `a`, real or complex, of any class | series `a` |
+//! | matrix `a` | a series for each of its columns `a(:,1)`, ..., or of its rows `a(1,:)`, ... if these are longer |
+//! | array of more axes | a series for each of its columns `a(:,1,1)`, ... |
+//! | single number or text | property of the contents |
+//! | empty array | property of the contents that says so |
+//! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |
+//! | cell array `c` | its cells `c{1}` |
+//!
+//! Samples are counted from 0: which variable holds the times only its author knows. The property `class` of a series
+//! names the class of numbers that are not `double`.
+//!
+//! # What is refused
+//!
+//! - Files of version 4 and of version 7.3 (which are HDF5), by name.
+//! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading refuses the file, a tolerant one passes over
+//!   the variable with a defect. A variable that is damaged is treated alike.
+
+mod element;
+mod matrix;
+
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
+
+use crate::error;
+use crate::format::{Reader, Strictness, text};
+use crate::{Contents, LabioError, Place};
+
+use element::{Cursor, Origin};
+
+const FORMAT: &str = "mat5";
+
+/// Bytes before the first variable.
+const HEADER_BYTES: usize = 128;
+
+/// Type of an element that holds an array, and of one that holds another element deflated.
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+
+/// Length of the type and the length of an element.
+const TAG_BYTES: u64 = 8;
+
+/// MATLAB files of version 5, read only; see the [module](self).
+///
+/// # Examples
+///
+/// ```no_run
+/// use labio::format::mat5::Mat5;
+/// use labio::format::{Reader, Strictness};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let contents = Mat5.read(&std::fs::read("hits.mat")?, Strictness::Strict)?;
+/// for series in &contents.series {
+///     println!("{}: {} samples", series.name, series.ordinate.len());
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Mat5;
+
+/// Versions that can be told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    Four,
+    Five { big_endian: bool },
+    SevenPointThree,
+}
+
+impl Version {
+    fn of(head: &[u8]) -> Option<Self> {
+        match head.get(124..128) {
+            Some([0x00, 0x01, b'I', b'M']) => Some(Self::Five { big_endian: false }),
+            Some([0x01, 0x00, b'M', b'I']) => Some(Self::Five { big_endian: true }),
+            Some([0x00, 0x02, b'I', b'M'] | [0x02, 0x00, b'M', b'I']) => {
+                Some(Self::SevenPointThree)
+            }
+            _ => (is_version_4(head, i32::from_le_bytes, 0)
+                || is_version_4(head, i32::from_be_bytes, 1))
+            .then_some(Self::Four),
+        }
+    }
+}
+
+/// A file of version 4 begins with five integers of one variable and its name, which ends with a zero. The thousands of the first
+/// integer say its byte order.
+fn is_version_4(head: &[u8], integer: fn([u8; 4]) -> i32, machine: i32) -> bool {
+    let Some((numbers, rest)) = head.split_first_chunk::<20>() else {
+        return false;
+    };
+    let words = numbers.as_chunks::<4>().0;
+    let mut integers = words.iter().map(|&word| integer(word));
+    let mut next = || integers.next().unwrap_or(-1);
+    let (kind, rows, columns, imaginary, name) = (next(), next(), next(), next(), next());
+    let kind_known = kind / 1000 == machine
+        && kind % 1000 / 100 == 0
+        && (0..=5).contains(&(kind % 100 / 10))
+        && (0..=2).contains(&(kind % 10));
+    let named = usize::try_from(name)
+        .ok()
+        .and_then(|length| rest.get(..length)?.split_last())
+        .is_some_and(|(end, name)| {
+            *end == 0 && !name.is_empty() && name.iter().all(u8::is_ascii_graphic)
+        });
+    kind_known && rows >= 0 && columns >= 0 && (0..=1).contains(&imaginary) && named
+}
+
+impl Reader for Mat5 {
+    fn name(&self) -> &'static str {
+        FORMAT
+    }
+
+    /// Whether it is a MATLAB file, of whatever version: the refusal of the others is more use than silence.
+    fn recognises(&self, head: &[u8]) -> bool {
+        Version::of(head).is_some()
+    }
+
+    fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+        let refused = |found: String| {
+            malformed(
+                Place::Byte(124),
+                "version",
+                found,
+                "a MATLAB file of version 5",
+            )
+        };
+        let big_endian = match Version::of(bytes) {
+            Some(Version::Five { big_endian }) => big_endian,
+            Some(Version::Four) => return Err(refused("4; save it with `-v7`".to_owned())),
+            Some(Version::SevenPointThree) => {
+                return Err(refused("7.3, which is HDF5; save it with `-v7`".to_owned()));
+            }
+            None => {
+                let found = bytes.get(124..HEADER_BYTES).map_or_else(
+                    || format!("a file of {} bytes", bytes.len()),
+                    |version| format!("{version:02x?}"),
+                );
+                return Err(refused(found));
+            }
+        };
+        let mut contents = Contents::of_format(FORMAT);
+        let description: String = bytes.iter().take(116).copied().map(char::from).collect();
+        let description = description.trim_end_matches([' ', '\0']);
+        if !description.is_empty() {
+            let description = description.to_owned();
+            contents
+                .properties
+                .push(("description".to_owned(), description));
+        }
+        let mut cursor = Cursor::new(
+            bytes.get(HEADER_BYTES..).unwrap_or(&[]),
+            Origin::File(HEADER_BYTES as u64),
+            big_endian,
+        );
+        loop {
+            // a length that is wrong leaves no way to the next element
+            let element = match cursor.element() {
+                Ok(Some(element)) => element,
+                Ok(None) => break,
+                Err(error) if strictness == Strictness::Tolerant => {
+                    contents.defects.push(error);
+                    break;
+                }
+                Err(error) => return Err(error),
+            };
+            let read = match element.kind {
+                MATRIX => {
+                    let inner = Cursor::new(
+                        element.data,
+                        Origin::File(element.at + TAG_BYTES),
+                        big_endian,
+                    );
+                    matrix::read(inner, "", 0, strictness, &mut contents)
+                }
+                COMPRESSED => unpack(element.data, element.at, big_endian).and_then(|unpacked| {
+                    let inner = Cursor::new(&unpacked, Origin::Packed(element.at), big_endian);
+                    matrix::read(inner, "", 0, strictness, &mut contents)
+                }),
+                other => Err(malformed(
+                    Place::Byte(element.at),
+                    "type of the element",
+                    other.to_string(),
+                    "an array (14) or a compressed one (15)",
+                )),
+            };
+            if let Err(error) = read {
+                if strictness == Strictness::Strict {
+                    return Err(error);
+                }
+                contents.defects.push(error);
+            }
+        }
+        Ok(contents)
+    }
+}
+
+/// The body of the array that was deflated, as long as its own tag says.
+fn unpack(deflated: &[u8], at: u64, big_endian: bool) -> Result<Vec<u8>, LabioError> {
+    let mut inflated = ZlibDecoder::new(deflated);
+    let failed = |error: std::io::Error| {
+        malformed(
+            Place::Byte(at),
+            "compressed element",
+            text::quoted(&error.to_string()),
+            "deflated bytes",
+        )
+    };
+    let mut tag = [0; 8];
+    inflated.read_exact(&mut tag).map_err(failed)?;
+    let [a, b, c, d, e, f, g, h] = tag;
+    let word = |bytes| match big_endian {
+        true => u32::from_be_bytes(bytes),
+        false => u32::from_le_bytes(bytes),
+    };
+    let (kind, length) = (word([a, b, c, d]), word([e, f, g, h]));
+    if kind != MATRIX {
+        return Err(malformed(
+            Place::Byte(at),
+            "type of the compressed element",
+            kind.to_string(),
+            "an array (14)",
+        ));
+    }
+    let mut body = Vec::new();
+    inflated
+        .take(u64::from(length))
+        .read_to_end(&mut body)
+        .map_err(failed)?;
+    match usize::try_from(length)
+        .unwrap_or(usize::MAX)
+        .checked_sub(body.len())
+    {
+        Some(0) => Ok(body),
+        missing => Err(LabioError::Truncated {
+            format: FORMAT,
+            missing_bytes: missing.unwrap_or(0),
+        }),
+    }
+}
+
+fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioError {
+    error::malformed(FORMAT, place, field, found, expected)
+}

@@ -1,0 +1,220 @@
+//! Elements: a type, a length and bytes.
+
+use super::{FORMAT, malformed};
+use crate::{LabioError, Place};
+
+/// Above, not every integer is a floating-point number.
+const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Where bytes come from, for messages.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Origin {
+    /// From this byte of the file on.
+    File(u64),
+    /// Unpacked from the element at this byte.
+    Packed(u64),
+}
+
+/// One element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Element<'a> {
+    pub(super) kind: u32,
+    pub(super) data: &'a [u8],
+    /// Where its tag stands.
+    pub(super) at: u64,
+    pub(super) big_endian: bool,
+}
+
+/// Elements that follow each other.
+#[derive(Debug, Clone)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    origin: Origin,
+    big_endian: bool,
+}
+
+impl<'a> Cursor<'a> {
+    pub(super) fn new(bytes: &'a [u8], origin: Origin, big_endian: bool) -> Self {
+        Self {
+            bytes,
+            at: 0,
+            origin,
+            big_endian,
+        }
+    }
+
+    /// The same bytes for those within an element of this one.
+    pub(super) fn within(&self, element: &Element<'a>) -> Self {
+        let origin = match self.origin {
+            Origin::File(_) => Origin::File(element.at + super::TAG_BYTES),
+            packed => packed,
+        };
+        Self::new(element.data, origin, self.big_endian)
+    }
+
+    /// Byte of the file at which the next element stands, or the one from which it was unpacked.
+    pub(super) fn offset(&self) -> u64 {
+        match self.origin {
+            Origin::File(start) => start + self.at as u64,
+            Origin::Packed(at) => at,
+        }
+    }
+
+    fn word(&self, at: usize) -> Option<u32> {
+        let bytes = *self.bytes.get(at..)?.first_chunk::<4>()?;
+        Some(match self.big_endian {
+            true => u32::from_be_bytes(bytes),
+            false => u32::from_le_bytes(bytes),
+        })
+    }
+
+    /// The next element, `None` at the end.
+    pub(super) fn element(&mut self) -> Result<Option<Element<'a>>, LabioError> {
+        let at = self.offset();
+        if self.at >= self.bytes.len() {
+            return Ok(None);
+        }
+        let truncated = |missing_bytes| LabioError::Truncated {
+            format: FORMAT,
+            missing_bytes,
+        };
+        let left = self.bytes.len() - self.at;
+        let (Some(first), Some(second)) = (self.word(self.at), self.word(self.at + 4)) else {
+            return Err(truncated(8 - left.min(8)));
+        };
+        // a small element holds its length and its bytes within the tag
+        let (kind, start, length, padded) = match first >> 16 {
+            0 => {
+                let length = usize::try_from(second).unwrap_or(usize::MAX);
+                let padded = match first {
+                    super::COMPRESSED => length,
+                    _ => length.checked_next_multiple_of(8).unwrap_or(usize::MAX),
+                };
+                (first, self.at + 8, length, padded)
+            }
+            length @ 1..=4 => (first & 0xffff, self.at + 4, length as usize, 4),
+            length => {
+                return Err(malformed(
+                    Place::Byte(at),
+                    "length of a small element",
+                    length.to_string(),
+                    "at most 4 bytes",
+                ));
+            }
+        };
+        let end = start.saturating_add(length);
+        let Some(data) = self.bytes.get(start..end) else {
+            return Err(truncated(end - self.bytes.len()));
+        };
+        self.at = start.saturating_add(padded);
+        Ok(Some(Element {
+            kind,
+            data,
+            at,
+            big_endian: self.big_endian,
+        }))
+    }
+
+    /// The next element, which is `what`.
+    pub(super) fn expect(&mut self, what: &str) -> Result<Element<'a>, LabioError> {
+        let at = self.offset();
+        self.element()?.ok_or_else(|| {
+            malformed(
+                Place::Byte(at),
+                what,
+                "the end of the array".to_owned(),
+                "an element",
+            )
+        })
+    }
+}
+
+impl Element<'_> {
+    fn malformed(&self, field: &str, found: String, expected: &str) -> LabioError {
+        malformed(Place::Byte(self.at), field, found, expected)
+    }
+
+    /// The numbers, whatever type they are stored in.
+    pub(super) fn numbers(&self, field: &str) -> Result<Vec<f64>, LabioError> {
+        fn each<const N: usize>(
+            element: &Element<'_>,
+            value: impl Fn([u8; N]) -> f64,
+        ) -> (Vec<f64>, usize) {
+            let (numbers, rest) = element.data.as_chunks::<N>();
+            let flip = |mut bytes: [u8; N]| {
+                if element.big_endian {
+                    bytes.reverse();
+                }
+                value(bytes)
+            };
+            (
+                numbers.iter().map(|&bytes| flip(bytes)).collect(),
+                rest.len(),
+            )
+        }
+        let (values, rest) = match self.kind {
+            1 => each(self, |b| f64::from(i8::from_le_bytes(b))),
+            2 => each(self, |[b]| f64::from(b)),
+            3 => each(self, |b| f64::from(i16::from_le_bytes(b))),
+            4 => each(self, |b| f64::from(u16::from_le_bytes(b))),
+            5 => each(self, |b| f64::from(i32::from_le_bytes(b))),
+            6 => each(self, |b| f64::from(u32::from_le_bytes(b))),
+            7 => each(self, |b| f64::from(f32::from_le_bytes(b))),
+            9 => each(self, f64::from_le_bytes),
+            12 => each(self, |b| i64::from_le_bytes(b) as f64),
+            13 => each(self, |b| u64::from_le_bytes(b) as f64),
+            other => return Err(self.malformed(field, format!("of type {other}"), "numbers")),
+        };
+        if rest > 0 {
+            let found = format!("{} bytes", self.data.len());
+            return Err(self.malformed(field, found, "whole numbers of its type"));
+        }
+        let inexact = values.iter().find(|value| value.abs() >= LARGEST_EXACT);
+        match inexact.filter(|_| matches!(self.kind, 12 | 13)) {
+            Some(value) => Err(self.malformed(
+                field,
+                format!("{value}"),
+                "integers that floating point holds",
+            )),
+            None => Ok(values),
+        }
+    }
+
+    /// The characters, whatever type they are stored in.
+    pub(super) fn characters(&self, field: &str) -> Result<Vec<char>, LabioError> {
+        let wrong = || self.malformed(field, format!("of type {}", self.kind), "characters");
+        match self.kind {
+            1 | 2 => Ok(self.data.iter().copied().map(char::from).collect()),
+            4 | 17 => {
+                let (units, rest) = self.data.as_chunks::<2>();
+                if !rest.is_empty() {
+                    return Err(wrong());
+                }
+                let units = units.iter().map(|&unit| match self.big_endian {
+                    true => u16::from_be_bytes(unit),
+                    false => u16::from_le_bytes(unit),
+                });
+                char::decode_utf16(units)
+                    .collect::<Result<_, _>>()
+                    .map_err(|_| wrong())
+            }
+            16 => Ok(std::str::from_utf8(self.data)
+                .map_err(|_| wrong())?
+                .chars()
+                .collect()),
+            18 => {
+                let (units, rest) = self.data.as_chunks::<4>();
+                let characters = units.iter().map(|&unit| {
+                    char::from_u32(match self.big_endian {
+                        true => u32::from_be_bytes(unit),
+                        false => u32::from_le_bytes(unit),
+                    })
+                });
+                let characters: Option<_> = characters.collect();
+                characters.filter(|_| rest.is_empty()).ok_or_else(wrong)
+            }
+            _ => Err(wrong()),
+        }
+    }
+}

@@ -1,0 +1,462 @@
+//! Arrays: numbers, texts, structures and cells.
+
+use num_complex::Complex64;
+
+use super::element::{Cursor, Element};
+use super::{MATRIX, malformed};
+use crate::format::Strictness;
+use crate::series::every;
+use crate::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
+
+/// Structures within structures that are followed; deeper ones are no data of a laboratory.
+const DEEPEST: usize = 64;
+
+/// Longest name of a field with those of the structures around it. MATLAB allows 63 bytes a level; without a bound, one long name
+/// could stand before each of a million empty fields.
+const LONGEST_NAME: usize = 512;
+
+/// Names of the classes of numbers, from class 6 on.
+const NUMBERS: [&str; 10] = [
+    "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
+];
+
+/// Kinds of an array by their number in the file.
+const CELL: u32 = 1;
+const STRUCTURE: u32 = 2;
+const TEXT: u32 = 4;
+
+/// What stands before the data of an array.
+struct Head {
+    class: u32,
+    complex: bool,
+    logical: bool,
+    shape: Vec<usize>,
+    name: String,
+    at: u64,
+}
+
+impl Head {
+    fn n(&self) -> usize {
+        // checked when the head was read
+        self.shape.iter().product()
+    }
+
+    fn class_name(&self) -> &'static str {
+        if self.logical {
+            return "logical";
+        }
+        let number = self
+            .class
+            .checked_sub(6)
+            .and_then(|at| NUMBERS.get(at as usize));
+        number.copied().unwrap_or(match self.class {
+            CELL => "cell",
+            STRUCTURE => "struct",
+            3 => "object",
+            TEXT => "char",
+            5 => "sparse",
+            16 => "function handle",
+            17 => "opaque object",
+            _ => "unknown",
+        })
+    }
+}
+
+/// Adds the array in `cursor` to `contents`. Its name, if `name` gives none, is its own.
+pub(super) fn read(
+    mut cursor: Cursor<'_>,
+    name: &str,
+    depth: usize,
+    strictness: Strictness,
+    contents: &mut Contents,
+) -> Result<(), LabioError> {
+    let at = cursor.offset();
+    if depth > DEEPEST {
+        return Err(malformed(
+            Place::Byte(at),
+            "array within arrays",
+            format!("{depth} levels deep"),
+            &format!("at most {DEEPEST} levels"),
+        ));
+    }
+    let head = match head(&mut cursor, at)? {
+        Some(head) => head,
+        None => {
+            return Err(malformed(
+                Place::Byte(at),
+                "class of an array",
+                "opaque object".to_owned(),
+                "numbers, text, struct or cell",
+            ));
+        }
+    };
+    let name = if name.is_empty() {
+        head.name.clone()
+    } else {
+        name.to_owned()
+    };
+    if name.len() > LONGEST_NAME {
+        let (found, expected) = (
+            format!("{} bytes", name.len()),
+            format!("at most {LONGEST_NAME}"),
+        );
+        return Err(malformed(
+            Place::Byte(at),
+            "name of an array",
+            found,
+            &expected,
+        ));
+    }
+    if name.is_empty() {
+        // what belongs to objects and function handles, which are refused where they stand
+        let key = format!("array without a name at byte {at}");
+        contents
+            .properties
+            .push((key, format!("{}, passed over", head.class_name())));
+        return Ok(());
+    }
+    if head.n() == 0 {
+        let shape: Vec<String> = head.shape.iter().map(usize::to_string).collect();
+        let text = format!("empty, {} {}", shape.join("x"), head.class_name());
+        contents.properties.push((name, text));
+        return Ok(());
+    }
+    match head.class {
+        CELL => {
+            for index in 0..head.n() {
+                let element = cursor.expect(&name)?;
+                let part = format!("{name}{{{}}}", index + 1);
+                inner(&cursor, &element, &part, depth, strictness, contents)?;
+            }
+            Ok(())
+        }
+        STRUCTURE => {
+            let fields = fields(&mut cursor, &name)?;
+            if fields.is_empty() {
+                contents
+                    .properties
+                    .push((name, "struct without fields".to_owned()));
+                return Ok(());
+            }
+            for index in 0..head.n() {
+                for field in &fields {
+                    let element = cursor.expect(&name)?;
+                    let part = match head.n() {
+                        1 => format!("{name}.{field}"),
+                        _ => format!("{name}({}).{field}", index + 1),
+                    };
+                    inner(&cursor, &element, &part, depth, strictness, contents)?;
+                }
+            }
+            Ok(())
+        }
+        TEXT => text(&mut cursor, &head, name, contents),
+        6..=15 => numbers(&mut cursor, &head, name, contents),
+        _ => Err(malformed(
+            Place::Byte(head.at),
+            &format!("class of `{name}`"),
+            head.class_name().to_owned(),
+            "numbers, text, struct or cell",
+        )),
+    }
+}
+
+/// An array within another. What is wrong with it is a defect of a tolerant reading; its neighbours are read.
+fn inner<'a>(
+    outer: &Cursor<'a>,
+    element: &Element<'a>,
+    name: &str,
+    depth: usize,
+    strictness: Strictness,
+    contents: &mut Contents,
+) -> Result<(), LabioError> {
+    let result = if name.len() > LONGEST_NAME {
+        let found = format!("{} bytes", name.len());
+        let expected = format!("at most {LONGEST_NAME}");
+        Err(malformed(
+            Place::Byte(element.at),
+            "name of a field",
+            found,
+            &expected,
+        ))
+    } else if element.kind != MATRIX {
+        let found = format!("of type {}", element.kind);
+        Err(malformed(
+            Place::Byte(element.at),
+            name,
+            found,
+            "an array (14)",
+        ))
+    } else if element.data.is_empty() {
+        contents
+            .properties
+            .push((name.to_owned(), "empty".to_owned()));
+        Ok(())
+    } else {
+        read(outer.within(element), name, depth + 1, strictness, contents)
+    };
+    match (result, strictness) {
+        (Err(error), Strictness::Tolerant) => {
+            contents.defects.push(error);
+            Ok(())
+        }
+        (result, _) => result,
+    }
+}
+
+/// `None` if what follows has no shape.
+fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
+    let flags = cursor.expect("flags of an array")?;
+    let words = flags.numbers("flags of an array")?;
+    if flags.kind != 6 || words.len() != 2 {
+        let found = format!("{} numbers of type {}", words.len(), flags.kind);
+        return Err(malformed(
+            Place::Byte(flags.at),
+            "flags of an array",
+            found,
+            "two of type 6",
+        ));
+    }
+    let bytes = match (flags.data, flags.big_endian) {
+        ([class, flags, ..], false) | ([_, _, flags, class, ..], true) => (*class, *flags),
+        _ => (0, 0),
+    };
+    let (class, flags) = (u32::from(bytes.0), bytes.1);
+    if class == 17 {
+        return Ok(None);
+    }
+    let dimensions = cursor.expect("shape of an array")?;
+    let mut shape = Vec::new();
+    let mut n = 1_usize;
+    for length in dimensions.numbers("shape of an array")? {
+        let wrong = |expected: &str| {
+            malformed(
+                Place::Byte(dimensions.at),
+                "shape of an array",
+                format!("{length}"),
+                expected,
+            )
+        };
+        let whole = whole(length).ok_or_else(|| wrong("a length"))?;
+        n = n
+            .checked_mul(whole)
+            .ok_or_else(|| wrong("lengths whose product can be counted"))?;
+        shape.push(whole);
+    }
+    if shape.len() < 2 {
+        let found = format!("{} lengths", shape.len());
+        return Err(malformed(
+            Place::Byte(dimensions.at),
+            "shape of an array",
+            found,
+            "at least 2",
+        ));
+    }
+    // a zero hides an overflow of the others
+    shape
+        .iter()
+        .filter(|&&length| length > 0)
+        .try_fold(1_usize, |n, &length| n.checked_mul(length))
+        .ok_or_else(|| {
+            malformed(
+                Place::Byte(dimensions.at),
+                "shape of an array",
+                format!("{shape:?}"),
+                "lengths whose product can be counted",
+            )
+        })?;
+    let name = cursor.expect("name of an array")?;
+    let name: String = name.characters("name of an array")?.into_iter().collect();
+    Ok(Some(Head {
+        class,
+        complex: flags & 0x08 != 0,
+        logical: flags & 0x02 != 0,
+        shape,
+        name: name.trim_end_matches('\0').to_owned(),
+        at,
+    }))
+}
+
+/// The count that a number is.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole, not negative and below 2^32, as just checked"
+)]
+fn whole(number: f64) -> Option<usize> {
+    let count =
+        number >= 0.0 && number <= f64::from(u32::MAX) && number.fract().abs() < f64::EPSILON;
+    count.then_some(number as usize)
+}
+
+fn fields(cursor: &mut Cursor<'_>, name: &str) -> Result<Vec<String>, LabioError> {
+    let what = format!("fields of `{name}`");
+    let length = cursor.expect(&what)?;
+    let names = cursor.expect(&what)?;
+    let characters = names.characters(&what)?;
+    if characters.is_empty() {
+        return Ok(Vec::new());
+    }
+    let width = match length.numbers(&what)?.as_slice() {
+        &[width] => whole(width).filter(|&width| width > 0),
+        _ => None,
+    };
+    let Some(width) = width.filter(|&width| characters.len().is_multiple_of(width)) else {
+        let found = format!("{} characters", characters.len());
+        return Err(malformed(
+            Place::Byte(length.at),
+            &what,
+            found,
+            "names of the length that is announced",
+        ));
+    };
+    Ok(characters
+        .chunks(width)
+        .map(|name| name.iter().take_while(|&&c| c != '\0').collect())
+        .collect())
+}
+
+fn text(
+    cursor: &mut Cursor<'_>,
+    head: &Head,
+    name: String,
+    contents: &mut Contents,
+) -> Result<(), LabioError> {
+    let element = cursor.expect(&name)?;
+    let characters = element.characters(&name)?;
+    let n_rows = match head.shape.as_slice() {
+        // the shape counts units of the encoding, of which a character may need several
+        [1, _] => 1,
+        &[n_rows, _] if characters.len() == head.n() => n_rows,
+        _ => {
+            let found = format!("{} characters in shape {:?}", characters.len(), head.shape);
+            return Err(malformed(
+                Place::Byte(element.at),
+                &name,
+                found,
+                "rows of characters",
+            ));
+        }
+    };
+    for row in 0..n_rows {
+        let text: String = characters.iter().skip(row).step_by(n_rows).collect();
+        let key = match n_rows {
+            1 => name.clone(),
+            _ => format!("{name}({},:)", row + 1),
+        };
+        contents.properties.push((key, text));
+    }
+    Ok(())
+}
+
+fn numbers(
+    cursor: &mut Cursor<'_>,
+    head: &Head,
+    name: String,
+    contents: &mut Contents,
+) -> Result<(), LabioError> {
+    let mut part = |what: String| {
+        let element = cursor.expect(&what)?;
+        let values = element.numbers(&what)?;
+        if values.len() != head.n() {
+            let found = format!("{} numbers", values.len());
+            let expected = format!("{}, as its shape says", head.n());
+            return Err(malformed(Place::Byte(element.at), &what, found, &expected));
+        }
+        Ok(values)
+    };
+    let real = part(format!("`{name}`"))?;
+    let values = if head.complex {
+        let imaginary = part(format!("imaginary part of `{name}`"))?;
+        let pairs = real.into_iter().zip(imaginary);
+        Ordinate::Complex(pairs.map(|(re, im)| Complex64::new(re, im)).collect())
+    } else {
+        Ordinate::Real(real)
+    };
+    match &values {
+        Ordinate::Real(one) if one.len() == 1 => {
+            let text = one.iter().map(f64::to_string).collect();
+            contents.properties.push((name, text));
+            return Ok(());
+        }
+        Ordinate::Complex(one) if one.len() == 1 => {
+            let text = one.iter().map(Complex64::to_string).collect();
+            contents.properties.push((name, text));
+            return Ok(());
+        }
+        _ => {}
+    }
+    // columns follow each other; the rows of a matrix that is wider than tall are the longer series
+    let (n_rows, n_columns) = (
+        head.shape.first().copied().unwrap_or(1),
+        head.n() / head.shape.first().copied().unwrap_or(1).max(1),
+    );
+    let vector = head.shape.len() == 2 && (n_rows == 1 || n_columns == 1);
+    let along_rows = head.shape.len() == 2 && n_columns > n_rows;
+    let (n_series, length) = if along_rows {
+        (n_rows, n_columns)
+    } else {
+        (n_columns, n_rows)
+    };
+    for index in 0..n_series {
+        let (first, step) = if along_rows {
+            (index, n_rows)
+        } else {
+            (index * n_rows, 1)
+        };
+        let name = match (vector, along_rows) {
+            (true, _) => name.clone(),
+            (_, true) => format!("{name}({},:)", index + 1),
+            (_, false) => format!(
+                "{name}(:,{})",
+                subscripts(index, head.shape.get(1..).unwrap_or(&[]))
+            ),
+        };
+        contents
+            .series
+            .push(series(name, line(&values, first, step, length), head));
+    }
+    Ok(())
+}
+
+/// Subscripts of column `index`, from 1, as MATLAB counts them: the first varies fastest.
+fn subscripts(mut index: usize, shape: &[usize]) -> String {
+    let texts: Vec<String> = shape
+        .iter()
+        .map(|&length| {
+            let at = index % length.max(1);
+            index /= length.max(1);
+            (at + 1).to_string()
+        })
+        .collect();
+    texts.join(",")
+}
+
+fn line(values: &Ordinate, first: usize, step: usize, n: usize) -> Ordinate {
+    match values {
+        Ordinate::Real(values) => Ordinate::Real(every(values, first, step, n)),
+        Ordinate::Complex(values) => Ordinate::Complex(every(values, first, step, n)),
+    }
+}
+
+fn series(name: String, ordinate: Ordinate, head: &Head) -> Series {
+    let class = head.class_name();
+    Series {
+        name,
+        kind: SeriesKind::General,
+        abscissa: Abscissa::Even {
+            start: 0.0,
+            step: 1.0,
+        },
+        ordinate,
+        abscissa_axis: SeriesAxis {
+            label: "index".to_owned(),
+            ..SeriesAxis::default()
+        },
+        ordinate_axis: SeriesAxis::default(),
+        properties: match class {
+            "double" => Vec::new(),
+            _ => vec![("class".to_owned(), class.to_owned())],
+        },
+    }
+}

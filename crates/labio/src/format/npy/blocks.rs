@@ -1,0 +1,354 @@
+//! Samples of a long array, block by block.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use ndarray::Array2;
+
+use super::header::{Element, Header};
+use super::{FORMAT, TIME_STEP_TOLERANCE};
+use crate::error::check_positive;
+use crate::{BlockSource, Channel, LabioError};
+
+/// Bytes that are read at once.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// Longest header that is looked for; one of two axes has less than 200 bytes.
+const HEADER_BYTES: u64 = 1 << 16;
+
+/// The rows of an array of `f64` from beginning to end, in memory that does not grow with the file.
+///
+/// The array is little-endian, in C order and of shape `(n_rows, n_samples)`, so that each row is contiguous in the file; rows are read
+/// alternately.
+///
+/// # Examples
+///
+/// ```no_run
+/// use labio::format::npy::Blocks;
+/// use labio::{BlockSource, Channel, Quantity};
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// let channels = [
+///     Channel::new("force", Quantity::Force)?,
+///     Channel::new("acceleration", Quantity::Acceleration)?,
+/// ];
+/// let mut night = Blocks::open("night.npy", &channels)?;
+/// let mut block = Array2::zeros((2, 8192));
+/// while night.read_block(&mut block)? > 0 {
+///     // use the samples
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Blocks<R> {
+    source: R,
+    channels: Vec<Channel>,
+    clock: Clock,
+    /// First byte of the numbers.
+    data_start: u64,
+    n_samples: u64,
+    next: u64,
+    buffer: Vec<u8>,
+}
+
+/// How the rate is known.
+#[derive(Debug)]
+enum Clock {
+    /// By the first row, whose steps are checked as they come.
+    Times { step: f64, previous: Option<f64> },
+    /// From elsewhere: every row is a channel.
+    Given { sampling_rate_hz: f64 },
+}
+
+impl Clock {
+    /// Rows before those of the channels.
+    fn rows(&self) -> u64 {
+        match self {
+            Self::Times { .. } => 1,
+            Self::Given { .. } => 0,
+        }
+    }
+}
+
+impl Blocks<File> {
+    /// The array in the file at `path`, whose first row holds times; see [`Blocks::new`].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::InFile`] with the path and, as its source, what [`Blocks::new`] says or that the file cannot be opened.
+    pub fn open(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Self, LabioError> {
+        in_file(path.as_ref(), |file| Self::new(file, channels))
+    }
+
+    /// The array in the file at `path`, every row of which is a channel; see [`Blocks::without_times`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Blocks::open`].
+    pub fn open_without_times(
+        path: impl AsRef<Path>,
+        channels: &[Channel],
+        sampling_rate_hz: f64,
+    ) -> Result<Self, LabioError> {
+        in_file(path.as_ref(), |file| {
+            Self::without_times(file, channels, sampling_rate_hz)
+        })
+    }
+}
+
+fn in_file<T>(
+    path: &Path,
+    with: impl FnOnce(File) -> Result<T, LabioError>,
+) -> Result<T, LabioError> {
+    File::open(path)
+        .map_err(|source| LabioError::Read { source })
+        .and_then(with)
+        .map_err(|error| LabioError::InFile {
+            path: path.to_path_buf(),
+            source: Box::new(error),
+        })
+}
+
+impl<R: Read + Seek> Blocks<R> {
+    /// The rows after the first of `source`, named by `channels`; the first row holds the times \[s\].
+    ///
+    /// The rate is the number of steps over the time between first and last sample, and every step is compared with it when
+    /// its block is read.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the header says, there is not one channel
+    /// for each row after the first, or the times do not increase.
+    pub fn new(source: R, channels: &[Channel]) -> Result<Self, LabioError> {
+        let clock = Clock::Times {
+            step: f64::NAN,
+            previous: None,
+        };
+        let mut blocks = Self::with_clock(source, channels, clock)?;
+        if blocks.n_samples < 2 {
+            return Err(LabioError::TooFewSamples {
+                what: "the row of times",
+                found: usize::try_from(blocks.n_samples).unwrap_or(usize::MAX),
+                expected: 2,
+            });
+        }
+        let first = blocks.number(0)?;
+        let last = blocks.number(blocks.n_samples - 1)?;
+        let step = check_positive(
+            "mean time step [s]",
+            (last - first) / (blocks.n_samples - 1) as f64,
+        )?;
+        blocks.clock = Clock::Times {
+            step,
+            previous: None,
+        };
+        Ok(blocks)
+    }
+
+    /// All rows of `source`, named by `channels` and sampled at `sampling_rate_hz` \[Hz\].
+    ///
+    /// # Errors
+    ///
+    /// As [`Blocks::new`]; also if the rate is not positive.
+    pub fn without_times(
+        source: R,
+        channels: &[Channel],
+        sampling_rate_hz: f64,
+    ) -> Result<Self, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        Self::with_clock(source, channels, Clock::Given { sampling_rate_hz })
+    }
+
+    fn with_clock(mut source: R, channels: &[Channel], clock: Clock) -> Result<Self, LabioError> {
+        let io = |source| LabioError::Read { source };
+        let length = source.seek(SeekFrom::End(0)).map_err(io)?;
+        source.seek(SeekFrom::Start(0)).map_err(io)?;
+        let mut head = Vec::new();
+        source
+            .by_ref()
+            .take(HEADER_BYTES)
+            .read_to_end(&mut head)
+            .map_err(io)?;
+        let header = Header::read(&head, FORMAT, "")?;
+        if header.element != Element::F64 || header.fortran_order {
+            let order = if header.fortran_order { "Fortran" } else { "C" };
+            return Err(LabioError::WrongElement {
+                format: FORMAT,
+                found: format!("'{}' in {order} order", header.element),
+                expected: "'<f8' in C order",
+            });
+        }
+        let &[n_rows, n_samples] = header.shape.as_slice() else {
+            return Err(LabioError::WrongDimensions {
+                format: FORMAT,
+                found: header.shape.len(),
+                expected: 2,
+            });
+        };
+        let announced = header
+            .data_length()
+            .and_then(|data| u64::try_from(data.checked_add(header.data_start)?).ok())
+            .unwrap_or(u64::MAX);
+        let count = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
+        if announced > length {
+            return Err(LabioError::Truncated {
+                format: FORMAT,
+                missing_bytes: count(announced - length),
+            });
+        }
+        if announced < length {
+            return Err(LabioError::TrailingBytes {
+                format: FORMAT,
+                extra_bytes: count(length - announced),
+            });
+        }
+        let rows = count(clock.rows());
+        if n_rows != channels.len() + rows {
+            return Err(LabioError::CountMismatch {
+                what: "rows of the array, one a channel and, if there are times, one of them",
+                found: n_rows,
+                expected: channels.len() + rows,
+            });
+        }
+        crate::channel::check_distinct(channels)?;
+        Ok(Self {
+            source,
+            channels: channels.to_vec(),
+            clock,
+            data_start: header.data_start as u64,
+            n_samples: n_samples as u64,
+            next: 0,
+            buffer: vec![0; BUFFER_BYTES],
+        })
+    }
+
+    /// The number at `index` of the array.
+    fn number(&mut self, index: u64) -> Result<f64, LabioError> {
+        let mut value = 0.0;
+        self.run(index, 1, |_, number| {
+            value = number;
+            Ok(())
+        })?;
+        Ok(value)
+    }
+
+    /// Reads `count` numbers from `index` on.
+    fn run(
+        &mut self,
+        index: u64,
+        count: usize,
+        mut put: impl FnMut(usize, f64) -> Result<(), LabioError>,
+    ) -> Result<(), LabioError> {
+        let io = |source| LabioError::Read { source };
+        self.source
+            .seek(SeekFrom::Start(self.data_start + 8 * index))
+            .map_err(io)?;
+        let mut done = 0;
+        while done < count {
+            let bytes = (count - done).saturating_mul(8).min(BUFFER_BYTES);
+            let Some(buffer) = self.buffer.get_mut(..bytes) else {
+                break;
+            };
+            self.source.read_exact(buffer).map_err(io)?;
+            for &number in buffer.as_chunks::<8>().0 {
+                put(done, f64::from_le_bytes(number))?;
+                done += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the steps of the next `count` times with the mean step.
+    fn check_times(&mut self, count: usize) -> Result<(), LabioError> {
+        let Clock::Times { step, mut previous } = self.clock else {
+            return Ok(());
+        };
+        let from = self.next;
+        self.run(from, count, |at, time| {
+            if let Some(previous) = previous {
+                let found = time - previous;
+                let off = (found - step).abs();
+                if off > TIME_STEP_TOLERANCE * step || off.is_nan() {
+                    let index = usize::try_from(from)
+                        .unwrap_or(usize::MAX)
+                        .saturating_add(at);
+                    return Err(LabioError::NonUniformTime {
+                        index: index.saturating_sub(1),
+                        found,
+                        expected: step,
+                        tolerance: TIME_STEP_TOLERANCE,
+                    });
+                }
+            }
+            previous = Some(time);
+            Ok(())
+        })?;
+        self.clock = Clock::Times { step, previous };
+        Ok(())
+    }
+}
+
+impl<R: Read + Seek> BlockSource for Blocks<R> {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn sampling_rate_hz(&self) -> f64 {
+        match self.clock {
+            Clock::Times { step, .. } => 1.0 / step,
+            Clock::Given { sampling_rate_hz } => sampling_rate_hz,
+        }
+    }
+
+    fn n_samples(&self) -> Option<u64> {
+        Some(self.n_samples)
+    }
+
+    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        if block.nrows() != self.channels.len() {
+            return Err(LabioError::CountMismatch {
+                what: "rows of the block, one a channel",
+                found: block.nrows(),
+                expected: self.channels.len(),
+            });
+        }
+        let left = usize::try_from(self.n_samples - self.next).unwrap_or(usize::MAX);
+        let count = left.min(block.ncols());
+        self.check_times(count)?;
+        let (from, before) = (self.next, self.clock.rows());
+        for (row, mut samples) in block.rows_mut().into_iter().enumerate() {
+            let mut unread = None;
+            let mut places = samples.iter_mut();
+            self.run(
+                (row as u64 + before) * self.n_samples + from,
+                count,
+                |at, value| {
+                    if !value.is_finite() && unread.is_none() {
+                        unread = Some((at, value));
+                    }
+                    if let Some(place) = places.next() {
+                        *place = value;
+                    }
+                    Ok(())
+                },
+            )?;
+            if let Some((at, value)) = unread {
+                return Err(LabioError::NonFiniteSample {
+                    channel: self
+                        .channels
+                        .get(row)
+                        .map_or(String::new(), |c| c.name().to_owned()),
+                    index: usize::try_from(from)
+                        .unwrap_or(usize::MAX)
+                        .saturating_add(at),
+                    value,
+                });
+            }
+        }
+        self.next += count as u64;
+        Ok(count)
+    }
+}

@@ -1,0 +1,230 @@
+//! `NumPy`'s `.npz`: a ZIP archive of arrays, each with a name.
+//!
+//! Every array of one axis is a series of its name, an array of two axes several ([`npy`](super::npy) says which); single numbers and texts are
+//! properties of the contents. Deflated and stored members are read; the writer stores.
+//!
+//! # What is not numbers
+//!
+//! The writer puts what else belongs to the series `F` into members beside it, which are left out where nothing is to be said, and from which the
+//! reader takes it back:
+//!
+//! | member | shape | what |
+//! |---|---|---|
+//! | `F.start_step` | `(2,)` | first value and step of an even abscissa |
+//! | `F.abscissa` | `(n_samples,)` | values of an uneven abscissa |
+//! | `F.about` | `(n, 2)` text | labels, units, kind and properties, each with its value |
+//! | `about` | `(n, 2)` text | properties of the contents |
+//!
+//! # Strictness
+//!
+//! A member that is no array, or one of an element or shape that is no series, is refused; in a tolerant reading it is a defect.
+
+mod about;
+mod write;
+
+use std::collections::{HashMap, HashSet};
+use std::io::{Cursor, Read};
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::format::npy::array::{Array, Values};
+use crate::format::npy::header::{Header, shape_text};
+use crate::format::{Reader, Strictness, text};
+use crate::{Contents, LabioError, Place, Series};
+
+const FORMAT: &str = "npz";
+
+/// Archives of arrays of `NumPy`.
+///
+/// # Examples
+///
+/// ```
+/// use labio::format::npz::Npz;
+/// use labio::format::{Reader, Strictness, Writer};
+/// # use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// # let mut contents = Contents::of_format("computed");
+/// # contents.series.push(Series {
+/// #     name: "hammer".to_owned(), kind: SeriesKind::TimeResponse,
+/// #     abscissa: Abscissa::Even { start: 0.0, step: 1.0 / 8000.0 },
+/// #     ordinate: Ordinate::Real(vec![0.0, 0.5, -0.25]),
+/// #     abscissa_axis: SeriesAxis { unit_text: "s".to_owned(), unit: labio::Unit::parse("s").ok(), ..Default::default() },
+/// #     ordinate_axis: SeriesAxis { unit_text: "N".to_owned(), unit: labio::Unit::parse("N").ok(), ..Default::default() },
+/// #     properties: Vec::new(),
+/// # });
+/// let mut bytes = Vec::new();
+/// Npz.write(&contents, &mut bytes)?;
+/// let back = Npz.read(&bytes, Strictness::Strict)?;
+/// assert_eq!(back.series[0].abscissa, contents.series[0].abscissa);
+/// assert_eq!(back.series[0].ordinate_axis.unit_text, "N");
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Npz;
+
+impl Reader for Npz {
+    fn name(&self) -> &'static str {
+        FORMAT
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        // the header of the first member, with the length of its name and the name
+        let length = |at: usize| {
+            let bytes = head.get(at..)?.first_chunk::<2>()?;
+            Some(usize::from(u16::from_le_bytes(*bytes)))
+        };
+        head.starts_with(b"PK\x03\x04")
+            && length(26)
+                .and_then(|n| head.get(30..30_usize.checked_add(n)?))
+                .is_some_and(|name| name.ends_with(b".npy"))
+    }
+
+    fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+        let mut archive =
+            ZipArchive::new(Cursor::new(bytes)).map_err(|error| zip_error(error, 0, "archive"))?;
+        let mut contents = Contents::of_format(FORMAT);
+        let mut arrays = Vec::new();
+        for index in 0..archive.len() {
+            match member(&mut archive, index) {
+                Ok(array) => arrays.push(array),
+                Err(error) if strictness == Strictness::Tolerant => contents.defects.push(error),
+                Err(error) => return Err(error),
+            }
+        }
+        let mut beside = HashMap::new();
+        let names: HashSet<String> = arrays.iter().map(|(name, _)| name.clone()).collect();
+        let mut series: Vec<Series> = Vec::new();
+        for (name, array) in arrays {
+            if about::belongs_to_another(&name, &names) {
+                beside.insert(name, array);
+                continue;
+            }
+            match array.header.shape.as_slice() {
+                [] | [_] if array.header.element.is_text() || array.header.shape.is_empty() => {
+                    contents
+                        .properties
+                        .extend(as_properties(&name, array.values));
+                }
+                [_] | [_, _] if !array.header.element.is_text() => {
+                    let shape = shape_text(&array.header.shape);
+                    let of_array = array.into_series(&name);
+                    if of_array.is_empty() {
+                        contents
+                            .properties
+                            .push((name, format!("empty, shape {shape}")));
+                    }
+                    series.extend(of_array);
+                }
+                shape => {
+                    let error = LabioError::Malformed {
+                        format: FORMAT,
+                        place: Place::Byte(0),
+                        field: format!("`{name}`"),
+                        found: format!(
+                            "of shape {} and element {}",
+                            shape_text(shape),
+                            array.header.element
+                        ),
+                        expected: "numbers with at most two axes, or a text".to_owned(),
+                    };
+                    match strictness {
+                        Strictness::Strict => return Err(error),
+                        Strictness::Tolerant => contents.defects.push(error),
+                    }
+                }
+            }
+        }
+        about::attach(&mut beside, &mut series, &mut contents.properties)?;
+        contents.series = series;
+        if contents.series.is_empty() && contents.properties.is_empty() {
+            return Err(contents
+                .defects
+                .pop()
+                .unwrap_or(LabioError::NoData { format: FORMAT }));
+        }
+        Ok(contents)
+    }
+}
+
+/// The array in the member at `index`, with its name.
+fn member(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    index: usize,
+) -> Result<(String, Array), LabioError> {
+    let mut member = archive
+        .by_index(index)
+        .map_err(|error| zip_error(error, 0, &format!("member {index}")))?;
+    let full_name = member
+        .name()
+        .map_err(|error| zip_error(error, 0, &format!("name of member {index}")))?
+        .into_owned();
+    let at = member.header_start();
+    let Some(name) = full_name.strip_suffix(".npy") else {
+        return Err(LabioError::Malformed {
+            format: FORMAT,
+            place: Place::Byte(at),
+            field: format!("member {index}"),
+            found: text::quoted(&full_name),
+            expected: "an array, `.npy`".to_owned(),
+        });
+    };
+    // a member is unpacked as far as its own header says, whatever the archive says
+    let mut bytes = Vec::new();
+    let mut unpack = |count: u64, bytes: &mut Vec<u8>| {
+        (&mut member)
+            .take(count)
+            .read_to_end(bytes)
+            .map_err(|error| LabioError::Malformed {
+                format: FORMAT,
+                place: Place::Byte(at),
+                field: text::quoted(&full_name),
+                found: error.to_string(),
+                expected: "a member that can be unpacked".to_owned(),
+            })
+    };
+    unpack(1 << 16, &mut bytes)?;
+    let part = format!("{}, ", text::quoted(&full_name));
+    let header = Header::read(&bytes, FORMAT, &part)?;
+    let end = header
+        .data_length()
+        .and_then(|data| data.checked_add(header.data_start))
+        .unwrap_or(usize::MAX);
+    let missing = end.saturating_add(1).saturating_sub(bytes.len());
+    unpack(missing as u64, &mut bytes)?;
+    Ok((name.to_owned(), Array::read(&bytes, FORMAT, &part)?))
+}
+
+fn zip_error(error: ZipError, at: u64, field: &str) -> LabioError {
+    match error {
+        ZipError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
+            LabioError::Read { source }
+        }
+        error => LabioError::Malformed {
+            format: FORMAT,
+            place: Place::Byte(at),
+            field: field.to_owned(),
+            found: text::quoted(&error.to_string()),
+            expected: "a ZIP archive with stored or deflated members".to_owned(),
+        },
+    }
+}
+
+/// Single numbers and texts.
+fn as_properties(name: &str, values: Values) -> Vec<(String, String)> {
+    let texts: Vec<String> = match values {
+        Values::Real(values) => values.iter().map(|value| format!("{value}")).collect(),
+        Values::Complex(values) => values.iter().map(ToString::to_string).collect(),
+        Values::Text(texts) => texts,
+    };
+    match <[String; 1]>::try_from(texts) {
+        Ok([text]) => vec![(name.to_owned(), text)],
+        Err(texts) => texts
+            .into_iter()
+            .enumerate()
+            .map(|(index, text)| (format!("{name}[{index}]"), text))
+            .collect(),
+    }
+}

@@ -1,0 +1,171 @@
+//! What belongs to a series besides its numbers, in members beside it.
+
+use std::collections::{HashMap, HashSet};
+
+use super::FORMAT;
+use crate::format::kind::{kind_name, kind_of_name};
+use crate::format::npy::array::{Array, Values, index_axis};
+use crate::format::text;
+use crate::{Abscissa, LabioError, Place, Series, SeriesAxis, SeriesKind};
+
+/// Member with the properties of the contents.
+pub(super) const ABOUT: &str = "about";
+pub(super) const SUFFIXES: [&str; 3] = [".about", ".abscissa", ".start_step"];
+
+/// Whether a member says something of another, or of all.
+pub(super) fn belongs_to_another(name: &str, names: &HashSet<String>) -> bool {
+    name == ABOUT
+        || SUFFIXES.iter().any(|suffix| {
+            name.strip_suffix(suffix)
+                .is_some_and(|other| names.contains(other))
+        })
+}
+
+/// Rows of key and value that say of a series what its numbers do not.
+pub(super) fn rows(series: &Series) -> Vec<(String, String)> {
+    let mut rows = Vec::new();
+    let mut row = |key: &str, value: &str, usual: &str| {
+        if value != usual {
+            rows.push((key.to_owned(), value.to_owned()));
+        }
+    };
+    let usual = index_axis();
+    row(
+        "kind",
+        &kind_name(series.kind),
+        &kind_name(SeriesKind::General),
+    );
+    row("abscissa_label", &series.abscissa_axis.label, &usual.label);
+    row("abscissa_unit", &series.abscissa_axis.unit_text, "");
+    row("label", &series.ordinate_axis.label, "");
+    row("unit", &series.ordinate_axis.unit_text, "");
+    for (key, value) in &series.properties {
+        if key != "descr" {
+            rows.push((format!("property {key}"), value.clone()));
+        }
+    }
+    rows
+}
+
+fn malformed(name: &str, found: String, expected: &str) -> LabioError {
+    LabioError::Malformed {
+        format: FORMAT,
+        place: Place::Byte(0),
+        field: format!("`{name}`"),
+        found,
+        expected: expected.to_owned(),
+    }
+}
+
+/// Gives the series, and the contents, what is said of them.
+pub(super) fn attach(
+    beside: &mut HashMap<String, Array>,
+    series: &mut [Series],
+    properties: &mut Vec<(String, String)>,
+) -> Result<(), LabioError> {
+    if let Some(about) = beside.remove(ABOUT) {
+        properties.extend(pairs(ABOUT, about)?);
+    }
+    for one in series {
+        let [about, uneven, even] = SUFFIXES.map(|suffix| format!("{}{suffix}", one.name));
+        if let Some(rows) = beside.remove(&about) {
+            for (key, value) in pairs(&about, rows)? {
+                say(one, &about, &key, value)?;
+            }
+        }
+        match (beside.remove(&even), beside.remove(&uneven)) {
+            (Some(array), _) => {
+                let Values::Real(values) = &array.values else {
+                    return Err(malformed(
+                        &even,
+                        array.header.element.to_string(),
+                        "two real numbers",
+                    ));
+                };
+                let &[start, step] = values.as_slice() else {
+                    return Err(malformed(
+                        &even,
+                        format!("{} numbers", values.len()),
+                        "first value and step",
+                    ));
+                };
+                one.abscissa = Abscissa::Even { start, step };
+            }
+            (None, Some(array)) => {
+                let n = one.ordinate.len();
+                match array.values {
+                    Values::Real(values) if values.len() == n => {
+                        one.abscissa = Abscissa::Uneven(values);
+                    }
+                    _ => {
+                        let found = format!(
+                            "of shape {:?} and element {}",
+                            array.header.shape, array.header.element
+                        );
+                        return Err(malformed(
+                            &uneven,
+                            found,
+                            &format!("{n} real numbers, one a sample"),
+                        ));
+                    }
+                }
+            }
+            (None, None) => {}
+        }
+    }
+    // nothing may be said of what is no series
+    match beside.keys().min() {
+        Some(name) => Err(malformed(
+            name,
+            "beside an array of two axes or a text".to_owned(),
+            "beside a series",
+        )),
+        None => Ok(()),
+    }
+}
+
+fn pairs(name: &str, array: Array) -> Result<Vec<(String, String)>, LabioError> {
+    let shape = array.header.shape;
+    match (array.values, shape.as_slice(), array.header.fortran_order) {
+        (Values::Text(texts), [_, 2], false) => Ok(texts
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .map(|[key, value]| (key.clone(), value.clone()))
+            .collect()),
+        _ => Err(malformed(
+            name,
+            format!("of shape {shape:?}"),
+            "texts of shape (n, 2)",
+        )),
+    }
+}
+
+fn say(series: &mut Series, about: &str, key: &str, value: String) -> Result<(), LabioError> {
+    let set = |axis: &mut SeriesAxis, value: String| {
+        axis.unit = text::known_unit(&value);
+        axis.unit_text = value;
+    };
+    match key {
+        "kind" => {
+            series.kind = kind_of_name(&value).ok_or_else(|| {
+                malformed(about, format!("the kind `{value}`"), "a kind of series")
+            })?;
+        }
+        "abscissa_label" => series.abscissa_axis.label = value,
+        "abscissa_unit" => set(&mut series.abscissa_axis, value),
+        "label" => series.ordinate_axis.label = value,
+        "unit" => set(&mut series.ordinate_axis, value),
+        _ => match key.strip_prefix("property ") {
+            Some(key) => series.properties.push((key.to_owned(), value)),
+            None => {
+                return Err(malformed(
+                    about,
+                    format!("the key `{key}`"),
+                    "a key of a series",
+                ));
+            }
+        },
+    }
+    Ok(())
+}

@@ -1,0 +1,472 @@
+//! Raw data of a segment: numbers one channel after the other, in rows of all channels, or in the buffers of a DAQmx device.
+
+use super::bytes::Bytes;
+use super::malformed;
+use super::objects::{Objects, RawIndex, Scaler};
+use super::segment::Segment;
+use super::value::{Sample, Timestamp};
+use crate::LabioError;
+
+/// What was read of one channel, over all segments.
+#[derive(Debug, Default)]
+pub(super) struct Numbers {
+    /// Two for each complex number.
+    pub(super) values: Vec<f64>,
+    pub(super) complex: bool,
+    /// The first of times, from which the others are counted.
+    pub(super) first_time: Option<Timestamp>,
+    /// Numbers of DAQmx scalers, by the scale that they go into.
+    pub(super) scalers: Vec<(u32, Vec<f64>)>,
+    pub(super) has_text: bool,
+    pub(super) has_opaque: bool,
+}
+
+impl Numbers {
+    fn of_scale(&mut self, scale: u32) -> &mut Vec<f64> {
+        let slot = match self.scalers.iter().position(|(known, _)| *known == scale) {
+            Some(slot) => slot,
+            None => {
+                self.scalers.push((scale, Vec::new()));
+                self.scalers.len() - 1
+            }
+        };
+        match self.scalers.get_mut(slot) {
+            Some((_, values)) => values,
+            None => &mut self.values, // every slot was pushed above
+        }
+    }
+}
+
+/// A run of numbers in a chunk.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    object: usize,
+    /// `None` for texts.
+    sample: Option<Sample>,
+    n_bytes: usize,
+}
+
+/// The numbers of a DAQmx buffer.
+#[derive(Debug, Clone)]
+pub(super) struct Buffer {
+    width: usize,
+    n_rows: usize,
+    scalers: Vec<(usize, Scaler)>,
+}
+
+/// How the raw data of a segment are to be read; the same for all segments until new metadata come.
+#[derive(Debug)]
+pub(super) enum Layout {
+    Runs(Vec<Run>),
+    Rows {
+        width: usize,
+        samples: Vec<(usize, usize, Sample)>,
+    },
+    Buffers(Vec<Buffer>),
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self::Runs(Vec::new())
+    }
+}
+
+impl Layout {
+    /// The layout of `segment` with the objects that have data in it.
+    pub(super) fn of(segment: &Segment<'_>, objects: &Objects) -> Result<Self, LabioError> {
+        let indexed: Vec<(usize, &RawIndex)> = objects
+            .with_data
+            .iter()
+            .filter_map(|&slot| Some((slot, objects.all.get(slot)?.index.as_ref()?)))
+            .collect();
+        let refused = |slot: usize, found: String, expected: &str| {
+            let place = objects
+                .all
+                .get(slot)
+                .map_or(segment.raw.place(), |object| object.index_place);
+            malformed(place, "raw data index", found, expected)
+        };
+        let n_daqmx = indexed
+            .iter()
+            .filter(|(_, index)| matches!(index, RawIndex::Daqmx { .. }))
+            .count();
+        if n_daqmx > 0 {
+            return Self::buffers(&indexed, &refused);
+        }
+        let mut runs = Vec::with_capacity(indexed.len());
+        let mut rows = Vec::new();
+        let mut width = 0_usize;
+        let mut n_rows = None;
+        for (object, index) in indexed {
+            let (sample, n_bytes) = match index {
+                RawIndex::Numbers { sample, n } => {
+                    if segment.contains.interleaved() && *n_rows.get_or_insert(*n) != *n {
+                        return Err(refused(
+                            object,
+                            format!("{n} values"),
+                            "as many as of the channel before, interleaved with it",
+                        ));
+                    }
+                    rows.push((object, width, *sample));
+                    width += sample.size();
+                    (Some(*sample), n.checked_mul(sample.size() as u64))
+                }
+                RawIndex::Text { n_bytes } => (None, Some(*n_bytes)),
+                RawIndex::Daqmx { .. } => (None, None),
+            };
+            let n_bytes = n_bytes
+                .and_then(|n| usize::try_from(n).ok())
+                .ok_or_else(|| {
+                    refused(
+                        object,
+                        "more bytes than can be counted".to_owned(),
+                        "a number of values that can be",
+                    )
+                })?;
+            if sample.is_none() && segment.contains.interleaved() {
+                return Err(refused(
+                    object,
+                    "texts".to_owned(),
+                    "numbers, since the data are interleaved",
+                ));
+            }
+            if n_bytes > 0 {
+                runs.push(Run {
+                    object,
+                    sample,
+                    n_bytes,
+                });
+            }
+        }
+        if segment.contains.interleaved() {
+            return Ok(Self::Rows {
+                width,
+                samples: rows,
+            });
+        }
+        Ok(Self::Runs(runs))
+    }
+
+    fn buffers(
+        indexed: &[(usize, &RawIndex)],
+        refused: &dyn Fn(usize, String, &str) -> LabioError,
+    ) -> Result<Self, LabioError> {
+        let mut buffers: Vec<Buffer> = Vec::new();
+        for &(object, index) in indexed {
+            let RawIndex::Daqmx { n, scalers, widths } = index else {
+                return Err(refused(
+                    object,
+                    "plain numbers".to_owned(),
+                    "DAQmx data, as the other channels of the segment",
+                ));
+            };
+            if buffers.is_empty() {
+                buffers.extend(widths.iter().map(|&width| Buffer {
+                    width,
+                    n_rows: 0,
+                    scalers: Vec::new(),
+                }));
+            }
+            if !buffers
+                .iter()
+                .map(|buffer| buffer.width)
+                .eq(widths.iter().copied())
+            {
+                return Err(refused(
+                    object,
+                    format!("buffers with rows of {widths:?} bytes"),
+                    "those of the channel before",
+                ));
+            }
+            let n_rows = usize::try_from(*n).unwrap_or(usize::MAX);
+            for scaler in scalers {
+                let Some(buffer) = buffers.get_mut(scaler.buffer) else {
+                    continue; // was looked at when the index was read
+                };
+                if !buffer.scalers.is_empty() && buffer.n_rows != n_rows {
+                    return Err(refused(
+                        object,
+                        format!("{n} values"),
+                        "as many as of the channel before from the same buffer",
+                    ));
+                }
+                buffer.n_rows = n_rows;
+                buffer.scalers.push((object, scaler.clone()));
+                if buffer.scalers.len() > 8 * buffer.width {
+                    return Err(refused(
+                        object,
+                        format!("{} numbers in a row", buffer.scalers.len()),
+                        "at most one for each bit of the row",
+                    ));
+                }
+            }
+        }
+        Ok(Self::Buffers(buffers))
+    }
+
+    /// Number of bytes of a chunk.
+    fn chunk(&self) -> Option<usize> {
+        let sum = |mut sizes: Box<dyn Iterator<Item = Option<usize>> + '_>| {
+            sizes.try_fold(0_usize, |sum, size| sum.checked_add(size?))
+        };
+        match self {
+            Self::Runs(runs) => sum(Box::new(runs.iter().map(|run| Some(run.n_bytes)))),
+            Self::Rows { width, .. } => Some(*width),
+            Self::Buffers(buffers) => sum(Box::new(
+                buffers
+                    .iter()
+                    .map(|buffer| buffer.width.checked_mul(buffer.n_rows)),
+            )),
+        }
+    }
+
+    /// Reads the raw data of `segment`, whole chunks and what there is of a last one, into the objects.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::Malformed`] if the last chunk is not whole, or if there are data and nobody's; what could be read is in the objects.
+    pub(super) fn read(
+        &self,
+        segment: &Segment<'_>,
+        objects: &mut Objects,
+    ) -> Result<(), LabioError> {
+        let mut raw = segment.raw;
+        let n_bytes = raw.len();
+        if n_bytes == 0 {
+            return Ok(());
+        }
+        let chunk = self.chunk();
+        let broken = |expected: String| {
+            malformed(
+                segment.raw.place(),
+                "raw data",
+                format!("{n_bytes} bytes"),
+                expected,
+            )
+        };
+        if chunk == Some(0) {
+            return Err(broken("none, since no channel has values here".to_owned()));
+        }
+        if let Self::Rows { width, samples } = self {
+            let rows = raw.take(n_bytes - n_bytes % width, "raw data")?;
+            for &(object, offset, sample) in samples {
+                append(
+                    objects,
+                    object,
+                    sample,
+                    rows,
+                    offset,
+                    *width,
+                    raw.is_big_endian(),
+                )?;
+            }
+        } else {
+            while raw.len() > 0 {
+                self.read_chunk(&mut raw, objects)?;
+            }
+        }
+        match chunk {
+            Some(chunk) if n_bytes.is_multiple_of(chunk) => Ok(()),
+            Some(chunk) => {
+                let why = if segment.open {
+                    ", the recording was cut off"
+                } else {
+                    ""
+                };
+                Err(broken(format!("whole chunks of {chunk} bytes{why}")))
+            }
+            None => Err(broken(
+                "a chunk of more bytes than can be counted".to_owned(),
+            )),
+        }
+    }
+
+    /// Reads one chunk, or less of it if the bytes come to an end.
+    fn read_chunk(&self, raw: &mut Bytes<'_>, objects: &mut Objects) -> Result<(), LabioError> {
+        let big_endian = raw.is_big_endian();
+        match self {
+            Self::Runs(runs) => {
+                for run in runs {
+                    let bytes = raw.take(run.n_bytes.min(raw.len()), "raw data")?;
+                    match run.sample {
+                        Some(sample) => append(
+                            objects,
+                            run.object,
+                            sample,
+                            bytes,
+                            0,
+                            sample.size(),
+                            big_endian,
+                        )?,
+                        None => {
+                            if let Some(object) = objects.all.get_mut(run.object) {
+                                object.numbers.has_text = true;
+                            }
+                        }
+                    }
+                }
+            }
+            Self::Rows { .. } => {}
+            Self::Buffers(buffers) => {
+                for buffer in buffers {
+                    let n_bytes = buffer.width.saturating_mul(buffer.n_rows);
+                    let rows = raw.take(n_bytes.min(raw.len()), "raw data")?;
+                    for (object, scaler) in &buffer.scalers {
+                        append_scaler(objects, *object, scaler, rows, buffer.width, big_endian);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Appends the numbers at `offset` of each row of `width` bytes to those of the object.
+fn append(
+    objects: &mut Objects,
+    object: usize,
+    sample: Sample,
+    rows: &[u8],
+    offset: usize,
+    width: usize,
+    big_endian: bool,
+) -> Result<(), LabioError> {
+    let Some(object) = objects.all.get_mut(object) else {
+        return Ok(()); // every slot was pushed when its object was read
+    };
+    let numbers = &mut object.numbers;
+    let (complex, time) = (sample.n_numbers() == 2, sample == Sample::Timestamp);
+    if !numbers.values.is_empty()
+        && (complex != numbers.complex || time != numbers.first_time.is_some())
+    {
+        let expected = "real, complex or times, as in the segments before";
+        return Err(malformed(
+            object.index_place,
+            "data type of raw data",
+            format!("{sample:?}"),
+            expected,
+        ));
+    }
+    numbers.complex = complex;
+    numbers.has_opaque |= matches!(sample, Sample::Opaque(_));
+    numbers
+        .values
+        .reserve(rows.len() / width.max(1) * sample.n_numbers());
+    decode(
+        sample,
+        rows,
+        offset,
+        width,
+        big_endian,
+        &mut numbers.values,
+        &mut numbers.first_time,
+    );
+    Ok(())
+}
+
+fn append_scaler(
+    objects: &mut Objects,
+    object: usize,
+    scaler: &Scaler,
+    rows: &[u8],
+    width: usize,
+    big_endian: bool,
+) {
+    let Some(object) = objects.all.get_mut(object) else {
+        return; // every slot was pushed when its object was read
+    };
+    let numbers = &mut object.numbers;
+    let mut first_time = numbers.first_time;
+    let values = numbers.of_scale(scaler.scale);
+    match scaler.bit {
+        Some(bit) => each(rows, scaler.byte, width, |[byte]: [u8; 1]| {
+            values.push(f64::from(byte >> bit & 1));
+        }),
+        None => decode(
+            scaler.sample,
+            rows,
+            scaler.byte,
+            width,
+            big_endian,
+            values,
+            &mut first_time,
+        ),
+    }
+    numbers.first_time = first_time;
+}
+
+/// Gives `take` the bytes at `offset` of each whole row.
+#[inline]
+fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl FnMut([u8; N])) {
+    for row in rows.chunks_exact(width.max(1)) {
+        if let Some(bytes) = row.get(offset..).and_then(|tail| tail.first_chunk::<N>()) {
+            take(*bytes);
+        }
+    }
+}
+
+/// Appends the numbers at `offset` of each whole row as doubles: exact but for integers of 64 bits, which are rounded to 53.
+fn decode(
+    sample: Sample,
+    rows: &[u8],
+    offset: usize,
+    width: usize,
+    big_endian: bool,
+    values: &mut Vec<f64>,
+    first_time: &mut Option<Timestamp>,
+) {
+    macro_rules! numbers {
+        ($kind:ty) => {
+            if big_endian {
+                each(rows, offset, width, |bytes| {
+                    values.push(<$kind>::from_be_bytes(bytes) as f64)
+                });
+            } else {
+                each(rows, offset, width, |bytes| {
+                    values.push(<$kind>::from_le_bytes(bytes) as f64)
+                });
+            }
+        };
+    }
+    match sample {
+        Sample::I8 => numbers!(i8),
+        Sample::I16 => numbers!(i16),
+        Sample::I32 => numbers!(i32),
+        Sample::I64 => numbers!(i64),
+        Sample::U8 => numbers!(u8),
+        Sample::U16 => numbers!(u16),
+        Sample::U32 => numbers!(u32),
+        Sample::U64 => numbers!(u64),
+        Sample::F32 => numbers!(f32),
+        Sample::F64 => numbers!(f64),
+        Sample::Boolean => each(rows, offset, width, |[byte]: [u8; 1]| {
+            values.push(f64::from(u8::from(byte != 0)));
+        }),
+        Sample::Complex32 => each(rows, offset, width, |bytes: [u8; 8]| {
+            let (halves, _) = bytes.as_chunks::<4>();
+            values.extend(halves.iter().map(|&half| {
+                f64::from(if big_endian {
+                    f32::from_be_bytes(half)
+                } else {
+                    f32::from_le_bytes(half)
+                })
+            }));
+        }),
+        Sample::Complex64 => each(rows, offset, width, |bytes: [u8; 16]| {
+            let (halves, _) = bytes.as_chunks::<8>();
+            values.extend(halves.iter().map(|&half| {
+                if big_endian {
+                    f64::from_be_bytes(half)
+                } else {
+                    f64::from_le_bytes(half)
+                }
+            }));
+        }),
+        Sample::Timestamp => each(rows, offset, width, |bytes: [u8; 16]| {
+            if let Ok(time) = Timestamp::read(&mut Bytes::new(&bytes, 0, big_endian), "time") {
+                values.push(time.since(*first_time.get_or_insert(time)));
+            }
+        }),
+        Sample::Opaque(_) => {}
+    }
+}

@@ -1,0 +1,408 @@
+//! Scales: what a device recorded, as the quantity that was measured.
+//!
+//! A channel, or its group, or the file, has the properties `NI_Number_Of_Scales` and `NI_Scale[i]_..`. The last scale gives
+//! the result; each takes the raw numbers or another scale as its input.
+
+use super::malformed;
+use super::objects::Object;
+use super::raw_data::Numbers;
+use crate::{LabioError, Place};
+
+/// More scales than this in a row are refused, so that no file can ask for work without end.
+const MOST_SCALES: usize = 256;
+/// The raw numbers as an input.
+const RAW: u32 = u32::MAX;
+
+/// Where a step takes its input from.
+#[derive(Debug, Clone, Copy)]
+enum Input {
+    Raw,
+    /// A DAQmx scaler, by its position.
+    Scaler(usize),
+    /// A step before.
+    Step(usize),
+}
+
+#[derive(Debug)]
+enum Step {
+    Linear {
+        input: Input,
+        slope: f64,
+        intercept: f64,
+    },
+    Polynomial {
+        input: Input,
+        coefficients: Vec<f64>,
+    },
+    /// Points by ascending abscissa.
+    Table {
+        input: Input,
+        points: Vec<(f64, f64)>,
+    },
+    Add {
+        left: Input,
+        right: Input,
+    },
+    /// The right operand minus the left one: this is what the programs of the format's maker do.
+    Subtract {
+        left: Input,
+        right: Input,
+    },
+}
+
+/// The properties in which scales of a channel are told.
+struct Scales<'a> {
+    owner: &'a Object,
+    place: Place,
+    path: String,
+}
+
+impl Scales<'_> {
+    fn refused(&self, name: &str, found: impl Into<String>, expected: &str) -> LabioError {
+        let place = self
+            .owner
+            .property(name)
+            .map_or(self.place, |property| property.place);
+        malformed(
+            place,
+            format!("property `{name}` for {}", self.path),
+            found,
+            expected,
+        )
+    }
+
+    fn real(&self, name: &str) -> Result<f64, LabioError> {
+        let property = self.owner.property(name);
+        property
+            .and_then(|property| property.value.as_real())
+            .ok_or_else(|| {
+                let found = property
+                    .map_or_else(|| "missing".to_owned(), |property| property.value.to_text());
+                self.refused(name, found, "a number")
+            })
+    }
+
+    /// An index; one that is not told is the raw numbers.
+    fn source(&self, scale: u32, name: &str) -> Result<u32, LabioError> {
+        let name = &format!("NI_Scale[{scale}]_{name}");
+        match self.owner.property(name) {
+            None => Ok(RAW),
+            Some(property) => property
+                .value
+                .as_index()
+                .filter(|&source| source == RAW || source < scale)
+                .ok_or_else(|| {
+                    self.refused(
+                        name,
+                        property.value.to_text(),
+                        "a scale before, or 0xffffffff for the raw numbers",
+                    )
+                }),
+        }
+    }
+
+    /// The numbers `name[0]`, `name[1]`, ...: as many as `name_Size` says, or else as there are.
+    fn list(&self, scale: u32, name: &str) -> Result<Vec<f64>, LabioError> {
+        let size = format!("NI_Scale[{scale}]_{name}_Size");
+        let element = |index: u32| format!("NI_Scale[{scale}]_{name}[{index}]");
+        let mut numbers = Vec::new();
+        match self.owner.property(&size) {
+            Some(property) => {
+                let n = property.value.as_index().ok_or_else(|| {
+                    self.refused(&size, property.value.to_text(), "a number of numbers")
+                })?;
+                for index in 0..n {
+                    numbers.push(self.real(&element(index))?);
+                }
+            }
+            None => {
+                for index in 0.. {
+                    if self.owner.property(&element(index)).is_none() {
+                        break;
+                    }
+                    numbers.push(self.real(&element(index))?);
+                }
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// Kind of a scale; `None` if there is none of that index, as for those that stand for a DAQmx scaler.
+    fn kind(&self, scale: u32) -> Option<&str> {
+        let property = self
+            .owner
+            .property(&format!("NI_Scale[{scale}]_Scale_Type"))?;
+        Some(property.value.as_text().unwrap_or("no text"))
+    }
+
+    fn sources(&self, scale: u32) -> Result<Vec<u32>, LabioError> {
+        let names: &[&str] = match self.kind(scale) {
+            Some("Linear") => &["Linear_Input_Source"],
+            Some("Polynomial") => &["Polynomial_Input_Source"],
+            Some("Table") => &["Table_Input_Source"],
+            Some("Add") => &[
+                "Add_Left_Operand_Input_Source",
+                "Add_Right_Operand_Input_Source",
+            ],
+            Some("Subtract") => &[
+                "Subtract_Left_Operand_Input_Source",
+                "Subtract_Right_Operand_Input_Source",
+            ],
+            Some(other) => {
+                let expected =
+                    "Linear, Polynomial, Table, Add or Subtract, the scales that are known";
+                return Err(self.refused(
+                    &format!("NI_Scale[{scale}]_Scale_Type"),
+                    other,
+                    expected,
+                ));
+            }
+            None => &[],
+        };
+        names.iter().map(|name| self.source(scale, name)).collect()
+    }
+
+    fn step(&self, scale: u32, inputs: &[Input]) -> Result<Step, LabioError> {
+        let first = inputs.first().copied().unwrap_or(Input::Raw);
+        let second = inputs.get(1).copied().unwrap_or(Input::Raw);
+        Ok(match self.kind(scale) {
+            Some("Linear") => Step::Linear {
+                input: first,
+                slope: self.real(&format!("NI_Scale[{scale}]_Linear_Slope"))?,
+                intercept: self.real(&format!("NI_Scale[{scale}]_Linear_Y_Intercept"))?,
+            },
+            Some("Polynomial") => Step::Polynomial {
+                input: first,
+                coefficients: self.list(scale, "Polynomial_Coefficients")?,
+            },
+            Some("Add") => Step::Add {
+                left: first,
+                right: second,
+            },
+            Some("Subtract") => Step::Subtract {
+                left: first,
+                right: second,
+            },
+            _ => Step::Table {
+                input: first,
+                points: self.points(scale)?,
+            },
+        })
+    }
+
+    /// The table: the values called scaled are those that come in, and the pre-scaled ones those that go out. The names say
+    /// otherwise, but the programs of the format's maker do it so.
+    fn points(&self, scale: u32) -> Result<Vec<(f64, f64)>, LabioError> {
+        let from = self.list(scale, "Table_Scaled_Values")?;
+        let to = self.list(scale, "Table_Pre_Scaled_Values")?;
+        let name = format!("NI_Scale[{scale}]_Table_Scaled_Values_Size");
+        if from.len() != to.len() || from.is_empty() {
+            let found = format!("{} and {} values", from.len(), to.len());
+            return Err(self.refused(
+                &name,
+                found,
+                "as many scaled as pre-scaled values, and one at least",
+            ));
+        }
+        let mut points: Vec<(f64, f64)> = from.into_iter().zip(to).collect();
+        if points.first() > points.last() {
+            points.reverse();
+        }
+        if points
+            .windows(2)
+            .all(|pair| matches!(pair, [a, b] if a.0 < b.0))
+        {
+            Ok(points)
+        } else {
+            Err(self.refused(
+                &name,
+                "values that turn back",
+                "values that rise or fall throughout",
+            ))
+        }
+    }
+}
+
+/// The numbers of a channel, scaled: the object itself, its group and the file are asked in this order for scales. Without
+/// any, or if the status is `scaled`, they are the numbers themselves.
+///
+/// # Errors
+///
+/// [`LabioError::Malformed`] for a scale that is not known, with its name, or not complete; and for DAQmx data whose
+/// scalers do not make one result.
+pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
+    let Some(&channel) = owners.first() else {
+        return Ok(Vec::new());
+    };
+    let mut with_scales = owners.iter().filter_map(|&owner| {
+        let property = owner.property("NI_Number_Of_Scales")?;
+        let done = owner
+            .property("NI_Scaling_Status")
+            .is_some_and(|status| status.value.as_text() == Some("scaled"));
+        Some((owner, property, done))
+            .filter(|(_, property, _)| property.value.as_index() != Some(0))
+    });
+    let path = channel.path.join("/");
+    let (scales, n_scales) = match with_scales.next() {
+        Some((owner, property, false)) => {
+            let scales = Scales {
+                owner,
+                place: property.place,
+                path,
+            };
+            let n = property.value.as_index().ok_or_else(|| {
+                scales.refused(
+                    "NI_Number_Of_Scales",
+                    property.value.to_text(),
+                    "a number of scales",
+                )
+            })?;
+            (scales, n)
+        }
+        _ => return unscaled(channel, numbers),
+    };
+    let steps = steps(&scales, n_scales - 1, numbers)?;
+    let lengths = numbers.scalers.iter().map(|(_, values)| values.len());
+    let n = lengths.clone().min().unwrap_or(numbers.values.len());
+    if lengths.clone().any(|length| length != n) {
+        let found = format!("{:?} values", lengths.collect::<Vec<_>>());
+        return Err(malformed(
+            channel.index_place,
+            "DAQmx scalers",
+            found,
+            "as many values of each",
+        ));
+    }
+    let (result, steps) = steps;
+    let mut outcomes = vec![0.0; steps.len()];
+    let mut output = Vec::with_capacity(n);
+    for sample in 0..n {
+        let at = |input: Input, outcomes: &[f64]| {
+            let raw = |slot: usize| {
+                numbers
+                    .scalers
+                    .get(slot)
+                    .and_then(|(_, values)| values.get(sample))
+            };
+            let value = match input {
+                Input::Raw => numbers.values.get(sample).or_else(|| raw(0)).copied(),
+                Input::Scaler(slot) => raw(slot).copied(),
+                Input::Step(slot) => outcomes.get(slot).copied(),
+            };
+            value.unwrap_or(f64::NAN)
+        };
+        for (slot, step) in steps.iter().enumerate() {
+            let value = match step {
+                Step::Linear {
+                    input,
+                    slope,
+                    intercept,
+                } => at(*input, &outcomes) * slope + intercept,
+                Step::Polynomial {
+                    input,
+                    coefficients,
+                } => {
+                    let x = at(*input, &outcomes);
+                    coefficients
+                        .iter()
+                        .rev()
+                        .fold(0.0, |sum, coefficient| sum * x + coefficient)
+                }
+                Step::Table { input, points } => interpolated(points, at(*input, &outcomes)),
+                Step::Add { left, right } => at(*left, &outcomes) + at(*right, &outcomes),
+                Step::Subtract { left, right } => at(*right, &outcomes) - at(*left, &outcomes),
+            };
+            if let Some(outcome) = outcomes.get_mut(slot) {
+                *outcome = value;
+            }
+        }
+        output.push(at(result, &outcomes));
+    }
+    Ok(output)
+}
+
+/// Numbers as they were recorded; DAQmx data only if there is one number a sample.
+fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
+    match numbers.scalers.as_slice() {
+        [] => Ok(numbers.values.clone()),
+        [(_, values)] => Ok(values.clone()),
+        several => {
+            let found = format!("{} of them and no scale", several.len());
+            let expected = "a property `NI_Number_Of_Scales` that says what they make";
+            Err(malformed(
+                channel.index_place,
+                "DAQmx scalers",
+                found,
+                expected,
+            ))
+        }
+    }
+}
+
+/// The steps that lead to the scale `last`, each after those it needs, and where the result is.
+fn steps(
+    scales: &Scales<'_>,
+    last: u32,
+    numbers: &Numbers,
+) -> Result<(Input, Vec<Step>), LabioError> {
+    // sources have smaller numbers, so that ascending order is an order in which to compute
+    let mut needed = std::collections::BTreeSet::from([last]);
+    let mut open = vec![last];
+    while let Some(scale) = open.pop() {
+        for source in scales.sources(scale)? {
+            if source != RAW && needed.insert(source) {
+                open.push(source);
+            }
+        }
+        if needed.len() > MOST_SCALES {
+            let found = format!("more than {MOST_SCALES} scales that need each other");
+            return Err(scales.refused("NI_Number_Of_Scales", found, "fewer"));
+        }
+    }
+    let mut places: Vec<(u32, Input)> = Vec::with_capacity(needed.len());
+    let mut steps = Vec::with_capacity(needed.len());
+    for scale in needed {
+        let input = if scales.kind(scale).is_some() {
+            let inputs = scales.sources(scale)?.into_iter().map(|source| {
+                let known = places.iter().find(|(known, _)| *known == source);
+                known.map_or(Input::Raw, |(_, input)| *input)
+            });
+            steps.push(scales.step(scale, &inputs.collect::<Vec<_>>())?);
+            Input::Step(steps.len() - 1)
+        } else if let Some(slot) = numbers
+            .scalers
+            .iter()
+            .position(|(known, _)| *known == scale)
+        {
+            Input::Scaler(slot)
+        } else {
+            let name = format!("NI_Scale[{scale}]_Scale_Type");
+            return Err(scales.refused(
+                &name,
+                "missing",
+                "a kind of scale, or a DAQmx scaler of that number",
+            ));
+        };
+        places.push((scale, input));
+    }
+    let result = places.last().map_or(Input::Raw, |(_, input)| *input);
+    Ok((result, steps))
+}
+
+/// Straight lines between points; beyond the table the value at its end, as the device's driver has it.
+fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
+    if x.is_nan() {
+        return x;
+    }
+    let after = points.partition_point(|point| point.0 <= x);
+    match (
+        after.checked_sub(1).and_then(|before| points.get(before)),
+        points.get(after),
+    ) {
+        (Some(before), Some(after)) => {
+            before.1 + (after.1 - before.1) * ((x - before.0) / (after.0 - before.0))
+        }
+        (Some(end), None) | (None, Some(end)) => end.1,
+        (None, None) => f64::NAN,
+    }
+}

@@ -1,0 +1,296 @@
+//! Text of a laboratory file: its encoding, its lines, and numbers as instruments write them.
+
+use std::borrow::Cow;
+
+use num_complex::Complex64;
+
+use crate::{LabioError, Place, SeriesAxis, Unit};
+
+/// Longest piece of a file that an error repeats.
+const LONGEST_QUOTE: usize = 40;
+
+/// The sign between whole numbers and fractions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum DecimalMark {
+    /// `1.5`
+    Point,
+    /// `1,5`
+    Comma,
+}
+
+/// What the bytes of a text stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Encoding {
+    Utf8,
+    Utf16,
+    Latin1,
+}
+
+impl Encoding {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Utf8 => "UTF-8",
+            Self::Utf16 => "UTF-16",
+            Self::Latin1 => "ISO-8859-1",
+        }
+    }
+}
+
+/// The text that `bytes` are: UTF-8 or, with its byte order mark, UTF-16; everything that is neither is ISO-8859-1, in which
+/// every byte is a character. A byte order mark is not part of the text.
+pub(crate) fn decode<'a>(
+    bytes: &'a [u8],
+    format: &'static str,
+) -> Result<(Cow<'a, str>, Encoding), LabioError> {
+    let utf16 = |body: &[u8], unit: fn([u8; 2]) -> u16| {
+        let malformed = || LabioError::Malformed {
+            format,
+            place: Place::Byte(0),
+            field: "text".to_owned(),
+            found: "unpaired bytes after a mark of UTF-16".to_owned(),
+            expected: "UTF-16".to_owned(),
+        };
+        let (pairs, rest) = body.as_chunks::<2>();
+        if !rest.is_empty() {
+            return Err(malformed());
+        }
+        char::decode_utf16(pairs.iter().map(|&pair| unit(pair)))
+            .collect::<Result<String, _>>()
+            .map(|text| (Cow::Owned(text), Encoding::Utf16))
+            .map_err(|_| malformed())
+    };
+    match bytes {
+        [0xff, 0xfe, body @ ..] => utf16(body, u16::from_le_bytes),
+        [0xfe, 0xff, body @ ..] => utf16(body, u16::from_be_bytes),
+        _ => {
+            let body = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+            Ok(match std::str::from_utf8(body) {
+                Ok(text) => (Cow::Borrowed(text), Encoding::Utf8),
+                Err(_) => (
+                    Cow::Owned(body.iter().copied().map(char::from).collect()),
+                    Encoding::Latin1,
+                ),
+            })
+        }
+    }
+}
+
+/// The lines of `text` with their numbers from 1. LF, CR LF and CR end a line.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    let old_mac = !text.contains('\n');
+    let mut rest = Some(text);
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        let current = rest?;
+        let (line, next) = match current.split_once(if old_mac { '\r' } else { '\n' }) {
+            Some((line, next)) => (line, Some(next)),
+            None => (current, None),
+        };
+        rest = next;
+        if next.is_none() && line.is_empty() {
+            return None;
+        }
+        number += 1;
+        Some((number, line.strip_suffix('\r').unwrap_or(line)))
+    })
+}
+
+/// A piece of a file as an error shows it.
+pub(crate) fn quoted(found: &str) -> String {
+    let mut shown = String::new();
+    for (count, c) in found.chars().enumerate() {
+        if count == LONGEST_QUOTE {
+            shown.push_str("...");
+            break;
+        }
+        if c.is_control() {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    format!("`{shown}`")
+}
+
+/// The real number that `text` is, blanks around it allowed; `NaN`, `inf` and the sign of infinity that oscilloscopes write for an
+/// overload are numbers.
+pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
+    let text = text.trim();
+    match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
+        b'0'..=b'9' | b'.' | b',' => {}
+        _ => return special(text),
+    }
+    match mark {
+        DecimalMark::Point => text.parse().ok(),
+        DecimalMark::Comma => {
+            if text.contains('.') {
+                return None;
+            }
+            let mut point = [0_u8; 64];
+            let place = point.get_mut(..text.len())?;
+            for (to, from) in place.iter_mut().zip(text.bytes()) {
+                *to = if from == b',' { b'.' } else { from };
+            }
+            std::str::from_utf8(place).ok()?.parse().ok()
+        }
+    }
+}
+
+fn special(text: &str) -> Option<f64> {
+    let (negative, word) = match text.strip_prefix('-') {
+        Some(word) => (true, word),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let value = match word {
+        "NaN" | "nan" | "NAN" => f64::NAN,
+        "inf" | "Inf" | "INF" | "\u{221e}" => f64::INFINITY,
+        _ => return None,
+    };
+    Some(if negative { -value } else { value })
+}
+
+/// The complex number that `text` is: `1.5e-3-2j`, with `i` or `j`, in parentheses or not.
+pub(crate) fn complex(text: &str, mark: DecimalMark) -> Option<Complex64> {
+    let (re, im) = parts(text)?;
+    // NumPy writes 1+-2j
+    let im = im
+        .strip_prefix("+-")
+        .map_or(Cow::Borrowed(im), |digits| Cow::Owned(format!("-{digits}")));
+    Some(Complex64::new(real(re, mark)?, real(&im, mark)?))
+}
+
+/// The text of the real part of a complex number.
+pub(crate) fn real_part(text: &str) -> Option<&str> {
+    parts(text).map(|(re, _)| re)
+}
+
+fn parts(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim();
+    let text = text
+        .strip_prefix('(')
+        .and_then(|inner| inner.strip_suffix(')'))
+        .unwrap_or(text);
+    let body = text.strip_suffix(['j', 'i'])?;
+    let bytes = body.as_bytes();
+    let split = (1..bytes.len()).rev().find(|&at| {
+        matches!(bytes.get(at), Some(b'+' | b'-'))
+            && !matches!(
+                at.checked_sub(1).and_then(|before| bytes.get(before)),
+                Some(b'e' | b'E' | b'+' | b'-')
+            )
+    })?;
+    Some((body.get(..split)?, body.get(split..)?))
+}
+
+/// An axis with its unit, if the text is one that is known; no text is no unit.
+pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> SeriesAxis {
+    let unit_text = unit_text.into();
+    SeriesAxis {
+        label: label.into(),
+        unit: known_unit(&unit_text),
+        unit_text,
+    }
+}
+
+/// The unit that a text is.
+pub(crate) fn known_unit(text: &str) -> Option<Unit> {
+    if text.is_empty() {
+        return None;
+    }
+    Unit::parse(text).ok()
+}
+
+/// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it. A zero with an exponent stands
+/// for itself, as any other number would be written with another first digit.
+pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
+    let text = text.trim();
+    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+        Some((mantissa, _)) if mantissa.bytes().all(|b| !b.is_ascii_digit() || b == b'0') => {
+            return 0.0;
+        }
+        Some((mantissa, exponent)) => (mantissa, exponent.parse().unwrap_or(0)),
+        None => (text, 0_i32),
+    };
+    let point = match mark {
+        DecimalMark::Point => '.',
+        DecimalMark::Comma => ',',
+    };
+    let decimals = mantissa
+        .split_once(point)
+        .map_or(0, |(_, decimals)| decimals.len());
+    let decimals = i32::try_from(decimals).unwrap_or(i32::MAX);
+    0.5 * 10_f64.powi(exponent.saturating_sub(decimals))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_encoding_is_found_by_the_bytes() {
+        let (text, encoding) = decode(b"\xef\xbb\xbfa\xc2\xb5", "csv").unwrap();
+        assert_eq!((&*text, encoding), ("a\u{b5}", Encoding::Utf8));
+        let (text, encoding) = decode(b"25 \xb0C", "csv").unwrap();
+        assert_eq!((&*text, encoding), ("25 \u{b0}C", Encoding::Latin1));
+        let (text, encoding) = decode(b"\xff\xfea\x00\x1e\x22", "csv").unwrap();
+        assert_eq!((&*text, encoding), ("a\u{221e}", Encoding::Utf16));
+        let (text, _) = decode(b"\xfe\xff\x00a", "csv").unwrap();
+        assert_eq!(&*text, "a");
+        assert!(decode(b"\xff\xfea", "csv").is_err());
+        assert!(decode(b"\xff\xfe\x00\xd8", "csv").is_err());
+    }
+
+    #[test]
+    fn lines_are_numbered_whatever_ends_them() {
+        let all = |text| lines(text).collect::<Vec<_>>();
+        assert_eq!(all("a\r\n\nb"), [(1, "a"), (2, ""), (3, "b")]);
+        assert_eq!(all("a\rb\r"), [(1, "a"), (2, "b")]);
+        assert_eq!(all(""), []);
+    }
+
+    #[test]
+    fn numbers_of_instruments_are_numbers() {
+        use DecimalMark::{Comma, Point};
+        assert_eq!(real(" -1.5E-3 ", Point), Some(-1.5e-3));
+        assert_eq!(real("-1,5E-3", Comma), Some(-1.5e-3));
+        assert_eq!(real("-\u{221e}", Point), Some(f64::NEG_INFINITY));
+        assert!(real("NaN", Comma).unwrap().is_nan());
+        for text in ["1.5", "1,000,000", "infinity", "", "e5", "1 2"] {
+            assert_eq!(real(text, Comma), None, "{text}");
+        }
+        assert_eq!(real("1,5", Point), None);
+        // longer than any number that an instrument writes in this notation
+        assert_eq!(real(&"1".repeat(65), Comma), None);
+    }
+
+    #[test]
+    fn complex_numbers_are_read_in_one_cell() {
+        let point = |text| complex(text, DecimalMark::Point);
+        assert_eq!(point("1.5e-3-2.0E+1j"), Some(Complex64::new(1.5e-3, -20.0)));
+        assert_eq!(point("(-1+-2j)"), Some(Complex64::new(-1.0, -2.0)));
+        assert_eq!(
+            point("1-infi"),
+            Some(Complex64::new(1.0, f64::NEG_INFINITY))
+        );
+        assert_eq!(point("5"), None);
+        assert_eq!(point("j"), None);
+        assert_eq!(
+            complex("1,5+2,5j", DecimalMark::Comma),
+            Some(Complex64::new(1.5, 2.5))
+        );
+    }
+
+    #[test]
+    fn the_last_digit_says_how_far_a_number_was_rounded() {
+        // powers of ten are exact to a unit in the last place
+        let close = |text: &str, unit: f64| {
+            let found = half_unit(text, DecimalMark::Point);
+            assert!((found / unit - 1.0).abs() < 1e-15, "{text}: {found}");
+        };
+        close("0.000117", 0.5e-6);
+        close("-1.98E-04", 0.5e-6);
+        close("12", 0.5);
+        assert_eq!(half_unit("-0.00E+0", DecimalMark::Point).to_bits(), 0);
+        assert!((half_unit("3,906250E-5", DecimalMark::Comma) / 0.5e-11 - 1.0).abs() < 1e-15);
+    }
+}

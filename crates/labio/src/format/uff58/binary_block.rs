@@ -1,0 +1,221 @@
+//! Record 12 of a data set 58b: IEEE numbers without line ends, and how to find where they end.
+
+use super::header::{BinaryForm, Header, malformed};
+use super::lines::Lines;
+use super::{ByteOrder, FORMAT};
+use crate::LabioError;
+
+/// How the numbers of a block follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Packing {
+    abscissa: usize,
+    ordinate: usize,
+    ordinates_per_point: usize,
+}
+
+impl Packing {
+    fn point(self) -> usize {
+        self.abscissa + self.ordinate * self.ordinates_per_point
+    }
+}
+
+/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the letter of the format
+/// (`E13.5`, `E20.12`), but double in what the common writers make of it; which one it is shows in the length.
+fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
+    let ordinate = if header.double { 8 } else { 4 };
+    let ordinates_per_point = if header.complex { 2 } else { 1 };
+    let first = Packing {
+        abscissa: if header.even { 0 } else { ordinate },
+        ordinate,
+        ordinates_per_point,
+    };
+    let single_abscissa = (header.double && !header.even).then_some(Packing {
+        abscissa: 4,
+        ..first
+    });
+    std::iter::once(first).chain(single_abscissa)
+}
+
+/// Reads the numbers of a block and goes on behind its separator. The number of bytes in the identifier line is believed only
+/// where a separator follows: it is wrong in files of several programs, whereas the number of points is not. A CR LF before the separator, which the format
+/// forbids and some programs write, is passed over.
+///
+/// What could be read is in `values` also when it fails; `lines` then stands behind what was read.
+pub(super) fn read(
+    lines: &mut Lines<'_>,
+    form: BinaryForm,
+    header: &Header,
+    values: &mut Vec<f64>,
+) -> Result<(), LabioError> {
+    let place = lines.byte();
+    let available = lines.rest().len();
+    let stated = usize::try_from(form.n_bytes).unwrap_or(usize::MAX);
+    let candidates = |packing: Packing| {
+        let n_bytes = header.n_points.checked_mul(packing.point())?;
+        (n_bytes <= available).then_some((packing, n_bytes))
+    };
+    let mut complete: Vec<(Packing, usize)> = packings(header).filter_map(candidates).collect();
+    // where both packings end before a separator, the stated number of bytes decides
+    complete.sort_by_key(|(_, n_bytes)| *n_bytes != stated);
+    for (packing, n_bytes) in &complete {
+        let mut ahead = *lines;
+        if let Some(block) = ahead.take_bytes(*n_bytes)
+            && take_separator(&mut ahead)
+        {
+            decode(block, *packing, form.byte_order, values);
+            *lines = ahead;
+            return Ok(());
+        }
+    }
+    salvage(lines, form, header, &complete, values);
+    let wanted: Vec<String> = packings(header)
+        .map(|packing| (header.n_points as u128 * packing.point() as u128).to_string())
+        .collect();
+    Err(malformed(
+        place,
+        format!("record 12 ({} bytes stated)", form.n_bytes),
+        format!("{available} bytes to the end of the file"),
+        format!(
+            "{} bytes for the {} values of record 7, and a line `    -1` after them",
+            wanted.join(" or "),
+            header.n_points
+        ),
+    ))
+}
+
+/// Takes the line `    -1` and a line end before it, if that is what comes next.
+fn take_separator(lines: &mut Lines<'_>) -> bool {
+    let mut ahead = *lines;
+    let Some(mut line) = ahead.next_line() else {
+        return false;
+    };
+    if line.bytes.is_empty() {
+        match ahead.next_line() {
+            Some(next) => line = next,
+            None => return false,
+        }
+    }
+    let found = line.is_separator();
+    if found {
+        *lines = ahead;
+    }
+    found
+}
+
+/// Decodes what is there of a block whose end is not where it should be: all points if there are bytes enough, else the whole
+/// points before the end of the file or before the separator where the stated number of bytes leads.
+fn salvage(
+    lines: &mut Lines<'_>,
+    form: BinaryForm,
+    header: &Header,
+    complete: &[(Packing, usize)],
+    values: &mut Vec<f64>,
+) {
+    let Some(packing) = packings(header).next() else {
+        return;
+    };
+    let stated = usize::try_from(form.n_bytes).unwrap_or(usize::MAX);
+    let mut ahead = *lines;
+    if let Some(block) = ahead.take_bytes(stated)
+        && take_separator(&mut ahead)
+    {
+        decode(block, packing, form.byte_order, values);
+        *lines = ahead;
+        return;
+    }
+    let (packing, n_bytes) = complete
+        .first()
+        .copied()
+        .unwrap_or((packing, lines.rest().len()));
+    if let Some(block) = lines.take_bytes(n_bytes) {
+        decode(block, packing, form.byte_order, values);
+    }
+}
+
+/// Appends the numbers of `block`, whole points only.
+fn decode(block: &[u8], packing: Packing, order: ByteOrder, values: &mut Vec<f64>) {
+    let point = packing.point();
+    values.reserve(block.len() / packing.ordinate);
+    if packing.abscissa == 0 || packing.abscissa == packing.ordinate {
+        let whole = block.get(..block.len() / point * point).unwrap_or_default();
+        decode_run(whole, packing.ordinate, order, values);
+        return;
+    }
+    for point in block.chunks_exact(point) {
+        let (abscissa, ordinates) = point.split_at(packing.abscissa);
+        decode_run(abscissa, packing.abscissa, order, values);
+        decode_run(ordinates, packing.ordinate, order, values);
+    }
+}
+
+fn decode_run(bytes: &[u8], width: usize, order: ByteOrder, values: &mut Vec<f64>) {
+    let (eights, _) = bytes.as_chunks::<8>();
+    let (fours, _) = bytes.as_chunks::<4>();
+    match (width, order) {
+        (8, ByteOrder::LittleEndian) => {
+            values.extend(eights.iter().map(|&b| f64::from_le_bytes(b)));
+        }
+        (8, ByteOrder::BigEndian) => values.extend(eights.iter().map(|&b| f64::from_be_bytes(b))),
+        (_, ByteOrder::LittleEndian) => {
+            values.extend(fours.iter().map(|&b| f64::from(f32::from_le_bytes(b))));
+        }
+        (_, ByteOrder::BigEndian) => {
+            values.extend(fours.iter().map(|&b| f64::from(f32::from_be_bytes(b))));
+        }
+    }
+}
+
+/// Number of bytes of a block as it is written: every number in the precision of the ordinates.
+pub(super) fn n_bytes(header: &Header) -> Option<u64> {
+    let packing = packings(header).next()?;
+    u64::try_from(header.n_points.checked_mul(packing.point())?).ok()
+}
+
+/// Writes numbers of a block.
+pub(super) struct BlockWriter<'a> {
+    double: bool,
+    order: ByteOrder,
+    output: &'a mut Vec<u8>,
+}
+
+impl<'a> BlockWriter<'a> {
+    pub(super) fn new(header: &Header, order: ByteOrder, output: &'a mut Vec<u8>) -> Self {
+        Self {
+            double: header.double,
+            order,
+            output,
+        }
+    }
+
+    /// Appends `value`; in single precision it is rounded to it.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NotRepresentable`] for a finite value that single precision would make infinite.
+    #[inline]
+    pub(super) fn put(&mut self, value: f64) -> Result<(), LabioError> {
+        if self.double {
+            self.output.extend(match self.order {
+                ByteOrder::LittleEndian => value.to_le_bytes(),
+                ByteOrder::BigEndian => value.to_be_bytes(),
+            });
+            return Ok(());
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "single precision is what was asked for"
+        )]
+        let single = value as f32;
+        if single.is_infinite() && value.is_finite() {
+            return Err(LabioError::NotRepresentable {
+                format: FORMAT,
+                what: format!("{value:e} in single precision"),
+            });
+        }
+        self.output.extend(match self.order {
+            ByteOrder::LittleEndian => single.to_le_bytes(),
+            ByteOrder::BigEndian => single.to_be_bytes(),
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,181 @@
+//! Ordinary coherence, its bias, its random error and the level that chance reaches.
+
+use super::LineValidity;
+use crate::{AveragedSpectra, LabioError};
+
+/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the part of the output's power that is linear in the input.
+///
+/// With noise-to-signal ratios $`N_x/S_x`$ and $`N_y/S_y`$ it tends to
+/// $`1/((1+N_x/S_x)(1+N_y/S_y))`$. Nonlinearity, leakage and a second input lower it as well.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Coherence {
+    /// Frequencies of the lines \[Hz\].
+    pub frequency_hz: Vec<f64>,
+    /// Coherence; NaN where `validity` says why.
+    pub values: Vec<f64>,
+    /// Number of hits or segments averaged.
+    pub n_averages: usize,
+    /// Number of independent hits or segments of the same variance.
+    pub effective_averages: f64,
+    /// Whether each line carries information.
+    pub validity: Vec<LineValidity>,
+}
+
+impl Coherence {
+    /// Expected bias of each line, to first order $`(1-\gamma^2)^2/n_e`$: with few hits an estimate is too high, and n hits
+    /// of pure noise give 1/n.
+    #[must_use]
+    pub fn bias(&self) -> Vec<f64> {
+        self.values
+            .iter()
+            .map(|coherence| (1.0 - coherence).powi(2) / self.effective_averages)
+            .collect()
+    }
+
+    /// Standard deviation of each line, to first order $`\sqrt2\,(1-\gamma^2)\gamma/\sqrt{n_e}`$ (Bendat and Piersol).
+    #[must_use]
+    pub fn random_error(&self) -> Vec<f64> {
+        let factor = (2.0 / self.effective_averages).sqrt();
+        self.values
+            .iter()
+            .map(|coherence| factor * (1.0 - coherence) * coherence.sqrt())
+            .collect()
+    }
+
+    /// The coherence that lines of independent noise exceed with probability `probability`: $`1 - p^{1/(n_e-1)}`$, exact for
+    /// independent Gaussian averages.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for a probability that is not between 0 and 1.
+    pub fn chance_level(&self, probability: f64) -> Result<f64, LabioError> {
+        if !(probability > 0.0 && probability < 1.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "probability [-]",
+                value: probability,
+                expected: "between 0 and 1",
+            });
+        }
+        Ok(1.0 - probability.powf(1.0 / (self.effective_averages - 1.0)))
+    }
+}
+
+impl AveragedSpectra {
+    /// Ordinary coherence between two channels.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`]; [`LabioError::TooFewAverages`] for a single hit, whose coherence is 1 by
+    /// construction and says nothing, and for segments that overlap so much that they are worth less than one and a half.
+    pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
+        self.check_coherence("the coherence")?;
+        let pair = self.pair(input, output)?;
+        Ok(Coherence {
+            frequency_hz: self.frequency_hz().to_vec(),
+            values: pair.coherences(),
+            n_averages: self.n_averages(),
+            effective_averages: self.effective_averages(),
+            validity: pair.validity(),
+        })
+    }
+
+    /// Refuses what would be 1 by construction.
+    pub(crate) fn check_coherence(&self, estimate: &'static str) -> Result<(), LabioError> {
+        if self.can_have_coherence() {
+            Ok(())
+        } else {
+            Err(LabioError::TooFewAverages {
+                estimate,
+                found: if self.n_averages() < 2 {
+                    self.n_averages()
+                } else {
+                    1
+                },
+                expected: 2,
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Channel, Provenance, Quantity, Record, Welch, Window};
+    use ndarray::Array2;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn noise(n_samples: usize, common: f64, rng: &mut ChaCha8Rng) -> Record {
+        let mut samples = Array2::from_shape_simple_fn((2, n_samples), || {
+            let unit: f64 = StandardNormal.sample(rng);
+            unit
+        });
+        for n in 0..n_samples {
+            samples[(1, n)] += common * samples[(0, n)];
+        }
+        let channels = vec![
+            Channel::new("x", Quantity::Force).unwrap(),
+            Channel::new("y", Quantity::Velocity).unwrap(),
+        ];
+        Record::new(samples, 1.0, 0.0, channels, Provenance::computed("noise")).unwrap()
+    }
+
+    #[test]
+    fn chance_exceeds_its_level_as_often_as_said() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let hits: Vec<Record> = (0..6).map(|_| noise(16384, 0.0, &mut rng)).collect();
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+        let coherence = spectra.coherence("x", "y").unwrap();
+        let level = coherence.chance_level(0.05).unwrap();
+        let inner = &coherence.values[1..8192];
+        let above = inner.iter().filter(|c| **c > level).count() as f64 / inner.len() as f64;
+        // 8191 trials of probability 0.05: standard error 0.0024, four of these
+        assert!((above - 0.05).abs() < 0.0096, "{above}");
+        assert!(coherence.chance_level(0.0).is_err());
+    }
+
+    #[test]
+    fn the_spread_of_coherence_over_lines_is_its_random_error() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let hits: Vec<Record> = (0..60).map(|_| noise(8192, 1.0, &mut rng)).collect();
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+        let coherence = spectra.coherence("x", "y").unwrap();
+        let inner = &coherence.values[1..4096];
+        let n = inner.len() as f64;
+        let mean = inner.iter().sum::<f64>() / n;
+        let spread = (inner.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let expected = (2.0_f64 / 60.0).sqrt() * 0.5 * 0.5_f64.sqrt();
+        // the first order in 1/n leaves 2 %, 4095 lines 1.1 %: 4 standard errors and the former
+        assert!(
+            (spread / expected - 1.0).abs() < 0.065,
+            "{spread} {expected}"
+        );
+        // what is reported of a line with the true coherence is that number
+        let reported = Coherence {
+            values: vec![0.5],
+            ..coherence
+        };
+        assert!((reported.random_error()[0] - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn segments_that_are_almost_one_have_no_coherence() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let record = noise(70, 1.0, &mut rng);
+        let spectra = Welch::new(64)
+            .unwrap()
+            .with_overlap(62)
+            .unwrap()
+            .spectra(&record)
+            .unwrap();
+        assert_eq!(spectra.n_averages(), 4);
+        assert!(matches!(
+            spectra.coherence("x", "y").unwrap_err(),
+            LabioError::TooFewAverages { found: 1, .. }
+        ));
+        let response = spectra.h1("x", "y").unwrap();
+        assert!(response.coherence.is_none() && response.variance.is_none());
+    }
+}

@@ -1,0 +1,357 @@
+use super::*;
+use crate::{Provenance, Quantity, Record, SpectrumAverager, Window};
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+const RATE: f64 = 1000.0;
+
+fn hit(input: &[f64], output: &[f64]) -> Record {
+    let samples =
+        Array2::from_shape_fn((2, input.len()), |(channel, n)| [input, output][channel][n]);
+    let channels = vec![
+        Channel::new("x", Quantity::Force).unwrap(),
+        Channel::new("y", Quantity::Velocity).unwrap(),
+    ];
+    Record::new(samples, RATE, 0.0, channels, Provenance::computed("test")).unwrap()
+}
+
+fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
+    (0..n)
+        .map(|_| {
+            let unit: f64 = StandardNormal.sample(rng);
+            level * unit
+        })
+        .collect()
+}
+
+/// Circular convolution by direct sum, so that a line of the output is the response times the line of the input.
+fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
+    let n = input.len();
+    (0..n)
+        .map(|i| {
+            let past = filter.iter().enumerate();
+            past.map(|(lag, h)| h * input[(i + n - lag) % n]).sum()
+        })
+        .collect()
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn a_known_filter_is_found_by_all_estimators() {
+    let filter = [0.7, -0.2, 0.0, 0.45, 0.1]; // last tap makes the zeros lie off the unit circle
+    let n = 96;
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let hits: Vec<Record> = (0..3)
+        .map(|_| {
+            let input = noise(&mut rng, n, 1.0);
+            hit(&input, &circular(&filter, &input))
+        })
+        .collect();
+    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+    for response in [
+        spectra.h1("x", "y"),
+        spectra.h2("x", "y"),
+        spectra.hv("x", "y"),
+    ] {
+        let response = response.unwrap();
+        assert_eq!(response.invalid_lines().count(), 0);
+        for (f, value) in response.frequency_hz.iter().zip(&response.values) {
+            let exact: Complex64 = filter
+                .iter()
+                .enumerate()
+                .map(|(lag, h)| h * Complex64::cis(-TAU * f * lag as f64 / RATE))
+                .sum();
+            // rounding of the transforms, amplified by the weakest of 49 lines of noise
+            assert!((value - exact).norm() < 1e-12, "{f} Hz: {value} {exact}");
+        }
+        let coherence = response.coherence.unwrap();
+        assert!(coherence.iter().all(|c| (c - 1.0).abs() < 1e-12));
+    }
+}
+
+#[test]
+fn a_delay_turns_the_phase_backwards() {
+    let n = 100;
+    let mut pulse = vec![0.0; n];
+    pulse[3] = 2.0;
+    let mut later = vec![0.0; n];
+    later[10] = 2.0;
+    let spectra = AveragedSpectra::of([&hit(&pulse, &later)], Window::Rectangular).unwrap();
+    let response = spectra.h1("x", "y").unwrap();
+    for (f, value) in response.frequency_hz.iter().zip(&response.values) {
+        // seven samples; rounding only
+        assert!((value - Complex64::cis(-TAU * f * 7.0 / RATE)).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn one_average_gives_a_response_but_no_coherence() {
+    let one = hit(&[1.0, 0.0, 0.0, 0.0], &[0.5, 0.25, 0.0, 0.0]);
+    let spectra = AveragedSpectra::of([&one], Window::Rectangular).unwrap();
+    let response = spectra.h1("x", "y").unwrap();
+    assert!(response.coherence.is_none() && response.random_error().is_none());
+    let error = spectra.coherence("x", "y").unwrap_err();
+    assert!(matches!(
+        error,
+        LabioError::TooFewAverages {
+            found: 1,
+            expected: 2,
+            ..
+        }
+    ));
+}
+
+/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b` on the output.
+fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut averager =
+        SpectrumAverager::for_records_like(&hit(&vec![0.0; n], &vec![0.0; n]), Window::Rectangular)
+            .unwrap();
+    for _ in 0..n_hits {
+        let clean = noise(&mut rng, n, 1.0);
+        let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
+        let input = sum(&clean, &noise(&mut rng, n, a.sqrt()));
+        let output = sum(&output, &noise(&mut rng, n, 2.0 * b.sqrt()));
+        averager.add(&hit(&input, &output)).unwrap();
+    }
+    averager.spectra().unwrap()
+}
+
+#[test]
+fn noise_biases_the_estimators_and_the_coherence_as_theory_says() {
+    let (a, b, n_hits) = (0.25, 0.5, 200);
+    let spectra = noisy(3, 512, n_hits, a, b);
+    let magnitudes = |response: FrequencyResponse| -> Vec<f64> {
+        response.values.iter().map(|h| h.norm()).collect()
+    };
+    let h1 = magnitudes(spectra.h1("x", "y").unwrap());
+    let h2 = magnitudes(spectra.h2("x", "y").unwrap());
+    let hv = magnitudes(spectra.hv("x", "y").unwrap());
+    let coherence = spectra.coherence("x", "y").unwrap();
+    let g2 = 1.0 / ((1.0 + a) * (1.0 + b));
+    // random error of a line 0.047, of the mean over 257 lines 0.003; four of these, plus the second-order bias of |H|
+    // (half the squared random error, 0.001): 1.3 %
+    let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.013;
+    assert!(close(mean(&h1), 2.0 / (1.0 + a)), "{}", mean(&h1));
+    assert!(close(mean(&h2), 2.0 * (1.0 + b)), "{}", mean(&h2));
+    assert!(close(mean(&hv), 2.0 * ((1.0 + b) / (1.0 + a)).sqrt()));
+    // standard error of a line sqrt(2 g2) (1 - g2)/sqrt n = 0.034, of the mean 0.0021; four of these, plus bias 0.001
+    assert!((mean(&coherence.values) - g2).abs() < 0.0094);
+    // line by line, by Schwarz' inequality: H1 is never above H2
+    assert!(h1.iter().zip(&h2).all(|(h1, h2)| h1 <= h2));
+    // and the truth lies between their expectations
+    assert!(mean(&h1) < 2.0 && 2.0 < mean(&h2));
+}
+
+#[test]
+fn random_errors_are_the_spread_over_lines() {
+    let n_hits = 20;
+    let spectra = noisy(5, 4096, n_hits, 0.0, 0.3);
+    let response = spectra.h1("x", "y").unwrap();
+    let lines = 1..response.values.len() - 1; // DC and Nyquist have half the degrees of freedom
+    let magnitude: Vec<f64> = lines
+        .clone()
+        .map(|k| (response.values[k].norm() / 2.0 - 1.0).powi(2))
+        .collect();
+    let phase: Vec<f64> = lines.map(|k| response.values[k].arg().powi(2)).collect();
+    let g2: f64 = 1.0 / 1.3;
+    let predicted = ((1.0 - g2) / (2.0 * n_hits as f64 * g2)).sqrt();
+    // 2047 lines give a standard deviation to 1.6 %, four times that is 6.3 %; the finite number of hits (a factor
+    // n/(n-1) in the variance) adds 2.6 %
+    for spread in [mean(&magnitude).sqrt(), mean(&phase).sqrt()] {
+        assert!(
+            (spread / predicted - 1.0).abs() < 0.09,
+            "{spread} {predicted}"
+        );
+    }
+    // and what is reported a line, from the estimated coherence, is that number in the middle
+    let mut reported: Vec<f64> = response
+        .random_error()
+        .unwrap()
+        .iter()
+        .map(|e| e.magnitude)
+        .collect();
+    reported.sort_by(f64::total_cmp);
+    let median = reported[reported.len() / 2];
+    // bias of the estimated coherence, (1 - g2)^2/n = 0.0027, is 1.2 % of 1 - g2; spread of the median 1 %
+    assert!(
+        (median / predicted - 1.0).abs() < 0.05,
+        "{median} {predicted}"
+    );
+}
+
+#[test]
+fn the_coherence_of_nothing_in_common_is_its_bias() {
+    let n_hits = 10;
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let hits: Vec<Record> = (0..n_hits)
+        .map(|_| hit(&noise(&mut rng, 4096, 1.0), &noise(&mut rng, 4096, 1.0)))
+        .collect();
+    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+    let coherence = spectra.coherence("x", "y").unwrap();
+    // beta law (1, n-1): mean 1/n, standard deviation 0.09, of the mean of 2049 lines 0.002: four of these
+    assert!((mean(&coherence.values) - 0.1).abs() < 0.008);
+    // the stated bias, taken at the estimate, is (1-g2)^2/n with mean ((n-1)/n)(n/(n+1))/n = 0.0818
+    assert!((mean(&coherence.bias()) - 0.0818).abs() < 0.002);
+}
+
+#[test]
+fn empty_lines_are_flagged_with_their_reason() {
+    // every fifth sample of 60: lines 0, 12 and 24 have all the energy, the others what the transform rounds
+    let train: Vec<f64> = (0..60)
+        .map(|i| if i % 5 == 0 { 1.0 / 3.0 } else { 0.0 })
+        .collect();
+    let silent = vec![0.0; train.len()];
+    let train_in = hit(&train, &train);
+    let spectra = AveragedSpectra::of([&train_in, &train_in], Window::Rectangular).unwrap();
+    let response = spectra.h1("x", "y").unwrap();
+    for (k, validity) in response.validity.iter().enumerate() {
+        if k % 12 == 0 {
+            assert_eq!(*validity, LineValidity::Valid);
+            // one rounding of a ratio
+            assert!((response.values[k] - 1.0).norm() < 1e-15);
+        } else {
+            assert_eq!(*validity, LineValidity::NoInput, "line {k}");
+            assert!(response.values[k].is_nan());
+        }
+    }
+    let mut pulse = silent.clone();
+    pulse[0] = 1.0;
+    let nothing_out = hit(&pulse, &silent);
+    let spectra = AveragedSpectra::of([&nothing_out, &nothing_out], Window::Rectangular);
+    let response = spectra.unwrap().h1("x", "y").unwrap();
+    assert!(
+        response
+            .validity
+            .iter()
+            .all(|v| *v == LineValidity::NoOutput)
+    );
+    // two hits of opposite sign in the output only: the cross-spectrum cancels
+    let minus: Vec<f64> = pulse.iter().map(|x| -x).collect();
+    let hits = [hit(&pulse, &pulse), hit(&pulse, &minus)];
+    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+    let h1 = spectra.h1("x", "y").unwrap();
+    let h2 = spectra.h2("x", "y").unwrap();
+    assert!(h1.values.iter().all(|h| h.norm() < 1e-15));
+    assert!(
+        h1.random_error()
+            .unwrap()
+            .iter()
+            .all(|e| e.magnitude.is_infinite())
+    );
+    assert!(
+        h2.validity
+            .iter()
+            .all(|v| *v == LineValidity::NoCorrelation)
+    );
+}
+
+#[test]
+fn the_bias_that_is_stated_is_the_bias_that_is_found() {
+    let n_hits = 40;
+    let magnitude = |response: &FrequencyResponse| {
+        let inner = 1..response.values.len() - 1;
+        mean(
+            &inner
+                .map(|k| response.values[k].norm() / 2.0)
+                .collect::<Vec<_>>(),
+        )
+    };
+    for (a, b) in [(0.3, 0.0), (0.0, 0.3)] {
+        let spectra = noisy(17, 8192, n_hits, a, b);
+        for response in [
+            spectra.h1("x", "y").unwrap(),
+            spectra.h2("x", "y").unwrap(),
+            spectra.hv("x", "y").unwrap(),
+        ] {
+            let exact = FrequencyResponse {
+                coherence: Some(vec![1.0 / 1.3; response.values.len()]),
+                ..response.clone()
+            };
+            let bias = exact.bias().unwrap()[1];
+            let noise = if a > 0.0 {
+                bias.input_noise
+            } else {
+                bias.output_noise
+            };
+            let expected = (1.0 + noise) * (1.0 + bias.scatter);
+            let found = magnitude(&response);
+            // 4095 lines with a random error of 0.061 each: 0.001; four of these, and 1/n of the scatter's second order
+            assert!(
+                (found / expected - 1.0).abs() < 0.006,
+                "{:?} {a} {b}: {found} {expected}",
+                response.estimator
+            );
+        }
+    }
+}
+
+#[test]
+fn the_variance_of_a_line_is_twice_that_of_a_component() {
+    let n_hits = 30;
+    let spectra = noisy(19, 8192, n_hits, 0.0, 0.4);
+    for response in [
+        spectra.h1("x", "y").unwrap(),
+        spectra.h2("x", "y").unwrap(),
+        spectra.hv("x", "y").unwrap(),
+    ] {
+        let coherence = response.coherence.as_ref().unwrap();
+        let errors = response.random_error().unwrap();
+        let variances = response.variance.as_ref().unwrap();
+        for k in 0..response.values.len() {
+            let square = response.values[k].norm_sqr();
+            let formula = square * (1.0 - coherence[k]) / (n_hits as f64 * coherence[k]);
+            let from_error = 2.0 * square * errors[k].magnitude.powi(2);
+            // the same figures combined in another order, the difference 1 - coherence included
+            assert!((variances[k] - formula).abs() < 1e-12 * formula);
+            assert!((variances[k] - from_error).abs() < 1e-12 * formula);
+        }
+    }
+    let h1 = spectra.h1("x", "y").unwrap();
+    let inner = 1..h1.values.len() - 1;
+    let deviation = |component: fn(Complex64) -> f64| {
+        mean(
+            &inner
+                .clone()
+                .map(|k| component(h1.values[k] - 2.0).powi(2))
+                .collect::<Vec<_>>(),
+        )
+    };
+    let stated = mean(&h1.variance.as_ref().unwrap()[inner.clone()]);
+    // 4095 lines: 2.2 % of a mean square, four of these, and (n-1)/n of the residual against which the first order is blind: 3.3 %
+    for component in [|d: Complex64| d.re, |d: Complex64| d.im] {
+        let ratio = 2.0 * deviation(component) / stated;
+        assert!((ratio - 1.0).abs() < 0.122, "{ratio}");
+    }
+}
+
+#[test]
+fn spectra_of_subnormal_numbers_are_still_ratios() {
+    // 2e-157 squared, times the squared time step: autos of about 4e-320, which has a dozen bits
+    let small: Vec<f64> = [1.0, 0.5, -0.25, 0.125]
+        .iter()
+        .map(|x| x * 2e-157)
+        .collect();
+    let spectra = AveragedSpectra::of(
+        [&hit(&small, &small), &hit(&small, &small)],
+        Window::Rectangular,
+    )
+    .unwrap();
+    let auto = spectra.auto("x").unwrap()[1];
+    assert!(auto > 0.0 && !auto.is_normal());
+    let response = spectra.h1("x", "y").unwrap();
+    for value in &response.values {
+        // three decimal digits are left in such a spectrum
+        assert!((value - 1.0).norm() < 1e-2, "{value}");
+    }
+}

@@ -1,0 +1,307 @@
+//! The impulse response of a measured frequency response, and how much of it comes before its cause.
+
+use num_complex::Complex64;
+
+use crate::dft;
+use crate::{AddedDamping, Channel, FrequencyResponse, LabioError};
+
+/// $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$ over both sides of the spectrum: the response to a unit impulse \[unit of
+/// the response / s\], at N lags.
+///
+/// Time is a circle of N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the others are times *before* it,
+/// and, of a body that still rings after half the record, what has come round. A body answers only afterwards: the rest is
+/// noise, leakage, a delay between the channels, or ringing that did not fit.
+///
+/// The lines at 0 Hz and at the Nyquist frequency stand for themselves, and of them the real part is taken. A mobility that was
+/// converted from an accelerance has an imaginary line at the Nyquist frequency, which no real sample can show.
+#[derive(Debug, Clone)]
+pub struct ImpulseResponse {
+    input: Channel,
+    output: Channel,
+    sampling_rate_hz: f64,
+    added_damping: Option<AddedDamping>,
+    values: Vec<f64>,
+}
+
+impl FrequencyResponse {
+    /// The impulse response at as many lags as the hits had samples.
+    ///
+    /// Under an exponential window it is $`h(t)e^{-\sigma t}`$; see [`ImpulseResponse::without_added_damping`].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::MissingLines`] if a line carries no information: zero would be as much of an invention as any other
+    /// number.
+    pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
+        self.check_complete("an impulse response")?;
+        let n_lines = self.n_samples / 2 + 1;
+        let (Some(spacing_hz), true) = (self.frequency_hz.get(1), self.values.len() == n_lines)
+        else {
+            return Err(LabioError::CountMismatch {
+                what: "lines of the frequency response",
+                found: self.values.len(),
+                expected: n_lines.max(2),
+            });
+        };
+        let sampling_rate_hz = spacing_hz * self.n_samples as f64;
+        let mut values = dft::inverse(&self.values, self.n_samples);
+        for value in &mut values {
+            *value *= sampling_rate_hz;
+        }
+        Ok(ImpulseResponse {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            sampling_rate_hz,
+            added_damping: self.added_damping,
+            values,
+        })
+    }
+}
+
+impl ImpulseResponse {
+    /// The channel on which the impulse is.
+    #[must_use]
+    pub fn input(&self) -> &Channel {
+        &self.input
+    }
+
+    /// The channel that answers.
+    #[must_use]
+    pub fn output(&self) -> &Channel {
+        &self.output
+    }
+
+    /// Sampling rate \[Hz\].
+    #[must_use]
+    pub fn sampling_rate_hz(&self) -> f64 {
+        self.sampling_rate_hz
+    }
+
+    /// The exponential window that is still in the values, if any.
+    #[must_use]
+    pub fn added_damping(&self) -> Option<AddedDamping> {
+        self.added_damping
+    }
+
+    /// The values at all N lags, those before the impulse at the end.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The values at the lags 0, 1, ... that count as times after the impulse.
+    #[must_use]
+    pub fn causal_values(&self) -> &[f64] {
+        &self.values[..self.n_causal()]
+    }
+
+    /// Energy at the lags before the impulse as part of all: $`\sum_{t<0}h^2/\sum h^2`$. 0 for a causal response that dies
+    /// out in half a record, 1/2 for noise. (With an even number of samples the lag of half a record, which may be either,
+    /// counts as before.)
+    #[must_use]
+    pub fn acausal_part(&self) -> f64 {
+        let energy = |values: &[f64]| values.iter().map(|h| h * h).sum::<f64>();
+        let before = energy(&self.values[self.n_causal()..]);
+        let after = energy(self.causal_values());
+        if before > 0.0 {
+            before / (before + after)
+        } else {
+            0.0
+        }
+    }
+
+    /// The response with zeros at the lags before the impulse.
+    #[must_use]
+    pub fn causal(&self) -> Self {
+        let mut causal = self.clone();
+        causal.values[self.n_causal()..].fill(0.0);
+        causal
+    }
+
+    /// The response with the exponential window taken off: each value times $`e^{\sigma t}`$ with its lag t, negative before the
+    /// impulse. The same response if there was no window.
+    ///
+    /// # Validity
+    ///
+    /// Exact for a body whose response under the window dies out within half a record. Noise of the late lags grows with them:
+    /// by [`ImpulseResponse::noise_growth`] at the last.
+    #[must_use]
+    pub fn without_added_damping(&self) -> Self {
+        let Some(window) = self.added_damping else {
+            return self.clone();
+        };
+        let n_causal = self.n_causal();
+        let n = self.values.len();
+        let mut free = self.clone();
+        free.added_damping = None;
+        for (index, value) in free.values.iter_mut().enumerate() {
+            let lag = if index < n_causal {
+                index as f64
+            } else {
+                -((n - index) as f64)
+            };
+            *value *= (window.decay_rate() * lag / self.sampling_rate_hz).exp();
+        }
+        free
+    }
+
+    /// The factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1 without a window.
+    #[must_use]
+    pub fn noise_growth(&self) -> f64 {
+        let last = (self.n_causal() - 1) as f64 / self.sampling_rate_hz;
+        self.added_damping
+            .map_or(1.0, |window| (window.decay_rate() * last).exp())
+    }
+
+    /// The frequency response of these values, $`H_k = \Delta t\sum_n h_n e^{-2\pi i kn/N}`$ for the lines from 0 Hz;
+    /// `(N/2 + 1)`.
+    #[must_use]
+    pub fn lines(&self) -> Vec<Complex64> {
+        let mut lines = dft::forward(&self.values);
+        for line in &mut lines {
+            *line /= self.sampling_rate_hz;
+        }
+        lines
+    }
+
+    fn n_causal(&self) -> usize {
+        self.values.len().div_ceil(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Provenance, Quantity, Record, ResponseKind, SpectrumAverager, Window};
+    use ndarray::Array2;
+
+    const RATE: f64 = 1000.0;
+
+    /// Two decaying modes: the impulse response is a sum of real parts of powers of these numbers.
+    fn modes() -> [(f64, Complex64); 2] {
+        [
+            (3.0, Complex64::new(-60.0, 700.0)),
+            (-1.0, Complex64::new(-90.0, 1500.0)),
+        ]
+    }
+
+    fn exact(n: usize) -> f64 {
+        let t = n as f64 / RATE;
+        modes()
+            .iter()
+            .map(|(amplitude, pole)| amplitude * ((pole * t).exp()).im)
+            .sum()
+    }
+
+    /// The response to a unit impulse (one sample of force 1/dt), from `at` samples on.
+    fn averager(n: usize, at: usize) -> (SpectrumAverager, Record) {
+        let channels = vec![
+            Channel::new("force", Quantity::Force).unwrap(),
+            Channel::new("velocity", Quantity::Velocity).unwrap(),
+        ];
+        let mut samples = Array2::zeros((2, n));
+        samples[(0, at)] = RATE;
+        for i in at..n {
+            samples[(1, i)] = exact(i - at);
+        }
+        let hit = Record::new(
+            samples,
+            RATE,
+            0.0,
+            channels.clone(),
+            Provenance::computed("two modes"),
+        )
+        .unwrap();
+        let averager = SpectrumAverager::new(&channels, n, RATE, Window::Rectangular).unwrap();
+        (averager, hit)
+    }
+
+    fn response(n: usize, at: usize) -> FrequencyResponse {
+        let (mut averager, hit) = averager(n, at);
+        averager.add(&hit).unwrap();
+        averager.spectra().unwrap().h1("force", "velocity").unwrap()
+    }
+
+    #[test]
+    fn the_response_of_two_modes_is_found_for_even_and_odd_lengths() {
+        for n in [600, 601] {
+            let response = response(n, 0);
+            // the sum of a geometric series for each mode: nothing of ours in it
+            for (f, value) in response.frequency_hz.iter().zip(&response.values) {
+                let omega = std::f64::consts::TAU * f;
+                let closed: Complex64 = modes()
+                    .iter()
+                    .map(|(amplitude, pole)| {
+                        let series = |pole: Complex64| {
+                            let ratio = ((pole - Complex64::i() * omega) / RATE).exp();
+                            (1.0 - ratio.powu(u32::try_from(n).unwrap())) / (1.0 - ratio) / RATE
+                        };
+                        // Im p^n = (p^n - conj)/2i
+                        amplitude * (series(*pole) - series(pole.conj())) / Complex64::new(0.0, 2.0)
+                    })
+                    .sum();
+                // 600 roundings of order 1e-3
+                assert!((value - closed).norm() < 1e-15, "{f} Hz");
+            }
+            let impulse = response.impulse_response().unwrap();
+            for (i, value) in impulse.values().iter().enumerate() {
+                assert!((value - exact(i)).abs() < 1e-13); // two transforms of numbers of order one
+            }
+            // e^{-60 0.3 2}: what is left after half the record, relative in energy
+            assert!(impulse.acausal_part() < 1e-14);
+            for (there, back) in response.values.iter().zip(impulse.lines()) {
+                assert!((there - back).norm() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn what_comes_before_its_cause_is_measured_and_cut() {
+        let mut late = response(600, 0);
+        // the input is late by 20 samples: the body seems to answer before it is hit
+        for (line, value) in late.values.iter_mut().enumerate() {
+            let angle = std::f64::consts::TAU * (line * 20) as f64 / 600.0;
+            *value *= Complex64::cis(angle);
+        }
+        let impulse = late.impulse_response().unwrap();
+        let energy = |from: usize, to: usize| (from..to).map(|i| exact(i).powi(2)).sum::<f64>();
+        let expected = energy(0, 20) / energy(0, 600);
+        // a modulation of the Nyquist line by e^{i 20 pi} = 1 leaves it real: rounding only
+        assert!((impulse.acausal_part() - expected).abs() < 1e-12);
+        let causal = impulse.causal();
+        assert!(causal.acausal_part() <= 0.0);
+        assert_eq!(causal.causal_values(), impulse.causal_values());
+        assert_eq!(causal.causal_values().len(), 300);
+    }
+
+    #[test]
+    fn an_exponential_window_is_taken_off_exactly() {
+        let window = AddedDamping::new(40.0).unwrap();
+        for at in [0, 7] {
+            let (averager, hit) = averager(400, at);
+            let mut averager = averager.with_exponential_window(window).unwrap();
+            averager.add(&hit).unwrap();
+            let response = averager.spectra().unwrap().h1("force", "velocity").unwrap();
+            let impulse = response.impulse_response().unwrap();
+            // wherever in the record the hit is: H(sigma + i omega)
+            let damped = |i: usize| exact(i) * (-40.0 * i as f64 / RATE).exp();
+            let free = impulse.without_added_damping();
+            for i in 0..200 {
+                assert!((impulse.values()[i] - damped(i)).abs() < 1e-13);
+                // rounding times the growth of noise
+                assert!((free.values()[i] - exact(i)).abs() < 1e-13 * impulse.noise_growth());
+            }
+            assert!((impulse.noise_growth() / (40.0_f64 * 0.199).exp() - 1.0).abs() < 1e-14);
+            assert!(free.added_damping().is_none());
+        }
+    }
+
+    #[test]
+    fn a_missing_line_is_an_error_and_not_a_zero() {
+        let receptance = response(600, 0).to_kind(ResponseKind::Receptance).unwrap();
+        assert_eq!(
+            receptance.impulse_response().unwrap_err().to_string(),
+            "an impulse response needs every line, but 1 carry no information, the first at 0 Hz"
+        );
+    }
+}

@@ -1,0 +1,268 @@
+//! Integrals and derivatives of histories, with the handling of low frequencies chosen by name.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::LabioError;
+use crate::dft;
+use crate::error::check_positive;
+
+/// What is done about low frequencies when a history is integrated: an offset of 1 becomes a drift of t, and there is no
+/// integral that does not decide what is offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum LowFrequency {
+    /// The history is one period of a periodic one. Its mean is removed, and the integral has zero mean: exact for a sum of the
+    /// spectral lines of the record, wrong for one transient by a constant and, if the mean was its own, a ramp.
+    MeanRemoved,
+    /// The same, and all lines below the frequency are removed as well, at once and not gradually.
+    CutBelow {
+        /// First frequency that is kept \[Hz\].
+        frequency_hz: f64,
+    },
+    /// The body is at rest over the first samples: their mean is the offset, and is removed; the integral starts from 0. It is taken by
+    /// trapezoids, which is too small by $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An error $`\delta`$ of the
+    /// offset is a drift $`\delta t`$. For impacts.
+    AtRest {
+        /// Number of samples before the hit.
+        n_samples: usize,
+    },
+}
+
+/// The integral over time of `samples` taken at `sampling_rate_hz` \[Hz\]: velocity of acceleration, displacement of velocity.
+///
+/// # Examples
+///
+/// ```
+/// use labio::{LowFrequency, integrate};
+///
+/// // at rest with an offset of 0.5, then an acceleration of 2 for a second
+/// let acceleration: Vec<f64> = (0..300).map(|n| if n > 100 && n <= 200 { 2.5 } else { 0.5 }).collect();
+/// let velocity = integrate(&acceleration, 100.0, LowFrequency::AtRest { n_samples: 50 })?;
+/// assert!((velocity[299] - 2.0).abs() < 1e-12);
+/// # Ok::<(), labio::LabioError>(())
+/// ```
+///
+/// # Errors
+///
+/// [`LabioError::NonPhysical`] for the sampling rate or the cut-off frequency, [`LabioError::TooFewSamples`] below two samples or
+/// without a sample at rest, [`LabioError::CountMismatch`] if there are more samples at rest than samples,
+/// [`LabioError::NonFiniteSample`].
+pub fn integrate(
+    samples: &[f64],
+    sampling_rate_hz: f64,
+    low: LowFrequency,
+) -> Result<Vec<f64>, LabioError> {
+    check(samples, sampling_rate_hz)?;
+    let lowest_hz = match low {
+        LowFrequency::MeanRemoved => 0.0,
+        LowFrequency::CutBelow { frequency_hz } => {
+            check_positive("cut-off frequency [Hz]", frequency_hz)?
+        }
+        LowFrequency::AtRest { n_samples } => {
+            return integrate_from_rest(samples, sampling_rate_hz, n_samples);
+        }
+    };
+    let spacing_hz = sampling_rate_hz / samples.len() as f64;
+    let mut lines = dft::forward(samples);
+    for (k, line) in lines.iter_mut().enumerate() {
+        let f = k as f64 * spacing_hz;
+        *line = if k == 0 || f < lowest_hz || 2 * k == samples.len() {
+            Complex64::ZERO
+        } else {
+            *line / Complex64::new(0.0, TAU * f)
+        };
+    }
+    Ok(dft::inverse(&lines, samples.len()))
+}
+
+/// The derivative with respect to time of `samples` taken at `sampling_rate_hz` \[Hz\], as one period of a periodic history:
+/// each line times $`i\omega`$, that at the Nyquist frequency, whose derivative is zero at every sample, times 0.
+///
+/// # Validity
+///
+/// A history whose end does not continue into its beginning has a jump there, and the derivative a spike with ripples.
+///
+/// # Errors
+///
+/// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] below two samples,
+/// [`LabioError::NonFiniteSample`].
+pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
+    check(samples, sampling_rate_hz)?;
+    let spacing_hz = sampling_rate_hz / samples.len() as f64;
+    let mut lines = dft::forward(samples);
+    for (k, line) in lines.iter_mut().enumerate() {
+        *line *= if 2 * k == samples.len() {
+            Complex64::ZERO
+        } else {
+            Complex64::new(0.0, TAU * k as f64 * spacing_hz)
+        };
+    }
+    Ok(dft::inverse(&lines, samples.len()))
+}
+
+fn integrate_from_rest(
+    samples: &[f64],
+    sampling_rate_hz: f64,
+    n_at_rest: usize,
+) -> Result<Vec<f64>, LabioError> {
+    if n_at_rest == 0 {
+        return Err(LabioError::TooFewSamples {
+            what: "the time at rest",
+            found: 0,
+            expected: 1,
+        });
+    }
+    let Some(at_rest) = samples.get(..n_at_rest) else {
+        return Err(LabioError::CountMismatch {
+            what: "samples at rest, at most",
+            found: n_at_rest,
+            expected: samples.len(),
+        });
+    };
+    let offset = at_rest.iter().sum::<f64>() / n_at_rest as f64;
+    let half_step = 0.5 / sampling_rate_hz;
+    let mut integral = 0.0;
+    let mut previous: Option<f64> = None;
+    Ok(samples
+        .iter()
+        .map(|sample| {
+            let value = sample - offset;
+            if let Some(previous) = previous {
+                integral += half_step * (previous + value);
+            }
+            previous = Some(value);
+            integral
+        })
+        .collect())
+}
+
+fn check(samples: &[f64], sampling_rate_hz: f64) -> Result<(), LabioError> {
+    check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+    if samples.len() < 2 {
+        return Err(LabioError::TooFewSamples {
+            what: "the history",
+            found: samples.len(),
+            expected: 2,
+        });
+    }
+    if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
+        return Err(LabioError::NonFiniteSample {
+            channel: "history".to_owned(),
+            index,
+            value,
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 100.0;
+
+    /// Lines 3 and 7 of a record of n samples, the p-th derivative.
+    fn periodic(n: usize, p: i32) -> Vec<f64> {
+        (0..n)
+            .map(|i| {
+                [(3.0, 1.5, 0.2), (7.0, -0.4, 1.0)]
+                    .iter()
+                    .map(|(line, amplitude, phase)| {
+                        let omega = TAU * line * RATE / n as f64;
+                        let angle = omega * i as f64 / RATE + phase + TAU / 4.0 * f64::from(p);
+                        amplitude * omega.powi(p) * angle.sin()
+                    })
+                    .sum()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn periodic_histories_are_integrated_and_differentiated_exactly() {
+        for n in [64, 65] {
+            let (rate, history) = (periodic(n, 1), periodic(n, 0));
+            let with_offset: Vec<f64> = rate.iter().map(|x| x + 5.0).collect();
+            let integral = integrate(&with_offset, RATE, LowFrequency::MeanRemoved).unwrap();
+            let derivative = differentiate(&history, RATE).unwrap();
+            for i in 0..n {
+                assert!((integral[i] - history[i]).abs() < 1e-13);
+                assert!((derivative[i] - rate[i]).abs() < 1e-11); // rates are of order 100
+            }
+        }
+    }
+
+    #[test]
+    fn lines_below_the_cut_are_removed_and_those_on_it_stay() {
+        let n = 64;
+        let history = periodic(n, 1);
+        let cut = |line: f64| LowFrequency::CutBelow {
+            frequency_hz: line * RATE / n as f64,
+        };
+        let only_seven: Vec<f64> = (0..n)
+            .map(|i| -0.4 * (TAU * 7.0 * i as f64 / n as f64 + 1.0).sin())
+            .collect();
+        for line in [3.5, 7.0] {
+            let integral = integrate(&history, RATE, cut(line)).unwrap();
+            for (found, expected) in integral.iter().zip(&only_seven) {
+                assert!((found - expected).abs() < 1e-13);
+            }
+        }
+        let all = integrate(&history, RATE, cut(3.0)).unwrap();
+        assert!((all[0] - periodic(n, 0)[0]).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_body_at_rest_keeps_the_velocity_an_impact_gave_it() {
+        // a half-sine of duration 40 ms from 0.1 s on, amplitude A: velocity 2 A T/pi; trapezoids of a half-sine of N steps give
+        // (T/N) A cot(pi/2N)
+        let n_steps = 40.0;
+        let rate = 1000.0;
+        let acceleration: Vec<f64> = (0..400)
+            .map(|i| {
+                let phase = f64::from(i - 100) / n_steps;
+                let pulse = if (0.0..=1.0).contains(&phase) {
+                    50.0 * (std::f64::consts::PI * phase).sin()
+                } else {
+                    0.0
+                };
+                pulse + 0.7
+            })
+            .collect();
+        let low = LowFrequency::AtRest { n_samples: 100 };
+        let velocity = integrate(&acceleration, rate, low).unwrap();
+        let expected = 50.0 / rate / (std::f64::consts::PI / (2.0 * n_steps)).tan();
+        assert!((velocity[399] - expected).abs() < 1e-12);
+        assert!(velocity[..100].iter().all(|v| v.abs() < 1e-13));
+    }
+
+    #[test]
+    fn bad_requests_are_refused() {
+        let history = [1.0, 2.0, 3.0];
+        let refusals = [
+            integrate(&history[..1], RATE, LowFrequency::MeanRemoved),
+            integrate(&history, 0.0, LowFrequency::MeanRemoved),
+            integrate(
+                &history,
+                RATE,
+                LowFrequency::CutBelow { frequency_hz: -1.0 },
+            ),
+            integrate(&history, RATE, LowFrequency::AtRest { n_samples: 0 }),
+            integrate(&history, RATE, LowFrequency::AtRest { n_samples: 4 }),
+            differentiate(&[], RATE),
+            differentiate(&[1.0, f64::NAN], RATE),
+        ]
+        .map(|result| result.unwrap_err().to_string())
+        .join("\n");
+        insta::assert_snapshot!(refusals, @r"
+        the history has 1 samples, expected at least 2
+        sampling rate [Hz] is 0, expected a finite value above 0
+        cut-off frequency [Hz] is -1, expected a finite value above 0
+        the time at rest has 0 samples, expected at least 1
+        samples at rest, at most: found 4, expected 3
+        the history has 0 samples, expected at least 2
+        sample 1 of channel `history` is NaN, expected a finite value
+        ");
+    }
+}

@@ -1,0 +1,238 @@
+use super::*;
+use crate::{Channel, Provenance, Quantity, Record, SpectrumAverager, Window};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const N: usize = 2048;
+const RATE: f64 = 8192.0;
+
+fn channels() -> Vec<Channel> {
+    vec![
+        Channel::new("force", Quantity::Force).unwrap(),
+        Channel::new("velocity", Quantity::Velocity).unwrap(),
+    ]
+}
+
+/// Hits of a hammer whose half-sine lasts `contact` samples, on a body that answers with half the force two samples later; noise on
+/// the response.
+fn test_of(hammer: Hammer, seed: u64) -> AveragedSpectra {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut averager = SpectrumAverager::new(&channels(), N, RATE, Window::Rectangular).unwrap();
+    for _ in 0..hammer.n_hits {
+        let mut samples = Array2::zeros((2, N));
+        for n in 0..hammer.contact {
+            let phase = std::f64::consts::PI * (n as f64 + 0.5) / hammer.contact as f64;
+            samples[(0, n)] = hammer.peak * phase.sin();
+        }
+        for n in 0..N {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            let cause = samples[(0, (n + N - 2) % N)];
+            samples[(1, n)] = 0.5 * cause + hammer.noise * noise;
+        }
+        let provenance = Provenance::computed("half-sines");
+        averager
+            .add(&Record::new(samples, RATE, 0.0, channels(), provenance).unwrap())
+            .unwrap();
+    }
+    averager.spectra().unwrap()
+}
+
+#[derive(Clone, Copy)]
+struct Hammer {
+    peak: f64,
+    contact: usize,
+    noise: f64,
+    n_hits: usize,
+}
+
+const HEAVY: Hammer = Hammer {
+    peak: 300.0,
+    contact: 24,
+    noise: 0.2,
+    n_hits: 10,
+};
+const LIGHT: Hammer = Hammer {
+    peak: 200.0,
+    contact: 5,
+    noise: 0.2,
+    n_hits: 10,
+};
+
+fn truth(response: &FrequencyResponse, line: usize) -> Complex64 {
+    let omega = std::f64::consts::TAU * response.frequency_hz[line];
+    0.5 * Complex64::cis(-omega * 2.0 / RATE)
+}
+
+#[test]
+fn each_line_is_that_of_the_larger_force() {
+    let (heavy, light) = (test_of(HEAVY, 1), test_of(LIGHT, 2));
+    let merged =
+        MergedResponse::by_larger_input(&[&heavy, &light], Estimator::H1, "force", "velocity")
+            .unwrap();
+    let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
+    let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
+    let force = |test: usize, line: usize| forces[test][line];
+    let mut from = [0, 0];
+    // at the Nyquist frequency neither half-sine has anything
+    for line in 0..N / 2 {
+        let winner = usize::from(force(1, line) > force(0, line));
+        from[winner] += 1;
+        assert_eq!(
+            merged.response.values[line], responses[winner].values[line],
+            "line {line}"
+        );
+        assert!(merged.shares[(winner, line)] > 0.5 && merged.shares[(1 - winner, line)] < 0.5);
+        let coherence = merged.response.coherence.as_ref().unwrap()[line];
+        assert!((coherence - responses[winner].coherence.as_ref().unwrap()[line]).abs() <= 0.0);
+    }
+    // the heavy hammer dominates low frequencies, the light one high frequencies
+    assert!(from[0] > 50 && from[1] > 500, "{from:?}");
+    assert!(merged.shares[(0, 10)] > 0.5 && merged.shares[(1, 300)] > 0.5);
+}
+
+#[test]
+fn inverse_variances_weigh_as_least_squares_does() {
+    let (heavy, light) = (test_of(HEAVY, 3), test_of(LIGHT, 4));
+    let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
+    let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+    let variances = responses.clone().map(|r| r.variance.unwrap());
+    for line in [1, 100, 333, 1000] {
+        let (a, b) = (variances[0][line], variances[1][line]);
+        let share = b / (a + b);
+        let expected =
+            responses[0].values[line] * share + responses[1].values[line] * (1.0 - share);
+        // the same numbers combined in another order
+        assert!((merged.response.values[line] - expected).norm() < 1e-14);
+        assert!((merged.shares[(0, line)] - share).abs() < 1e-14);
+        let variance = merged.response.variance.as_ref().unwrap()[line];
+        assert!((variance / (a * b / (a + b)) - 1.0).abs() < 1e-13);
+        let apart = (responses[0].values[line] - responses[1].values[line]).norm_sqr() / (a + b);
+        assert!((merged.discrepancy[line] / apart - 1.0).abs() < 1e-10);
+    }
+    assert!(merged.response.coherence.is_none());
+}
+
+/// Mean squared error over the lines up to `n_lines`, relative to the true response.
+fn error(response: &FrequencyResponse, lines: std::ops::Range<usize>) -> f64 {
+    let n = lines.len() as f64;
+    let square = |k| (response.values[k] / truth(response, k) - 1.0).norm_sqr();
+    lines.map(square).sum::<f64>() / n
+}
+
+#[test]
+fn weighing_beats_choosing_and_says_by_how_much() {
+    // where both hammers give about the same force, and where the larger force is the noisier measurement
+    let equal = [LIGHT, LIGHT];
+    let noisy = Hammer {
+        peak: 1.2 * LIGHT.peak,
+        noise: 4.0 * LIGHT.noise,
+        ..LIGHT
+    };
+    for (hammers, gain) in [(equal, 2.0), ([noisy, LIGHT], 16.0 / 1.44 + 1.0)] {
+        let tests = [test_of(hammers[0], 5), test_of(hammers[1], 6)];
+        let refs = [&tests[0], &tests[1]];
+        let chosen =
+            MergedResponse::by_larger_input(&refs, Estimator::H1, "force", "velocity").unwrap();
+        let responses = refs.map(|test| test.h1("force", "velocity").unwrap());
+        let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
+        let band = 1..400; // below the first zero of the half-sine
+        let ratio = error(&chosen.response, band.clone()) / error(&weighed.response, band.clone());
+        // with estimated weights some 10 % of the gain is lost; 399 lines give the ratio to 7 %, three times that is 21 %
+        assert!(ratio > 0.69 * gain && ratio < 1.21 * gain, "{ratio} {gain}");
+        // what is stated as the variance is the error, but for the 4/n that the estimated weights hide and (n-1)/n
+        let variance = weighed.response.variance.as_ref().unwrap();
+        let stated: f64 = band
+            .clone()
+            .map(|k| variance[k] / truth(&weighed.response, k).norm_sqr())
+            .sum::<f64>()
+            / 399.0;
+        let found = error(&weighed.response, band.clone());
+        assert!(
+            found / stated > 0.85 && found / stated < 1.7,
+            "{}",
+            found / stated
+        );
+        let apart: f64 = band.map(|k| weighed.discrepancy[k]).sum::<f64>() / 399.0;
+        // expectation 1 for known variances; estimated ones make it n/(n-1) (1 + 1/(n-2)) or so
+        assert!(apart > 0.85 && apart < 1.45, "{apart}");
+    }
+}
+
+#[test]
+fn a_line_that_one_test_does_not_have_comes_from_the_other() {
+    let mut silent = HEAVY;
+    silent.peak = 0.0;
+    let (nothing, light) = (test_of(silent, 7), test_of(LIGHT, 8));
+    let responses = [&nothing, &light].map(|test| test.h1("force", "velocity").unwrap());
+    assert_eq!(responses[0].invalid_lines().count(), N / 2 + 1);
+    let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
+    let chosen =
+        MergedResponse::by_larger_input(&[&nothing, &light], Estimator::H1, "force", "velocity")
+            .unwrap();
+    for merged in [weighed, chosen] {
+        // this half-sine has nothing at the Nyquist frequency
+        assert_eq!(merged.response.invalid_lines().collect::<Vec<_>>(), [N / 2]);
+        assert_eq!(
+            merged.response.values[..N / 2],
+            responses[1].values[..N / 2]
+        );
+        let shares = merged.shares.row(1);
+        assert!(shares.iter().take(N / 2).all(|share| *share >= 1.0));
+        assert!(merged.discrepancy.iter().all(|d| d.is_nan()));
+    }
+    let none = MergedResponse::by_inverse_variance(&responses[..1]).unwrap();
+    assert_eq!(none.response.invalid_lines().count(), N / 2 + 1);
+    assert!(none.response.values.iter().all(|h| h.is_nan()));
+    assert!(none.shares.iter().all(|share| *share <= 0.0));
+}
+
+#[test]
+fn tests_without_scatter_share_a_line() {
+    let exact = Hammer {
+        noise: 0.0,
+        contact: 1,
+        ..LIGHT
+    };
+    let mut responses = [9, 10].map(|seed| test_of(exact, seed).h1("force", "velocity").unwrap());
+    for response in &mut responses {
+        response.variance = Some(vec![0.0; N / 2 + 1]);
+    }
+    let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+    // two equal halves, exact in binary
+    assert!(merged.shares.iter().all(|s| (s - 0.5).abs() <= 0.0));
+    assert!((merged.response.values[3] - truth(&merged.response, 3)).norm() < 1e-13);
+}
+
+#[test]
+fn unlike_tests_are_refused() {
+    let test = test_of(LIGHT, 11);
+    let h1 = test.h1("force", "velocity").unwrap();
+    let mut shifted = h1.clone();
+    for f in &mut shifted.frequency_hz {
+        *f *= 1.001;
+    }
+    let mut one_hit = h1.clone();
+    one_hit.variance = None;
+    one_hit.n_averages = 1;
+    let refusals = [
+        vec![],
+        vec![h1.clone(), test.h2("force", "velocity").unwrap()],
+        vec![h1.clone(), test.h1("velocity", "force").unwrap()],
+        vec![h1.clone(), shifted],
+        vec![h1, one_hit],
+    ]
+    .map(|tests| {
+        MergedResponse::by_inverse_variance(&tests)
+            .unwrap_err()
+            .to_string()
+    })
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    tests to merge: found 0, expected 1
+    the estimator of response 1 is H2, expected H1 as in the first
+    the input of response 1 is `velocity` [m/s], expected `force` [N] as in the first
+    the frequency of a line [Hz] of response 1 is 4.004, expected 4 as in the first
+    a merge by inverse variance needs at least 2 averages, found 1
+    ");
+}

@@ -1,0 +1,220 @@
+//! The low lines of a free body, from its weighed mass.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::error::check_positive;
+use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
+
+/// Lines that a fit of two numbers and a judgement of it need at least.
+const FEWEST_LINES: usize = 3;
+
+/// The mass of a free body that was weighed.
+///
+/// Below its first resonance a free body moves as a whole: its accelerance at the point that is struck, in the direction of
+/// the axis through its centre of mass, is $`1/M`$ at 0 Hz, its mobility $`1/(i\omega M)`$. There accelerometers and force transducers are at
+/// their worst and the balance at its best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidBody {
+    mass: f64,
+    standard_error: f64,
+}
+
+/// The lines between which a body is measured well and is still nearly rigid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidBand {
+    /// Lines below this frequency \[Hz\] are replaced.
+    pub from_hz: f64,
+    /// Lines from there up to this frequency \[Hz\] tell the approach to the first resonance.
+    pub to_hz: f64,
+}
+
+/// A response whose low lines are completed, and what the lines above them say of the mass.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct CompletedResponse {
+    /// The response, of the kind it was. Completed lines are valid, with NaN for a coherence; the random error of their
+    /// magnitude is that of mass and elastic term, and for the phase it stands as a bound.
+    pub response: FrequencyResponse,
+    /// Provenance: the lines before this one are completed, this one and all after it are as measured.
+    pub first_measured: usize,
+    /// $`e`$ \[s²\] of the accelerance $`(1 + e s^2)/M`$, fitted in the band; negative $`e s^2`$ means an approach to an
+    /// antiresonance, as a free body has it before its first resonance.
+    pub elastic_term: f64,
+    /// The mass \[kg\] that the lines in the band say, fitted together with an elastic term of its own. Far from the weighed one, it
+    /// tells of a wrong sensitivity or a body that is not free.
+    pub apparent_mass: f64,
+    /// Standard error of the apparent mass \[kg\], from the scatter of the lines.
+    pub apparent_mass_standard_error: f64,
+}
+
+impl RigidBody {
+    /// A body of `mass` \[kg\] with the `standard_error` \[kg\] of the weighing.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the mass is not positive or the error negative.
+    pub fn new(mass: f64, standard_error: f64) -> Result<Self, LabioError> {
+        check_positive("mass [kg]", mass)?;
+        if !(standard_error.is_finite() && standard_error >= 0.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "standard error of the mass [kg]",
+                value: standard_error,
+                expected: "a finite value, not negative",
+            });
+        }
+        Ok(Self {
+            mass,
+            standard_error,
+        })
+    }
+
+    /// Replaces the lines of `response` below `band.from_hz` by those of the body,
+    ///
+    /// ```math
+    /// \frac{\hat a}{\hat f} = \frac{1 + e s^2}{M}, \qquad s = \sigma + i\omega,
+    /// ```
+    ///
+    /// with e from the lines in the band by least squares (weighed by their variances, if they have any). The neglected terms
+    /// are of order $`s^4`$: the band ends well below the first antiresonance. For a free rod of length L
+    /// and wave speed c, $`e = L^2/(3c^2)`$ and the next term is $`(\omega L/c)^4/45`$.
+    ///
+    /// Each of the six kinds may be given. Of a mobility or a receptance the line at 0 Hz is infinite and stays flagged
+    /// [`LineValidity::NotDefined`]; as an accelerance it has the value 1/M.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoResponseKind`]; [`LabioError::NonPhysical`] if the band is empty; [`LabioError::TooFewSamples`] if it holds
+    /// fewer than three lines with information.
+    pub fn complete(
+        &self,
+        response: &FrequencyResponse,
+        band: RigidBand,
+    ) -> Result<CompletedResponse, LabioError> {
+        check_positive(
+            "begin of the band of a nearly rigid body [Hz]",
+            band.from_hz,
+        )?;
+        if !(band.to_hz.is_finite() && band.to_hz > band.from_hz) {
+            return Err(LabioError::NonPhysical {
+                quantity: "end of the band of a nearly rigid body [Hz]",
+                value: band.to_hz,
+                expected: "a finite frequency above its begin",
+            });
+        }
+        let kind = response.kind()?;
+        let mut accelerance = response.to_kind(ResponseKind::Accelerance)?;
+        let fit = self.fit(&accelerance, band)?;
+        let first_measured = accelerance
+            .frequency_hz
+            .partition_point(|f| *f < band.from_hz);
+        for line in 0..first_measured {
+            let s2 = accelerance.laplace_variable(line).powi(2);
+            let value = (1.0 + fit.elastic_term * s2) / self.mass;
+            let relative = self.standard_error / self.mass;
+            let magnitude =
+                relative.hypot((fit.elastic_error * s2).norm() / (value * self.mass).norm());
+            accelerance.values[line] = value;
+            accelerance.validity[line] = LineValidity::Valid;
+            if let Some(coherence) = &mut accelerance.coherence {
+                coherence[line] = f64::NAN;
+            }
+            if let Some(variance) = &mut accelerance.variance {
+                // of the real factor alone, but a variance is understood to be of two components
+                variance[line] = 2.0 * value.norm_sqr() * magnitude * magnitude;
+            }
+        }
+        let mut completed = accelerance.to_kind(kind)?;
+        // measured lines are handed back as they came, not converted there and back
+        let values = response.values[first_measured..].iter();
+        for (slot, value) in completed.values[first_measured..].iter_mut().zip(values) {
+            *slot = *value;
+        }
+        if let (Some(to), Some(from)) = (&mut completed.variance, &response.variance) {
+            to[first_measured..].copy_from_slice(&from[first_measured..]);
+        }
+        Ok(CompletedResponse {
+            response: completed,
+            first_measured,
+            elastic_term: fit.elastic_term,
+            apparent_mass: fit.apparent_mass,
+            apparent_mass_standard_error: fit.apparent_mass_error,
+        })
+    }
+
+    fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
+        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (whatever was measured); the scale keeps the sums near 1
+        let scale = (TAU * band.to_hz).powi(2);
+        let in_band: Vec<usize> = (0..accelerance.values.len())
+            .filter(|line| {
+                (band.from_hz..=band.to_hz).contains(&accelerance.frequency_hz[*line])
+                    && accelerance.validity[*line] == LineValidity::Valid
+            })
+            .collect();
+        // relative to the best line; without scatter on some line all lines count alike
+        let variance = |line: usize| accelerance.variance.as_ref().map_or(0.0, |v| v[line]);
+        let least = in_band
+            .iter()
+            .map(|line| variance(*line))
+            .fold(f64::INFINITY, f64::min);
+        let weight = |line: usize| {
+            if least > 0.0 {
+                least / variance(line)
+            } else {
+                1.0
+            }
+        };
+        let lines: Vec<(Complex64, Complex64, f64)> = in_band
+            .iter()
+            .map(|line| {
+                let s2 = accelerance.laplace_variable(*line).powi(2) / scale;
+                (s2, accelerance.values[*line] * self.mass, weight(*line))
+            })
+            .collect();
+        if lines.len() < FEWEST_LINES {
+            return Err(LabioError::TooFewSamples {
+                what: "the band of a nearly rigid body",
+                found: lines.len(),
+                expected: FEWEST_LINES,
+            });
+        }
+        let [mut w, mut wx, mut wxx, mut wy, mut wxy, mut wxr] = [0.0; 6];
+        for (s2, ratio, weight) in &lines {
+            w += weight;
+            wx += weight * s2.re;
+            wxx += weight * s2.norm_sqr();
+            wy += weight * ratio.re;
+            wxy += weight * (s2.conj() * ratio).re;
+            wxr += weight * (s2.conj() * (ratio - 1.0)).re;
+        }
+        let elastic = wxr / wxx;
+        let determinant = w * wxx - wx * wx;
+        let a = (wxx * wy - wx * wxy) / determinant;
+        let b = (w * wxy - wx * wy) / determinant;
+        // two real equations a line
+        let residual = |constant: f64, slope: f64, n_fitted: f64| {
+            let squares = lines
+                .iter()
+                .map(|(s2, ratio, weight)| weight * (ratio - constant - slope * s2).norm_sqr());
+            squares.sum::<f64>() / (2.0 * lines.len() as f64 - n_fitted)
+        };
+        let a_error = (residual(a, b, 2.0) * wxx / determinant).sqrt();
+        Ok(Fit {
+            elastic_term: elastic / scale,
+            elastic_error: (residual(1.0, elastic, 1.0) / wxx).sqrt() / scale,
+            apparent_mass: self.mass / a,
+            apparent_mass_error: self.mass * a_error / (a * a),
+        })
+    }
+}
+
+struct Fit {
+    elastic_term: f64,
+    elastic_error: f64,
+    apparent_mass: f64,
+    apparent_mass_error: f64,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,166 @@
+use super::*;
+use crate::{AveragedSpectra, Channel, Estimator, Provenance, Quantity, Record, Window};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Free rod of steel: mass, and time of a wave from end to end.
+const MASS: f64 = 3.79;
+const TRANSIT: f64 = 1e-4;
+const RATE: f64 = 20_000.0;
+const N: usize = 2000;
+const BAND: RigidBand = RigidBand {
+    from_hz: 60.0,
+    to_hz: 250.0,
+};
+
+/// Accelerance at the end of the rod: x cot x / M with x = omega times transit.
+fn exact(omega: f64) -> f64 {
+    let x = omega * TRANSIT;
+    if x > 0.0 {
+        x / x.tan() / MASS
+    } else {
+        1.0 / MASS
+    }
+}
+
+/// A response with the lines of the rod, made by way of two hits so that all its fields are those of a measurement; `gain` is an
+/// error of sensitivity, `noise` relative.
+fn measured(gain: f64, noise: f64) -> FrequencyResponse {
+    let channels = vec![
+        Channel::new("force", Quantity::Force).unwrap(),
+        Channel::new("face", Quantity::Acceleration).unwrap(),
+    ];
+    let mut samples = Array2::zeros((2, N));
+    samples[(0, 0)] = 1.0;
+    samples[(1, 0)] = 1.0;
+    let hit = Record::new(
+        samples,
+        RATE,
+        0.0,
+        channels,
+        Provenance::computed("impulse"),
+    )
+    .unwrap();
+    let spectra = AveragedSpectra::of([&hit, &hit], Window::Rectangular).unwrap();
+    let mut response = spectra.response(Estimator::H1, "force", "face").unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut variances = Vec::new();
+    for line in 0..response.values.len() {
+        let value = exact(TAU * response.frequency_hz[line]);
+        let error = Complex64::new(normal(), normal()) * (noise * value);
+        response.values[line] = gain * value + error;
+        variances.push((2.0 * noise * noise * value * value).max(f64::MIN_POSITIVE));
+    }
+    // what an accelerometer does at the lowest frequencies
+    for line in 0..4 {
+        response.values[line] *= 0.1;
+    }
+    response.variance = Some(variances);
+    response
+}
+
+#[test]
+fn low_lines_are_those_of_the_body_with_its_first_elastic_term() {
+    let accelerance = measured(1.0, 0.0);
+    let body = RigidBody::new(MASS, 0.001).unwrap();
+    let completed = body.complete(&accelerance, BAND).unwrap();
+    assert_eq!(completed.first_measured, 6);
+    // (omega L/c)^4/45 at the end of the band is 1.4e-5 of 1, against (omega L/c)^2/3 = 8e-3: e is off by its 0.2 %
+    let e = TRANSIT * TRANSIT / 3.0;
+    assert!((completed.elastic_term / e - 1.0).abs() < 2e-3);
+    for line in 0..6 {
+        let expected = exact(TAU * 10.0 * line as f64);
+        // error of e times (omega L/c)^2/3 = 3.3e-4 at 50 Hz
+        let found = completed.response.values[line];
+        assert!((found / expected - 1.0).norm() < 1e-6, "line {line}");
+        let variance = completed.response.variance.as_ref().unwrap()[line];
+        // the weighing: 0.001/3.79, the elastic term far less
+        assert!(((variance / 2.0).sqrt() * MASS * MASS / 0.001 - 1.0).abs() < 0.02);
+        assert!(completed.response.coherence.as_ref().unwrap()[line].is_nan());
+        assert_eq!(completed.response.validity[line], LineValidity::Valid);
+    }
+    assert_eq!(completed.response.values[6..], accelerance.values[6..]);
+    // the fourth order moves the apparent mass by a few 1e-6
+    assert!((completed.apparent_mass / MASS - 1.0).abs() < 2e-5);
+}
+
+#[test]
+fn mobility_tends_to_one_over_i_omega_m_and_has_no_value_at_zero() {
+    let mobility = measured(1.0, 0.0).to_kind(ResponseKind::Mobility).unwrap();
+    let body = RigidBody::new(MASS, 0.0).unwrap();
+    let completed = body.complete(&mobility, BAND).unwrap().response;
+    assert_eq!(completed.kind().unwrap(), ResponseKind::Mobility);
+    assert_eq!(completed.validity[0], LineValidity::NotDefined);
+    let rigid = 1.0 / Complex64::new(0.0, TAU * 10.0 * MASS);
+    // elastic part (omega L/c)^2/3 = 1.3e-5 at 10 Hz
+    assert!((completed.values[1] / rigid - 1.0).norm() < 2e-5);
+    assert_eq!(completed.values[6..], mobility.values[6..]);
+}
+
+#[test]
+fn a_wrong_sensitivity_shows_in_the_apparent_mass() {
+    let body = RigidBody::new(MASS, 0.001).unwrap();
+    let completed = body.complete(&measured(1.05, 1e-3), BAND).unwrap();
+    let expected = MASS / 1.05;
+    let error = completed.apparent_mass_standard_error;
+    // four standard errors
+    assert!(
+        (completed.apparent_mass - expected).abs() < 4.0 * error,
+        "{completed:?}"
+    );
+    // 20 lines of 0.1 %, two numbers fitted: 1e-3/sqrt 20 times about 2
+    assert!(error > 1e-4 * MASS && error < 1e-3 * MASS, "{error}");
+    assert!((completed.apparent_mass - MASS).abs() > 20.0 * error);
+}
+
+#[test]
+fn the_scatter_of_the_apparent_mass_is_its_standard_error() {
+    let body = RigidBody::new(MASS, 0.0).unwrap();
+    let clean = measured(1.0, 1e-3);
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut squares = 0.0;
+    let mut stated = 0.0;
+    let n = 400;
+    for _ in 0..n {
+        let mut response = clean.clone();
+        for line in 4..response.values.len() {
+            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+            let value = exact(TAU * response.frequency_hz[line]);
+            response.values[line] = value + Complex64::new(normal(), normal()) * (1e-3 * value);
+        }
+        let completed = body.complete(&response, BAND).unwrap();
+        squares += (completed.apparent_mass - MASS).powi(2);
+        stated += completed.apparent_mass_standard_error.powi(2);
+    }
+    // 400 squares: 7 %, four of these
+    assert!(
+        (squares / stated - 1.0).abs() < 0.28,
+        "{}",
+        squares / stated
+    );
+}
+
+#[test]
+fn a_band_without_lines_and_a_body_without_mass_are_refused() {
+    let response = measured(1.0, 0.0);
+    let body = RigidBody::new(MASS, 0.0).unwrap();
+    let band = |from_hz, to_hz| RigidBand { from_hz, to_hz };
+    let refusals = [
+        RigidBody::new(0.0, 0.0).map(|_| ()),
+        RigidBody::new(1.0, f64::NAN).map(|_| ()),
+        body.complete(&response, band(60.0, 75.0)).map(|_| ()),
+        body.complete(&response, band(60.0, 60.0)).map(|_| ()),
+    ]
+    .map(|result| result.unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    mass [kg] is 0, expected a finite value above 0
+    standard error of the mass [kg] is NaN, expected a finite value, not negative
+    the band of a nearly rigid body has 2 samples, expected at least 3
+    end of the band of a nearly rigid body [Hz] is 60, expected a finite frequency above its begin
+    ");
+}

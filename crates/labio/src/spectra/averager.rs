@@ -1,0 +1,445 @@
+//! Sums of the spectra of hits as they come.
+
+use num_complex::Complex64;
+
+use super::{AveragedSpectra, Detrend};
+use crate::channel::{self, Channel};
+use crate::dft::Dft;
+use crate::error::check_positive;
+use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
+
+/// Two sampling rates are the same if they differ relatively by less than this: over a record of a million samples the
+/// last ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their last digits.
+const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
+
+/// Two channels of so many lines and their sums fit into the first cache.
+const LINES_A_BLOCK: usize = 512;
+
+/// Sums of the spectra of hits, from which the averages can be taken at any time.
+///
+/// Memory: the samples of one hit, one transform a channel and the sums, whatever the number of hits. Nothing is
+/// allocated after construction.
+///
+/// # Scaling
+///
+/// With $`X_k = \Delta t\sum_n w_n x_n e^{-2\pi i kn/N}`$ \[unit s\], the one-sided *energy* spectral density of a hit is
+///
+/// ```math
+/// G_{xy}(f_k) = \frac{c_k}{\overline{w^2}}\,X_k^* Y_k , \qquad
+/// c_k = 1 \text{ at 0 Hz and at the Nyquist frequency, 2 elsewhere},
+/// ```
+///
+/// with $`f_k = k/(N\Delta t)`$ and $`\overline{w^2}`$ the mean squared weight of the window. Its unit is unit² s/Hz. A rectangular
+/// window makes Parseval's relation exact, $`\sum_k G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration
+/// $`N\Delta t`$ it is the power spectral density of a stationary signal. The conjugate is on the *first* channel.
+///
+/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: no level is corrected for them.
+#[derive(Debug)]
+pub struct SpectrumAverager {
+    channels: Vec<Channel>,
+    sampling_rate_hz: f64,
+    n_samples: usize,
+    window: Window,
+    gains: Gains,
+    detrend: Detrend,
+    added_damping: Option<AddedDamping>,
+    /// One a channel: empty where all weights are 1.
+    weights: Vec<Vec<f64>>,
+    dft: Dft,
+    /// Transforms of the hit at hand, one a channel.
+    lines: Vec<Vec<Complex64>>,
+    /// Sums of |X|^2, one a channel.
+    auto_sums: Vec<Vec<f64>>,
+    /// Sums of conj(X) Y over the pairs in the order of `pair_index`.
+    cross_sums: Vec<Vec<Complex64>>,
+    n_averages: usize,
+}
+
+impl SpectrumAverager {
+    /// An averager for hits with these channels and this sampling.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for the window,
+    /// [`LabioError::CountMismatch`] without a channel, [`LabioError::DuplicateChannel`].
+    pub fn new(
+        channels: &[Channel],
+        n_samples: usize,
+        sampling_rate_hz: f64,
+        window: Window,
+    ) -> Result<Self, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        channel::check_distinct(channels)?;
+        let (weights, gains) = weigh(window, n_samples)?;
+        let n_channels = channels.len();
+        if n_channels == 0 {
+            return Err(LabioError::CountMismatch {
+                what: "channels to average",
+                found: 0,
+                expected: 1,
+            });
+        }
+        let n_lines = n_samples / 2 + 1;
+        let n_pairs = n_channels * (n_channels - 1) / 2;
+        Ok(Self {
+            channels: channels.to_vec(),
+            sampling_rate_hz,
+            n_samples,
+            window,
+            gains,
+            detrend: Detrend::None,
+            added_damping: None,
+            weights: vec![weights; n_channels],
+            dft: Dft::new(n_samples),
+            lines: vec![vec![Complex64::ZERO; n_lines]; n_channels],
+            auto_sums: vec![vec![0.0; n_lines]; n_channels],
+            cross_sums: vec![vec![Complex64::ZERO; n_lines]; n_pairs],
+            n_averages: 0,
+        })
+    }
+
+    /// An averager for hits that have the channels and the sampling of `record`, which is not added.
+    ///
+    /// # Errors
+    ///
+    /// As [`SpectrumAverager::new`].
+    pub fn for_records_like(record: &Record, window: Window) -> Result<Self, LabioError> {
+        Self::new(
+            record.channels(),
+            record.n_samples(),
+            record.sampling_rate_hz(),
+            window,
+        )
+    }
+
+    /// Removes a trend from every hit that is added from now on.
+    #[must_use]
+    pub fn with_detrend(self, detrend: Detrend) -> Self {
+        Self { detrend, ..self }
+    }
+
+    /// Puts a force window on one channel.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has another than the rectangular
+    /// window; [`LabioError::TooManyAverages`] if hits have been added without it.
+    pub fn with_force_window(
+        mut self,
+        channel: &str,
+        window: ForceWindow,
+    ) -> Result<Self, LabioError> {
+        self.check_no_other_window("a force window")?;
+        let (index, _) = channel::find(&self.channels, channel)?;
+        let gate = window.weights(self.n_samples, self.sampling_rate_hz)?;
+        multiply(&mut self.weights[index], &gate);
+        Ok(self)
+    }
+
+    /// Puts an exponential window on all channels, so that ratios of spectra are transfer functions on the line
+    /// $`s = \sigma + i\omega`$: see [`AddedDamping`].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window, or an exponential window
+    /// already; [`LabioError::TooManyAverages`] if hits have been added without it.
+    pub fn with_exponential_window(mut self, window: AddedDamping) -> Result<Self, LabioError> {
+        self.check_no_other_window("an exponential window")?;
+        if self.added_damping.is_some() {
+            return Err(LabioError::WindowConflict {
+                asked: "an exponential window",
+                present: "an exponential window".to_owned(),
+            });
+        }
+        let decay = window.weights(self.n_samples, self.sampling_rate_hz)?;
+        for weights in &mut self.weights {
+            multiply(weights, &decay);
+        }
+        self.added_damping = Some(window);
+        Ok(self)
+    }
+
+    /// Adds one hit. After an error the sums are what they were.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] if the
+    /// hit is not like the ones before.
+    pub fn add(&mut self, hit: &Record) -> Result<(), LabioError> {
+        self.check_like(hit)?;
+        for (index, samples) in hit.samples().rows().into_iter().enumerate() {
+            let input = self.dft.input();
+            if let Some(samples) = samples.to_slice() {
+                input.copy_from_slice(samples);
+            } else {
+                for (slot, sample) in input.iter_mut().zip(samples) {
+                    *slot = *sample;
+                }
+            }
+            self.transform(index);
+        }
+        self.accumulate();
+        Ok(())
+    }
+
+    /// Adds one segment: `samples_of` gives the samples of a channel.
+    pub(super) fn add_segment<'a>(&mut self, samples_of: impl Fn(usize) -> &'a [f64]) {
+        for index in 0..self.channels.len() {
+            self.dft.input().copy_from_slice(samples_of(index));
+            self.transform(index);
+        }
+        self.accumulate();
+    }
+
+    /// Makes the lines of a channel of the samples that are in the transform.
+    fn transform(&mut self, channel: usize) {
+        let input = self.dft.input();
+        self.detrend.apply(input);
+        for (sample, weight) in input.iter_mut().zip(&self.weights[channel]) {
+            *sample *= weight;
+        }
+        self.dft.transform(&mut self.lines[channel]);
+    }
+
+    fn accumulate(&mut self) {
+        pulp::Arch::new().dispatch(|| self.accumulate_vectorised());
+        self.n_averages += 1;
+    }
+
+    #[inline(always)]
+    fn accumulate_vectorised(&mut self) {
+        // in blocks that stay in the cache while every pair passes over them
+        let n_lines = self.n_samples / 2 + 1;
+        let mut start = 0;
+        while start < n_lines {
+            let block = start..n_lines.min(start + LINES_A_BLOCK);
+            start = block.end;
+            for (sums, lines) in self.auto_sums.iter_mut().zip(&self.lines) {
+                for (sum, x) in sums[block.clone()].iter_mut().zip(&lines[block.clone()]) {
+                    *sum += x.norm_sqr();
+                }
+            }
+            let mut pairs = self.cross_sums.iter_mut();
+            for (a, first) in self.lines.iter().enumerate() {
+                let first = &first[block.clone()];
+                for (second, sums) in self.lines.iter().skip(a + 1).zip(&mut pairs) {
+                    let second = &second[block.clone()];
+                    for ((sum, x), y) in sums[block.clone()].iter_mut().zip(first).zip(second) {
+                        *sum += x.conj() * y;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Number of hits added.
+    #[must_use]
+    pub fn n_averages(&self) -> usize {
+        self.n_averages
+    }
+
+    /// The averages over the hits added so far, which count as independent.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if finite samples were too
+    /// large for finite spectra.
+    pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
+        let about = Averaged {
+            channels: &self.channels,
+            sampling_rate_hz: self.sampling_rate_hz,
+            n_samples: self.n_samples,
+            window: self.window,
+            gains: self.gains,
+            added_damping: self.added_damping,
+            n_averages: self.n_averages,
+        };
+        about.spectra(
+            self.auto_sums.clone(),
+            self.cross_sums.clone(),
+            self.n_averages as f64,
+        )
+    }
+
+    /// As [`SpectrumAverager::spectra`], for the last time.
+    pub(super) fn into_spectra(self) -> Result<AveragedSpectra, LabioError> {
+        let effective_averages = self.n_averages as f64;
+        self.into_averages(effective_averages)
+    }
+
+    pub(super) fn into_averages(
+        self,
+        effective_averages: f64,
+    ) -> Result<AveragedSpectra, LabioError> {
+        let sums = (self.auto_sums, self.cross_sums);
+        let about = Averaged {
+            channels: &self.channels,
+            sampling_rate_hz: self.sampling_rate_hz,
+            n_samples: self.n_samples,
+            window: self.window,
+            gains: self.gains,
+            added_damping: self.added_damping,
+            n_averages: self.n_averages,
+        };
+        about.spectra(sums.0, sums.1, effective_averages)
+    }
+
+    fn check_no_other_window(&self, asked: &'static str) -> Result<(), LabioError> {
+        if self.window != Window::Rectangular {
+            return Err(LabioError::WindowConflict {
+                asked,
+                present: format!("{:?}", self.window),
+            });
+        }
+        if self.n_averages > 0 {
+            return Err(LabioError::TooManyAverages {
+                asked,
+                found: self.n_averages,
+            });
+        }
+        Ok(())
+    }
+
+    fn check_like(&self, hit: &Record) -> Result<(), LabioError> {
+        let counts = [
+            (
+                "channels of a hit",
+                hit.channels().len(),
+                self.channels.len(),
+            ),
+            ("samples of a hit", hit.n_samples(), self.n_samples),
+        ];
+        for (what, found, expected) in counts {
+            if found != expected {
+                return Err(LabioError::CountMismatch {
+                    what,
+                    found,
+                    expected,
+                });
+            }
+        }
+        for (index, (found, expected)) in hit.channels().iter().zip(&self.channels).enumerate() {
+            if found != expected {
+                return Err(LabioError::ChannelMismatch {
+                    index,
+                    found: found.to_string(),
+                    expected: expected.to_string(),
+                });
+            }
+        }
+        let (found_hz, expected_hz) = (hit.sampling_rate_hz(), self.sampling_rate_hz);
+        if (found_hz - expected_hz).abs() > SAMPLING_RATE_TOLERANCE * expected_hz {
+            return Err(LabioError::SamplingRateMismatch {
+                found_hz,
+                expected_hz,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// What a window does to the level and the bandwidth of noise.
+#[derive(Debug, Clone, Copy)]
+struct Gains {
+    power: f64,
+    noise_bandwidth_lines: f64,
+}
+
+/// The weights, empty where all are 1, and their gains.
+fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioError> {
+    if window == Window::Rectangular && n_samples >= 2 {
+        let gains = Gains {
+            power: 1.0,
+            noise_bandwidth_lines: 1.0,
+        };
+        return Ok((Vec::new(), gains));
+    }
+    let sampled = window.sample(n_samples)?;
+    let gains = Gains {
+        power: sampled.power_gain,
+        noise_bandwidth_lines: sampled.noise_bandwidth_lines,
+    };
+    Ok((sampled.weights, gains))
+}
+
+/// All that is known of sums when they become averages.
+struct Averaged<'a> {
+    channels: &'a [Channel],
+    sampling_rate_hz: f64,
+    n_samples: usize,
+    window: Window,
+    gains: Gains,
+    added_damping: Option<AddedDamping>,
+    n_averages: usize,
+}
+
+impl Averaged<'_> {
+    fn spectra(
+        self,
+        mut auto: Vec<Vec<f64>>,
+        mut cross: Vec<Vec<Complex64>>,
+        effective_averages: f64,
+    ) -> Result<AveragedSpectra, LabioError> {
+        if self.n_averages == 0 {
+            return Err(LabioError::TooFewAverages {
+                estimate: "an averaged spectrum",
+                found: 0,
+                expected: 1,
+            });
+        }
+        let time_step = 1.0 / self.sampling_rate_hz;
+        let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
+        let n_samples = self.n_samples;
+        let scale = |line: usize| {
+            if line == 0 || 2 * line == n_samples {
+                two_sided
+            } else {
+                2.0 * two_sided
+            }
+        };
+        for (lines, channel) in auto.iter_mut().zip(self.channels) {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+            if let Some(line) = lines.iter().position(|value| !value.is_finite()) {
+                return Err(LabioError::SpectrumOverflow {
+                    channel: channel.name().to_owned(),
+                    line,
+                });
+            }
+        }
+        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite with the auto-spectra
+        for lines in &mut cross {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+        }
+        let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
+        Ok(AveragedSpectra {
+            channels: self.channels.to_vec(),
+            n_averages: self.n_averages,
+            effective_averages,
+            n_samples,
+            window: self.window,
+            added_damping: self.added_damping,
+            line_spacing_hz,
+            noise_bandwidth_hz: self.gains.noise_bandwidth_lines * line_spacing_hz,
+            frequency_hz: (0..=n_samples / 2)
+                .map(|k| k as f64 * line_spacing_hz)
+                .collect(),
+            auto,
+            cross,
+        })
+    }
+}
+
+/// Multiplies `weights`, which are all 1 if there is none, by `factors`.
+fn multiply(weights: &mut Vec<f64>, factors: &[f64]) {
+    if weights.is_empty() {
+        weights.extend_from_slice(factors);
+    } else {
+        for (weight, factor) in weights.iter_mut().zip(factors) {
+            *weight *= factor;
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What is taken off the samples of a hit or segment before the window.
+
+/// A trend that is removed from every hit or segment, channel by channel, before the window is applied.
+///
+/// Nothing is removed unless it is asked for: the mean of a force pulse is its impulse, and belongs to the measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Detrend {
+    /// Samples are taken as they are.
+    #[default]
+    None,
+    /// The mean is removed: for records of noise with an offset.
+    Mean,
+    /// The straight line of least squares is removed: for records of noise that drift.
+    Linear,
+}
+
+impl Detrend {
+    pub(super) fn apply(self, samples: &mut [f64]) {
+        let n = samples.len() as f64;
+        match self {
+            Self::None => {}
+            Self::Mean => {
+                let mean = sum(samples, |_, x| x) / n;
+                for sample in samples {
+                    *sample -= mean;
+                }
+            }
+            Self::Linear => {
+                let middle = (n - 1.0) / 2.0;
+                let mean = sum(samples, |_, x| x) / n;
+                // sum of squared distances from the middle
+                let squares = n * (n * n - 1.0) / 12.0;
+                let slope = sum(samples, |i, x| (i as f64 - middle) * x) / squares;
+                for (i, sample) in samples.iter_mut().enumerate() {
+                    *sample -= mean + slope * (i as f64 - middle);
+                }
+            }
+        }
+    }
+}
+
+/// Sums in eight lanes: faster than one, and with an eighth of the rounding.
+fn sum(samples: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
+    let mut lanes = [0.0; 8];
+    let mut start = 0;
+    for chunk in samples.chunks(lanes.len()) {
+        for (offset, (lane, &sample)) in lanes.iter_mut().zip(chunk).enumerate() {
+            *lane += term(start + offset, sample);
+        }
+        start += chunk.len();
+    }
+    lanes.iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Trend = fn(f64) -> f64;
+
+    #[test]
+    fn trends_are_removed_and_what_is_orthogonal_to_them_stays() {
+        // a parabola about the middle is orthogonal to a line; its mean over -5..5 is 10
+        let parabola = |i: i32| f64::from((i - 5) * (i - 5));
+        let sampled = |trend: Trend| -> Vec<f64> {
+            (0..11)
+                .map(|i| parabola(i) - 10.0 + trend(f64::from(i)))
+                .collect()
+        };
+        let cases: [(Detrend, Trend); 3] = [
+            (Detrend::None, |_| 0.0),
+            (Detrend::Mean, |_| 7.0),
+            (Detrend::Linear, |i| 7.0 - 0.75 * i),
+        ];
+        for (detrend, trend) in cases {
+            let mut samples = sampled(trend);
+            detrend.apply(&mut samples);
+            for (i, sample) in (0..).zip(&samples) {
+                // a few roundings of numbers of order ten
+                assert!((sample - (parabola(i) - 10.0)).abs() < 1e-13, "{detrend:?}");
+            }
+        }
+    }
+}

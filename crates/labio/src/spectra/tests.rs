@@ -1,0 +1,305 @@
+use super::*;
+use crate::{ForceWindow, Provenance, Quantity};
+use ndarray::Array2;
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+const NAMES: [&str; 3] = ["a", "b", "c"];
+
+fn record(rows: &[Vec<f64>], sampling_rate_hz: f64) -> Record {
+    let samples = Array2::from_shape_fn((rows.len(), rows[0].len()), |(c, n)| rows[c][n]);
+    let channels = NAMES[..rows.len()]
+        .iter()
+        .map(|name| Channel::new(*name, Quantity::Velocity).unwrap())
+        .collect();
+    let provenance = Provenance::computed("random numbers");
+    Record::new(samples, sampling_rate_hz, 0.0, channels, provenance).unwrap()
+}
+
+fn noise(rng: &mut ChaCha8Rng, n: usize) -> Vec<f64> {
+    (0..n).map(|_| StandardNormal.sample(rng)).collect()
+}
+
+proptest! {
+    /// Energy in time is energy in frequency, for even and odd lengths.
+    #[test]
+    fn parseval(samples in prop::collection::vec(-1e3..1e3_f64, 3..200), rate in 1.0..1e6_f64) {
+        let energy: f64 = samples.iter().map(|x| x * x).sum::<f64>() / rate;
+        let spectra = AveragedSpectra::of([&record(&[samples], rate)], Window::Rectangular).unwrap();
+        let lines: f64 = spectra.auto("a").unwrap().iter().sum::<f64>() * spectra.line_spacing_hz();
+        // 200 terms of one sign, each rounded a few times
+        prop_assert!((lines - energy).abs() <= 1e-13 * energy);
+    }
+}
+
+#[test]
+fn the_spectral_matrix_is_the_average_of_direct_sums() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let (n, rate, n_hits) = (30, 50.0, 4);
+    let hits: Vec<Vec<Vec<f64>>> = (0..n_hits)
+        .map(|_| (0..3).map(|_| noise(&mut rng, n)).collect())
+        .collect();
+    let records: Vec<Record> = hits.iter().map(|rows| record(rows, rate)).collect();
+    let spectra = AveragedSpectra::of(&records, Window::HannPeriodic).unwrap();
+    assert_eq!(spectra.n_averages(), n_hits);
+    let transform = |samples: &[f64], k: usize| -> Complex64 {
+        (0..n)
+            .map(|i| {
+                let hann = (TAU / 2.0 * i as f64 / n as f64).sin().powi(2);
+                samples[i] * hann / rate * Complex64::cis(-TAU * (k * i) as f64 / n as f64)
+            })
+            .sum()
+    };
+    for (a, first) in NAMES.iter().enumerate() {
+        for (b, second) in NAMES.iter().enumerate() {
+            let cross = spectra.cross(first, second).unwrap();
+            for (k, line) in cross.iter().enumerate() {
+                let sides = if k == 0 || k == n / 2 { 1.0 } else { 2.0 };
+                let mean: Complex64 = hits
+                    .iter()
+                    .map(|h| transform(&h[a], k).conj() * transform(&h[b], k))
+                    .sum::<Complex64>()
+                    / n_hits as f64;
+                let expected = sides * mean / 0.375; // mean squared Hann weight
+                // spectra are of order n/rate^2 = 0.01; a few hundred roundings
+                assert!((line - expected).norm() < 1e-15, "{first}{second} {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sine_has_its_energy_in_one_line_and_its_amplitude_through_the_coherent_gain() {
+    let (n, rate, amplitude, line) = (64, 32.0, 3.0, 5);
+    let sine: Vec<f64> = (0..n)
+        .map(|i| amplitude * (TAU * (line * i) as f64 / n as f64 + 0.4).sin())
+        .collect();
+    let duration = n as f64 / rate;
+    let hann = Window::HannPeriodic.sample(n).unwrap();
+    for (window, gain, power_gain) in [
+        (Window::Rectangular, 1.0, 1.0),
+        (Window::HannPeriodic, hann.coherent_gain, hann.power_gain),
+    ] {
+        let spectra =
+            AveragedSpectra::of([&record(std::slice::from_ref(&sine), rate)], window).unwrap();
+        let peak = spectra.auto("a").unwrap()[line];
+        // one-sided: G = 2 (gain A T / 2)^2 / mean w^2; one-line closed form, so only rounding remains
+        let found = (2.0 * peak * power_gain).sqrt() / (duration * gain);
+        assert!((found - amplitude).abs() < 1e-13 * amplitude);
+    }
+}
+
+#[test]
+fn averaged_spectra_of_noise_spread_as_chi_square() {
+    // 2 n G/E[G] is chi-square with 2n degrees of freedom: mean 1, relative variance 1/n, third moment 2/n^2
+    let (n_samples, rate, n_hits) = (8192, 1000.0, 10);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut averager = SpectrumAverager::new(
+        &[Channel::new("a", Quantity::Velocity).unwrap()],
+        n_samples,
+        rate,
+        Window::Rectangular,
+    )
+    .unwrap();
+    for _ in 0..n_hits {
+        let hit = record(&[noise(&mut rng, n_samples)], rate);
+        averager.add(&hit).unwrap();
+    }
+    let spectra = averager.spectra().unwrap();
+    // unit white noise: power density 2/rate, energy density times the duration
+    let expected = 2.0 / rate * n_samples as f64 / rate;
+    let relative: Vec<f64> = spectra.auto("a").unwrap()[1..n_samples / 2]
+        .iter()
+        .map(|g| g / expected)
+        .collect();
+    let lines = relative.len() as f64;
+    let moment = |p: i32, about: f64| -> f64 {
+        relative.iter().map(|g| (g - about).powi(p)).sum::<f64>() / lines
+    };
+    let (mean, hits) = (moment(1, 0.0), n_hits as f64);
+    let (variance, third) = (moment(2, 1.0), moment(3, 1.0));
+    // 4095 independent lines; four standard errors of each moment of a gamma law of shape 10:
+    // mean sqrt(1/10/4095) = 0.0049; variance sqrt((2 + 6/10)/100/4095) = 0.0025; third moment, by its sixth, 0.0030
+    assert!((mean - 1.0).abs() < 4.0 * 0.0049, "mean {mean}");
+    assert!(
+        (variance - 1.0 / hits).abs() < 4.0 * 0.0025,
+        "variance {variance}"
+    );
+    assert!(
+        (third - 2.0 / (hits * hits)).abs() < 4.0 * 0.0030,
+        "third {third}"
+    );
+}
+
+#[test]
+fn a_hit_unlike_the_others_is_refused_and_leaves_the_sums_alone() {
+    let good = record(&[vec![1.0, 2.0, 0.5], vec![0.0, 1.0, 0.0]], 10.0);
+    let mut averager = SpectrumAverager::for_records_like(&good, Window::Rectangular).unwrap();
+    averager.add(&good).unwrap();
+    let before = averager.spectra().unwrap();
+    let other_channel = Record::new(
+        good.samples().to_owned(),
+        10.0,
+        0.0,
+        vec![
+            Channel::new("a", Quantity::Velocity).unwrap(),
+            Channel::new("b", Quantity::Force).unwrap(),
+        ],
+        Provenance::computed("test"),
+    )
+    .unwrap();
+    let refusals = [
+        record(&[vec![1.0, 2.0], vec![0.0, 1.0]], 10.0),
+        record(&[vec![1.0, 2.0, 3.0]], 10.0),
+        record(&[vec![1.0, 2.0, 0.5], vec![0.0, 1.0, 0.0]], 10.001),
+        other_channel,
+    ]
+    .map(|hit| averager.add(&hit).unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    samples of a hit: found 2, expected 3
+    channels of a hit: found 1, expected 2
+    the sampling rate is 10.001 Hz, expected 10 Hz as in the hits before
+    channel 1 is `b` [N], expected `b` [m/s] as in the hits before
+    ");
+    assert_eq!(averager.spectra().unwrap().auto, before.auto);
+    assert_eq!(averager.n_averages(), 1);
+}
+
+#[test]
+fn finite_samples_with_an_infinite_spectrum_are_an_error() {
+    let hit = record(&[vec![1e200, -1e200, 1e200]], 10.0);
+    let error = AveragedSpectra::of([&hit], Window::Rectangular).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the spectrum of channel `a` overflows at line 0"
+    );
+}
+
+#[test]
+fn no_hit_is_an_error() {
+    let error = AveragedSpectra::of([], Window::Rectangular).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "an averaged spectrum needs at least 1 averages, found 0"
+    );
+}
+
+#[test]
+fn a_force_window_takes_the_noise_around_the_pulse_and_nothing_else() {
+    let n = 64;
+    let mut pulse = vec![0.0; n];
+    for (i, slot) in pulse.iter_mut().enumerate().take(14).skip(10) {
+        *slot = (i as f64 - 9.5).sin();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let noise = noise(&mut rng, n);
+    let noisy: Vec<f64> = (0..n)
+        .map(|i| {
+            if (10..14).contains(&i) {
+                pulse[i]
+            } else {
+                noise[i]
+            }
+        })
+        .collect();
+    let other = vec![1.0; n];
+    let gate = ForceWindow::new(0.10, 0.13, 0.0).unwrap();
+    let gated = SpectrumAverager::for_records_like(
+        &record(&[noisy.clone(), other.clone()], 100.0),
+        Window::Rectangular,
+    )
+    .unwrap();
+    let mut gated = gated.with_force_window("a", gate).unwrap();
+    gated.add(&record(&[noisy, other.clone()], 100.0)).unwrap();
+    let gated = gated.spectra().unwrap();
+    let clean = record(&[pulse, other], 100.0);
+    let clean = AveragedSpectra::of([&clean], Window::Rectangular).unwrap();
+    // weights are 1 and 0: the same numbers
+    assert_eq!(gated.auto("a").unwrap(), clean.auto("a").unwrap());
+    assert_eq!(gated.auto("b").unwrap(), clean.auto("b").unwrap());
+    assert_eq!(
+        gated.cross("a", "b").unwrap(),
+        clean.cross("a", "b").unwrap()
+    );
+}
+
+#[test]
+fn an_exponential_window_moves_the_transform_off_the_real_axis() {
+    let (n, rate, sigma) = (40, 10.0, 1.5);
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let samples = noise(&mut rng, n);
+    let hit = record(std::slice::from_ref(&samples), rate);
+    let window = AddedDamping::new(sigma).unwrap();
+    let mut averager = SpectrumAverager::for_records_like(&hit, Window::Rectangular)
+        .unwrap()
+        .with_exponential_window(window)
+        .unwrap();
+    averager.add(&hit).unwrap();
+    let spectra = averager.spectra().unwrap();
+    assert_eq!(spectra.added_damping(), Some(window));
+    for (f, g) in spectra
+        .frequency_hz()
+        .iter()
+        .zip(spectra.auto("a").unwrap())
+    {
+        let s = Complex64::new(sigma, TAU * f);
+        let laplace: Complex64 = (0..n)
+            .map(|i| samples[i] * (-s * i as f64 / rate).exp() / rate)
+            .sum();
+        let sides = if *f <= 0.0 || *f >= rate / 2.0 {
+            1.0
+        } else {
+            2.0
+        };
+        // forty terms of order 0.1
+        assert!((g - sides * laplace.norm_sqr()).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn windows_that_would_weigh_twice_or_too_late_are_refused() {
+    let hit = record(&[vec![1.0, 2.0, 3.0, 4.0]], 10.0);
+    let averager = |window| SpectrumAverager::for_records_like(&hit, window).unwrap();
+    let gate = ForceWindow::new(0.0, 0.1, 0.0).unwrap();
+    let decay = AddedDamping::new(1.0).unwrap();
+    let mut late = averager(Window::Rectangular);
+    late.add(&hit).unwrap();
+    let refusals = [
+        averager(Window::HannPeriodic).with_force_window("a", gate),
+        averager(Window::HannPeriodic).with_exponential_window(decay),
+        averager(Window::Rectangular)
+            .with_exponential_window(decay)
+            .unwrap()
+            .with_exponential_window(decay),
+        averager(Window::Rectangular).with_force_window("hammer", gate),
+        late.with_force_window("a", gate),
+    ]
+    .map(|result| result.unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    a force window cannot stand beside HannPeriodic
+    an exponential window cannot stand beside HannPeriodic
+    an exponential window cannot stand beside an exponential window
+    there is no channel `hammer`, only `a`
+    a force window must be chosen before the first hit, but 1 have been added
+    ");
+}
+
+#[test]
+fn a_silent_channel_stays_silent_beside_a_loud_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(23);
+    let loud: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e6 * x).collect();
+    let faint: Vec<f64> = noise(&mut rng, 64).iter().map(|x| 1e-9 * x).collect();
+    let silent = vec![0.0; 64];
+    let hit = record(&[loud, silent, faint.clone()], 10.0);
+    let spectra = AveragedSpectra::of([&hit, &hit], Window::HannPeriodic).unwrap();
+    assert!(spectra.auto("b").unwrap().iter().all(|g| *g <= 0.0));
+    let alone = record(&[faint], 10.0);
+    let alone = AveragedSpectra::of([&alone, &alone], Window::HannPeriodic).unwrap();
+    // every channel has a transform of its own
+    assert_eq!(spectra.auto("c").unwrap(), alone.auto("a").unwrap());
+}

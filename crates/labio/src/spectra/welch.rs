@@ -1,0 +1,387 @@
+//! Averages over overlapped segments of a long record, held in memory or read as a stream.
+
+use ndarray::Array2;
+
+use super::{AveragedSpectra, Detrend, SpectrumAverager};
+use crate::channel::Channel;
+use crate::{BlockSource, LabioError, Record, Window};
+
+/// Overlapped segments of a long record of something stationary (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
+/// 70-73).
+///
+/// The first segment begins with the first sample; samples after the last whole segment are not used. The defaults are half
+/// overlap, Hann periodic, nothing removed. The number of independent averages that all errors are taken from is
+/// [`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages).
+///
+/// # Examples
+///
+/// ```
+/// use labio::{Channel, Detrend, Provenance, Quantity, Record, Welch};
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// let sine = Array2::from_shape_fn((1, 4096), |(_, n)| 3.0 + 2.0 * (0.25 * std::f64::consts::PI * n as f64).sin());
+/// let channels = vec![Channel::new("end A", Quantity::Velocity)?];
+/// let record = Record::new(sine, 800.0, 0.0, channels, Provenance::computed("sine"))?;
+///
+/// let spectra = Welch::new(256)?.with_detrend(Detrend::Mean).spectra(&record)?;
+/// assert_eq!(spectra.n_averages(), 31);
+/// // amplitude 2 at 100 Hz, which is line 32
+/// assert!((spectra.mean_squares("end A")?[32] - 2.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Welch {
+    n_samples: usize,
+    n_overlap: usize,
+    window: Window,
+    detrend: Detrend,
+}
+
+impl Welch {
+    /// Segments of `n_samples` samples that overlap by half.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] below 3 samples.
+    pub fn new(n_samples: usize) -> Result<Self, LabioError> {
+        if n_samples < 3 {
+            return Err(LabioError::TooFewSamples {
+                what: "a segment",
+                found: n_samples,
+                expected: 3,
+            });
+        }
+        Ok(Self {
+            n_samples,
+            n_overlap: n_samples / 2,
+            window: Window::HannPeriodic,
+            detrend: Detrend::None,
+        })
+    }
+
+    /// Segments that share `n_overlap` samples with the next.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`] if that is a whole segment or more.
+    pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
+        if n_overlap >= self.n_samples {
+            return Err(LabioError::CountMismatch {
+                what: "samples of overlap, at most",
+                found: n_overlap,
+                expected: self.n_samples - 1,
+            });
+        }
+        Ok(Self { n_overlap, ..self })
+    }
+
+    /// Another window.
+    #[must_use]
+    pub fn with_window(self, window: Window) -> Self {
+        Self { window, ..self }
+    }
+
+    /// Removes a trend from every segment before the window.
+    #[must_use]
+    pub fn with_detrend(self, detrend: Detrend) -> Self {
+        Self { detrend, ..self }
+    }
+
+    /// Samples from the beginning of a segment to that of the next.
+    fn hop(&self) -> usize {
+        self.n_samples - self.n_overlap
+    }
+
+    /// The averages over the segments of `record`.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
+    /// [`SpectrumAverager::spectra`].
+    pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
+        let mut averager = self.averager(record.channels(), record.sampling_rate_hz())?;
+        let samples = record.samples();
+        let samples = samples.as_standard_layout();
+        let rows: Vec<&[f64]> = samples
+            .as_slice()
+            .unwrap_or_default()
+            .chunks_exact(record.n_samples())
+            .collect();
+        let mut start = 0;
+        while start + self.n_samples <= record.n_samples() {
+            averager.add_segment(|channel| &rows[channel][start..start + self.n_samples]);
+            start += self.hop();
+        }
+        self.averages(averager, record.n_samples())
+    }
+
+    /// The averages over the segments of a stream, read to its end. Memory: four segments a channel and the sums, whatever the
+    /// length of the stream. The numbers are those of [`Welch::spectra`] for the same samples, bit for bit.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`], whatever
+    /// the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    pub fn spectra_of_stream(
+        &self,
+        source: &mut dyn BlockSource,
+    ) -> Result<AveragedSpectra, LabioError> {
+        let channels = source.channels().to_vec();
+        let mut averager = self.averager(&channels, source.sampling_rate_hz())?;
+        let mut block = Array2::zeros((channels.len(), 2 * self.n_samples));
+        // a part of a segment, and a block
+        let mut held: Vec<Vec<f64>> = channels
+            .iter()
+            .map(|_| Vec::with_capacity(3 * self.n_samples))
+            .collect();
+        let mut n_read = 0;
+        loop {
+            let n_new = source.read_block(&mut block)?;
+            if n_new == 0 {
+                break;
+            }
+            if n_new > block.ncols() {
+                return Err(LabioError::CountMismatch {
+                    what: "samples read into a block, at most",
+                    found: n_new,
+                    expected: block.ncols(),
+                });
+            }
+            for ((row, held), channel) in block.rows().into_iter().zip(&mut held).zip(&channels) {
+                let n_before = held.len();
+                held.extend(row.iter().take(n_new));
+                let new = &held[n_before..];
+                if let Some(position) = new.iter().position(|sample| !sample.is_finite()) {
+                    return Err(LabioError::NonFiniteSample {
+                        channel: channel.name().to_owned(),
+                        index: n_read + position,
+                        value: new[position],
+                    });
+                }
+            }
+            n_read += n_new;
+            let n_held = held.first().map_or(0, Vec::len);
+            let mut start = 0;
+            while start + self.n_samples <= n_held {
+                averager.add_segment(|channel| &held[channel][start..start + self.n_samples]);
+                start += self.hop();
+            }
+            for held in &mut held {
+                held.drain(..start);
+            }
+        }
+        self.averages(averager, n_read)
+    }
+
+    fn averager(
+        &self,
+        channels: &[Channel],
+        sampling_rate_hz: f64,
+    ) -> Result<SpectrumAverager, LabioError> {
+        SpectrumAverager::new(channels, self.n_samples, sampling_rate_hz, self.window)
+            .map(|averager| averager.with_detrend(self.detrend))
+    }
+
+    fn averages(
+        &self,
+        averager: SpectrumAverager,
+        n_available: usize,
+    ) -> Result<AveragedSpectra, LabioError> {
+        let n_segments = averager.n_averages();
+        if n_segments == 0 {
+            return Err(LabioError::TooFewSamples {
+                what: "the record to be cut into segments",
+                found: n_available,
+                expected: self.n_samples,
+            });
+        }
+        let window = self.window.sample(self.n_samples)?;
+        averager.into_averages(window.independent_averages(n_segments, self.hop())?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Provenance, Quantity};
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// A record that is handed out in blocks of at most `at_most` samples.
+    struct Played {
+        record: Record,
+        position: usize,
+        at_most: usize,
+    }
+
+    impl BlockSource for Played {
+        fn channels(&self) -> &[Channel] {
+            self.record.channels()
+        }
+
+        fn sampling_rate_hz(&self) -> f64 {
+            self.record.sampling_rate_hz()
+        }
+
+        fn n_samples(&self) -> Option<u64> {
+            None
+        }
+
+        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+            let n = (self.record.n_samples() - self.position)
+                .min(self.at_most)
+                .min(block.ncols());
+            for (mut to, from) in block
+                .rows_mut()
+                .into_iter()
+                .zip(self.record.samples().rows())
+            {
+                for i in 0..n {
+                    to[i] = from[self.position + i];
+                }
+            }
+            self.position += n;
+            Ok(n)
+        }
+    }
+
+    fn noise(n_samples: usize, seed: u64) -> Record {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let samples = Array2::from_shape_simple_fn((2, n_samples), || {
+            let unit: f64 = StandardNormal.sample(&mut rng);
+            unit
+        });
+        let channels = vec![
+            Channel::new("x", Quantity::Force).unwrap(),
+            Channel::new("y", Quantity::Velocity).unwrap(),
+        ];
+        Record::new(samples, 100.0, 0.0, channels, Provenance::computed("noise")).unwrap()
+    }
+
+    fn bits(spectra: &AveragedSpectra) -> Vec<u64> {
+        let cross = spectra.cross("x", "y").unwrap();
+        let autos = ["x", "y"].map(|name| spectra.auto(name).unwrap()).concat();
+        let cross = cross.iter().flat_map(|g| [g.re, g.im]);
+        autos.into_iter().chain(cross).map(f64::to_bits).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        /// The blocks in which a stream comes do not matter.
+        #[test]
+        fn a_stream_gives_the_numbers_of_the_record(
+            n_samples in 3_usize..400,
+            segment in 3_usize..64,
+            overlap in 0.0..1.0_f64,
+            at_most in 1_usize..200,
+        ) {
+            let n_overlap = (0..segment).rev().find(|n| *n as f64 <= overlap * segment as f64).unwrap();
+            let welch = Welch::new(segment).unwrap().with_overlap(n_overlap).unwrap().with_detrend(Detrend::Linear);
+            let record = noise(n_samples, 5);
+            let mut stream = Played { record: record.clone(), position: 0, at_most };
+            match (welch.spectra(&record), welch.spectra_of_stream(&mut stream)) {
+                (Ok(whole), Ok(streamed)) => {
+                    prop_assert_eq!(whole.n_averages(), 1 + (n_samples - segment) / (segment - n_overlap));
+                    prop_assert_eq!(whole.n_averages(), streamed.n_averages());
+                    prop_assert_eq!(bits(&whole), bits(&streamed));
+                }
+                (Err(whole), Err(streamed)) => {
+                    prop_assert!(n_samples < segment);
+                    prop_assert_eq!(whole.to_string(), streamed.to_string());
+                }
+                other => prop_assert!(false, "{:?}", other),
+            }
+        }
+    }
+
+    #[test]
+    fn the_variance_of_overlapped_averages_is_that_of_the_effective_number() {
+        // many records of white noise, 8 segments of 64 with 75 % overlap each: variance of the lines over the records
+        let welch = Welch::new(64).unwrap().with_overlap(48).unwrap();
+        let n_records = 800;
+        let mut squares = 0.0;
+        let mut n_lines = 0.0;
+        let mut effective = 0.0;
+        for seed in 0..n_records {
+            let spectra = welch.spectra(&noise(64 + 7 * 16, 1000 + seed)).unwrap();
+            assert_eq!(spectra.n_averages(), 8);
+            effective = spectra.effective_averages();
+            // lines at the ends have one component; their neighbours share it through the window
+            for g in &spectra.power_density("x").unwrap()[2..31] {
+                squares += (g / 0.02 - 1.0).powi(2);
+                n_lines += 1.0;
+            }
+        }
+        let variance = squares / n_lines;
+        // gamma law of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) = 3.4; neighbouring lines of a Hann
+        // window correlate (0.44 of the independent number is left), so 10 200 independent ones: 2 % standard error
+        assert!(
+            (variance * effective - 1.0).abs() < 0.08,
+            "variance {variance}, effective number {effective}"
+        );
+        assert!(effective < 5.0); // and far from the 8 that were counted
+    }
+
+    #[test]
+    fn what_cannot_be_cut_is_refused() {
+        let record = noise(20, 1);
+        let mut infinite = Played {
+            record: record.clone(),
+            position: 0,
+            at_most: 7,
+        };
+        let refusals = [
+            Welch::new(2).map(|_| ()),
+            Welch::new(8).unwrap().with_overlap(8).map(|_| ()),
+            Welch::new(21).unwrap().spectra(&record).map(|_| ()),
+            Welch::new(21)
+                .unwrap()
+                .spectra_of_stream(&mut infinite)
+                .map(|_| ()),
+        ]
+        .map(|result| result.unwrap_err().to_string())
+        .join("\n");
+        insta::assert_snapshot!(refusals, @r"
+        a segment has 2 samples, expected at least 3
+        samples of overlap, at most: found 8, expected 7
+        the record to be cut into segments has 20 samples, expected at least 21
+        the record to be cut into segments has 20 samples, expected at least 21
+        ");
+    }
+
+    #[test]
+    fn a_bad_sample_of_a_stream_is_named_by_its_place_in_the_stream() {
+        struct Bad(Vec<Channel>, usize);
+        impl BlockSource for Bad {
+            fn channels(&self) -> &[Channel] {
+                &self.0
+            }
+            fn sampling_rate_hz(&self) -> f64 {
+                1.0
+            }
+            fn n_samples(&self) -> Option<u64> {
+                None
+            }
+            fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+                for n in 0..10 {
+                    block[(0, n)] = if self.1 + n == 23 { f64::NAN } else { 1.0 };
+                }
+                self.1 += 10;
+                Ok(10)
+            }
+        }
+        let channel = Channel::new("a", Quantity::Force).unwrap();
+        let error = Welch::new(8)
+            .unwrap()
+            .spectra_of_stream(&mut Bad(vec![channel], 0))
+            .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "sample 23 of channel `a` is NaN, expected a finite value"
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! The damping that an exponential window adds, and how to take it away again.
+
+use num_complex::Complex64;
+
+use crate::LabioError;
+use crate::error::check_positive;
+
+/// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer than the record.
+///
+/// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line $`s = \sigma + i\omega`$. With the
+/// same window on input and output the ratio of their spectra is therefore not an approximation but the transfer function on that line,
+/// $`H(\sigma + i\omega)`$. Weighed on the response only, it would be the transfer function of nothing.
+///
+/// # What can be removed exactly
+///
+/// - from a pole: it is seen displaced by $`-\sigma`$, every mode by the same ([`AddedDamping::remove_from_pole`]);
+/// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
+///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
+/// - from a conversion between motions: the factor is $`s = \sigma + i\omega`$, as in
+///   [`FrequencyResponse::to_kind`](crate::FrequencyResponse::to_kind).
+///
+/// # What cannot
+///
+/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that takes the whole impulse response, with noise
+/// grown by $`e^{\sigma T}`$ at its end, and what rang beyond the record is lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AddedDamping {
+    decay_rate: f64,
+}
+
+/// Natural frequency and damping of a mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampedMode {
+    /// Undamped natural frequency, the modulus of the pole \[rad/s\].
+    pub natural_omega: f64,
+    /// Damping as part of the critical one \[-\]; negative for a mode that grows.
+    pub damping_ratio: f64,
+}
+
+impl AddedDamping {
+    /// The window of decay rate `decay_rate` \[1/s\].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not finite and above zero.
+    pub fn new(decay_rate: f64) -> Result<Self, LabioError> {
+        check_positive("decay rate of the exponential window [1/s]", decay_rate)?;
+        Ok(Self { decay_rate })
+    }
+
+    /// The window that has fallen to `end_weight` after `duration` \[s\], $`\sigma = -\ln(\mathrm{end\ weight})/T`$.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the weight is not between 0 and 1, or the duration not above 0.
+    pub fn to_end_weight(end_weight: f64, duration: f64) -> Result<Self, LabioError> {
+        if !(end_weight > 0.0 && end_weight < 1.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "end weight of the exponential window [-]",
+                value: end_weight,
+                expected: "a weight between 0 and 1",
+            });
+        }
+        check_positive("duration of the exponential window [s]", duration)?;
+        Self::new(-end_weight.ln() / duration)
+    }
+
+    /// $`\sigma`$ \[1/s\].
+    #[must_use]
+    pub fn decay_rate(&self) -> f64 {
+        self.decay_rate
+    }
+
+    /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\], 1 on the first.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the sampling rate.
+    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        Ok((0..n_samples)
+            .map(|n| (-self.decay_rate * n as f64 / sampling_rate_hz).exp())
+            .collect())
+    }
+
+    /// The pole of the body, from the pole that was found under the window: $`p = p' + \sigma`$.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use labio::AddedDamping;
+    /// use num_complex::Complex64;
+    ///
+    /// let window = AddedDamping::new(5.0)?;
+    /// let pole = window.remove_from_pole(Complex64::new(-8.0, 600.0));
+    /// assert!((pole - Complex64::new(-3.0, 600.0)).norm() < 1e-12);
+    /// # Ok::<(), labio::LabioError>(())
+    /// ```
+    #[must_use]
+    pub fn remove_from_pole(&self, apparent: Complex64) -> Complex64 {
+        apparent + self.decay_rate
+    }
+
+    /// The mode of the body, from natural frequency and damping ratio that were found under the window.
+    ///
+    /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped frequency, is not changed by the
+    /// window. A negative damping ratio comes out if the window is said to have added more than was found.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if the mode does not oscillate: the natural frequency is not positive, or the damping ratio is
+    /// not between -1 and 1.
+    pub fn remove_from_mode(&self, apparent: DampedMode) -> Result<DampedMode, LabioError> {
+        let DampedMode {
+            natural_omega,
+            damping_ratio,
+        } = apparent;
+        check_positive("natural frequency [rad/s]", natural_omega)?;
+        if !(damping_ratio > -1.0 && damping_ratio < 1.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "damping ratio [-]",
+                value: damping_ratio,
+                expected: "between -1 and 1",
+            });
+        }
+        let damped_omega = natural_omega * (1.0 - damping_ratio * damping_ratio).sqrt();
+        let pole =
+            self.remove_from_pole(Complex64::new(-damping_ratio * natural_omega, damped_omega));
+        Ok(DampedMode {
+            natural_omega: pole.norm(),
+            damping_ratio: -pole.re / pole.norm(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mode_under_the_window_is_the_mode_with_its_decay_rates_added() {
+        // decay 3 1/s of the body, 4 1/s of the window, damped frequency 24 rad/s: 7-24-25 under the window
+        let apparent = DampedMode {
+            natural_omega: 25.0,
+            damping_ratio: 7.0 / 25.0,
+        };
+        let mode = AddedDamping::new(4.0)
+            .unwrap()
+            .remove_from_mode(apparent)
+            .unwrap();
+        let natural = (9.0_f64 + 576.0).sqrt();
+        // a few roundings
+        assert!((mode.natural_omega - natural).abs() < 1e-14 * natural);
+        assert!((mode.damping_ratio - 3.0 / natural).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_end_weight_is_reached_at_the_end() {
+        let window = AddedDamping::to_end_weight(0.01, 2.0).unwrap();
+        let weights = window.weights(201, 100.0).unwrap();
+        // rounding of a logarithm and an exponential
+        assert!((weights[0] - 1.0).abs() < 1e-15 && (weights[200] - 0.01).abs() < 1e-15);
+        assert!((weights[100] - 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn windows_that_do_not_decay_are_refused() {
+        assert!(AddedDamping::new(0.0).is_err() && AddedDamping::new(f64::NAN).is_err());
+        assert!(AddedDamping::to_end_weight(1.0, 1.0).is_err());
+        assert!(AddedDamping::to_end_weight(0.1, 0.0).is_err());
+        assert!(AddedDamping::new(1.0).unwrap().weights(3, 0.0).is_err());
+        let overdamped = DampedMode {
+            natural_omega: 1.0,
+            damping_ratio: 1.5,
+        };
+        let window = AddedDamping::new(1.0).unwrap();
+        assert!(window.remove_from_mode(overdamped).is_err());
+    }
+}

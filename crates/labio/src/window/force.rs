@@ -1,0 +1,120 @@
+//! The window that lets a force through while the hammer is in contact and nothing else.
+
+use std::f64::consts::PI;
+
+use crate::LabioError;
+use crate::error::check_positive;
+
+/// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0 elsewhere.
+///
+/// A hammer touches the body for a small part of the record; what its channel shows in the rest is noise, which the force
+/// window removes from the input spectrum. Times count from the first sample of the hit.
+///
+/// # Validity
+///
+/// The flat part holds the whole contact: a pulse cut by the window is another pulse. A window that is wider than the
+/// contact changes nothing but the noise, so levels need no correction and get none. An offset of the channel must be gone
+/// before ([`Detrend`](crate::Detrend) or a baseline taken before the hit): inside the window it would be a second pulse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceWindow {
+    start: f64,
+    end: f64,
+    taper: f64,
+}
+
+impl ForceWindow {
+    /// A window from `start` to `end` \[s\] with edges of `taper` \[s\] outside of them.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start` or `taper` is negative.
+    pub fn new(start: f64, end: f64, taper: f64) -> Result<Self, LabioError> {
+        let refuse = |quantity, value, expected| LabioError::NonPhysical {
+            quantity,
+            value,
+            expected,
+        };
+        if !start.is_finite() {
+            return Err(refuse(
+                "start of the force window [s]",
+                start,
+                "a finite time",
+            ));
+        }
+        if !(end.is_finite() && end > start) {
+            return Err(refuse(
+                "end of the force window [s]",
+                end,
+                "a finite time after its start",
+            ));
+        }
+        if !(taper.is_finite() && taper >= 0.0) {
+            return Err(refuse(
+                "taper of the force window [s]",
+                taper,
+                "a finite time, not negative",
+            ));
+        }
+        Ok(Self { start, end, taper })
+    }
+
+    /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the sampling rate.
+    pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
+        check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        Ok((0..n_samples)
+            .map(|n| self.weight(n as f64 / sampling_rate_hz))
+            .collect())
+    }
+
+    fn weight(&self, time: f64) -> f64 {
+        let outside = (self.start - time).max(time - self.end);
+        if outside <= 0.0 {
+            1.0
+        } else if outside < self.taper {
+            0.5 + 0.5 * (PI * outside / self.taper).cos()
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_is_flat_inside_and_nothing_outside() {
+        let window = ForceWindow::new(0.2, 0.5, 0.2).unwrap();
+        let weights = window.weights(10, 10.0).unwrap();
+        // half a cosine over two samples: 1/2 at its middle; rounding of the times reaches the weights through its slope
+        let expected = [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0];
+        for (weight, expected) in weights.iter().zip(expected) {
+            assert!((weight - expected).abs() < 1e-14, "{weights:?}");
+        }
+        let abrupt = ForceWindow::new(0.2, 0.5, 0.0).unwrap();
+        assert_eq!(
+            abrupt.weights(8, 10.0).unwrap(),
+            [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+        );
+    }
+
+    #[test]
+    fn a_window_without_width_is_refused() {
+        let refusals = [
+            ForceWindow::new(0.2, 0.2, 0.0),
+            ForceWindow::new(f64::NAN, 0.2, 0.0),
+            ForceWindow::new(0.0, 0.2, -1.0),
+        ]
+        .map(|w| w.unwrap_err().to_string())
+        .join("\n");
+        insta::assert_snapshot!(refusals, @r"
+        end of the force window [s] is 0.2, expected a finite time after its start
+        start of the force window [s] is NaN, expected a finite time
+        taper of the force window [s] is -1, expected a finite time, not negative
+        ");
+    }
+}

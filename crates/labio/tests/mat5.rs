@@ -1,0 +1,372 @@
+//! MATLAB files: those that SciPy saves, and bytes put together by hand from the definition in both byte orders.
+#![allow(clippy::unwrap_used, reason = "a test fails by a panic")]
+
+use labio::format::mat5::Mat5;
+use labio::format::{Reader, Strictness};
+use labio::{Contents, LabioError, Ordinate};
+use proptest::prelude::*;
+
+// fixtures/reference/mat5/make.py
+const PLAIN: &[u8] = include_bytes!("../../../fixtures/reference/mat5/plain.mat");
+const PACKED: &[u8] = include_bytes!("../../../fixtures/reference/mat5/packed.mat");
+const SPARSE: &[u8] = include_bytes!("../../../fixtures/reference/mat5/sparse.mat");
+const OLD: &[u8] = include_bytes!("../../../fixtures/reference/mat5/old.mat");
+
+fn read(bytes: &[u8]) -> Result<Contents, LabioError> {
+    Mat5.read(bytes, Strictness::Strict)
+}
+
+/// Everything but the description, which holds a date.
+fn said(contents: &Contents) -> String {
+    let numbers = |ordinate: &Ordinate| match ordinate {
+        Ordinate::Real(values) => format!("{values:?}"),
+        Ordinate::Complex(values) => values
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+            .join(" "),
+    };
+    let series = contents.series.iter().map(|s| {
+        let class = s.properties.first().map_or("", |(_, class)| class);
+        format!("{} {} {class}", s.name, numbers(&s.ordinate))
+            .trim_end()
+            .to_owned()
+    });
+    let properties = contents
+        .properties
+        .iter()
+        .filter(|(key, _)| key != "description")
+        .map(|(key, value)| format!("{key} = {value}"));
+    let defects = contents
+        .defects
+        .iter()
+        .map(|defect| format!("defect: {defect}"));
+    series
+        .chain(properties)
+        .chain(defects)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn what_scipy_saves_is_read() {
+    let plain = said(&read(PLAIN).unwrap());
+    insta::assert_snapshot!(plain, @r"
+    force [0.5, -1.25, 3.0, 1e300]
+    counts [1.0, -2.0, 300.0] int16
+    single [1.5, 2.5] single
+    large [1099511627776.0, -4503599627370496.0] int64
+    flags [1.0, 0.0, 1.0] logical
+    transfer 1+2i -3-0.5i 0+0.0000001i
+    wide(1,:) [1.0, 2.0, 3.0]
+    wide(2,:) [4.0, 5.0, 6.0]
+    tall(:,1) [1.0, 3.0, 5.0] uint8
+    tall(:,2) [2.0, 4.0, 6.0] uint8
+    cube(:,1,1) [0.0, 6.0]
+    cube(:,2,1) [2.0, 8.0]
+    cube(:,3,1) [4.0, 10.0]
+    cube(:,1,2) [1.0, 7.0]
+    cube(:,2,2) [3.0, 9.0]
+    cube(:,3,2) [5.0, 11.0]
+    rod.material.density [1410.0, 1420.0]
+    mixed{1} [1.0, 2.0]
+    fs = 51200
+    operator = Ödeen
+    lines(1,:) = ab
+    lines(2,:) = cd
+    empty = empty, 0x3 double
+    rod.length = 2
+    rod.material.name = POM
+    hits(1).peak = 1
+    hits(1).label = a
+    hits(2).peak = 2
+    hits(2).label = b
+    mixed{2} = text
+    ");
+    assert_eq!(said(&read(PACKED).unwrap()), plain);
+}
+
+/// Elements in one byte order.
+struct Bytes {
+    big_endian: bool,
+}
+
+impl Bytes {
+    fn word(&self, word: u32) -> Vec<u8> {
+        match self.big_endian {
+            true => word.to_be_bytes().to_vec(),
+            false => word.to_le_bytes().to_vec(),
+        }
+    }
+
+    fn words(&self, words: &[u32]) -> Vec<u8> {
+        words.iter().flat_map(|&word| self.word(word)).collect()
+    }
+
+    fn element(&self, kind: u32, data: &[u8]) -> Vec<u8> {
+        let mut bytes = self.words(&[kind, u32::try_from(data.len()).unwrap()]);
+        bytes.extend(data);
+        while kind != 15 && !bytes.len().is_multiple_of(8) {
+            bytes.push(0);
+        }
+        bytes
+    }
+
+    /// At most four bytes within the tag.
+    fn small(&self, kind: u32, data: &[u8]) -> Vec<u8> {
+        let mut bytes = self.word(u32::try_from(data.len()).unwrap() << 16 | kind);
+        bytes.extend(data);
+        bytes.resize(8, 0);
+        bytes
+    }
+
+    fn matrix(&self, class: u32, shape: &[u32], name: &str, parts: &[Vec<u8>]) -> Vec<u8> {
+        let mut body = self.element(6, &self.words(&[class, 0]));
+        body.extend(self.element(5, &self.words(shape)));
+        body.extend(self.element(1, name.as_bytes()));
+        body.extend(parts.concat());
+        self.element(14, &body)
+    }
+
+    fn doubles(&self, values: &[f64]) -> Vec<u8> {
+        let data: Vec<u8> = values
+            .iter()
+            .flat_map(|x| match self.big_endian {
+                true => x.to_be_bytes(),
+                false => x.to_le_bytes(),
+            })
+            .collect();
+        self.element(9, &data)
+    }
+
+    fn file(&self, elements: &[Vec<u8>]) -> Vec<u8> {
+        let mut bytes = vec![b' '; 124];
+        bytes.extend(match self.big_endian {
+            true => [1, 0, b'M', b'I'],
+            false => [0, 1, b'I', b'M'],
+        });
+        bytes.extend(elements.concat());
+        bytes
+    }
+
+    /// A file with a vector, a complex number stored in bytes, a text and a structure of structures.
+    fn sample(&self) -> Vec<u8> {
+        let inner = self.matrix(
+            2,
+            &[1, 1],
+            "",
+            &[
+                self.small(5, &self.word(2)),
+                self.element(1, b"a\0"),
+                self.matrix(6, &[1, 3], "", &[self.doubles(&[1.0, 2.0, 4.0])]),
+            ],
+        );
+        self.file(&[
+            self.matrix(6, &[2, 1], "force", &[self.doubles(&[-0.5, 1e300])]),
+            self.matrix(
+                6 | 0x0800,
+                &[1, 1],
+                "z",
+                &[self.small(2, &[3]), self.small(1, &[0xff])],
+            ),
+            self.matrix(
+                4,
+                &[1, 3],
+                "unit",
+                &[self.element(16, "\u{b5}m".as_bytes())],
+            ),
+            self.matrix(
+                2,
+                &[1, 1],
+                "rod",
+                &[
+                    self.small(5, &self.word(5)),
+                    self.element(1, b"part\0"),
+                    inner,
+                ],
+            ),
+        ])
+    }
+}
+
+const LITTLE: Bytes = Bytes { big_endian: false };
+const BIG: Bytes = Bytes { big_endian: true };
+
+#[test]
+fn both_byte_orders_are_read() {
+    let little = said(&read(&LITTLE.sample()).unwrap());
+    insta::assert_snapshot!(little, @r"
+    force [-0.5, 1e300]
+    rod.part.a [1.0, 2.0, 4.0]
+    z = 3-1i
+    unit = µm
+    ");
+    assert_eq!(said(&read(&BIG.sample()).unwrap()), little);
+    assert!(Mat5.recognises(&BIG.sample()[..128]));
+}
+
+#[test]
+fn other_versions_are_refused_by_name() {
+    let mut hdf5 = LITTLE.file(&[]);
+    hdf5[124..126].copy_from_slice(&[0, 2]);
+    for other in [OLD, &hdf5] {
+        assert!(Mat5.recognises(other));
+    }
+    for other in [&b""[..], b"t,F\n1,2\n", &[0; 200], &PLAIN[..100]] {
+        assert!(!Mat5.recognises(other));
+    }
+    let refusals = [OLD, &hdf5, &[0; 200], b""]
+        .map(|bytes| read(bytes).unwrap_err().to_string())
+        .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    mat5, byte 124: version is 4; save it with `-v7`, expected a MATLAB file of version 5
+    mat5, byte 124: version is 7.3, which is HDF5; save it with `-v7`, expected a MATLAB file of version 5
+    mat5, byte 124: version is [00, 00, 00, 00], expected a MATLAB file of version 5
+    mat5, byte 124: version is a file of 0 bytes, expected a MATLAB file of version 5
+    ");
+}
+
+#[test]
+fn what_is_no_data_is_refused_or_passed_over() {
+    insta::assert_snapshot!(read(SPARSE).unwrap_err(), @"mat5, byte 136: class of `K` is sparse, expected numbers, text, struct or cell");
+    let contents = Mat5.read(SPARSE, Strictness::Tolerant).unwrap();
+    assert_eq!((contents.series.len(), contents.defects.len()), (1, 1));
+    // a field that is no data leaves its neighbours readable
+    let bytes = LITTLE.file(&[LITTLE.matrix(
+        2,
+        &[1, 1],
+        "s",
+        &[
+            LITTLE.small(5, &LITTLE.word(2)),
+            LITTLE.element(1, b"f\0g\0"),
+            LITTLE.matrix(16, &[1, 1], "", &[]),
+            LITTLE.matrix(6, &[1, 2], "", &[LITTLE.doubles(&[1.0, 2.0])]),
+        ],
+    )]);
+    insta::assert_snapshot!(said(&Mat5.read(&bytes, Strictness::Tolerant).unwrap()), @r"
+    s.g [1.0, 2.0]
+    defect: mat5, byte 216: class of `s.f` is function handle, expected numbers, text, struct or cell
+    ");
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    let b = LITTLE;
+    let whole = b.sample();
+    let one =
+        |class, shape: &[u32], parts: &[Vec<u8>]| b.file(&[b.matrix(class, shape, "x", parts)]);
+    let mut nested = b.matrix(6, &[1, 2], "x", &[b.doubles(&[1.0, 2.0])]);
+    for _ in 0..100 {
+        nested = b.matrix(1, &[1, 1], "x", &[nested]);
+    }
+    let mut deflated = b.file(&[b.element(15, &[0x78, 0x9c, 1, 2, 3])]);
+    deflated.extend(b.words(&[15, 0]));
+    let refusals = [
+        whole[..130].to_vec(),
+        whole[..whole.len() - 20].to_vec(),
+        b.file(&[b.words(&[14, u32::MAX])]),
+        b.file(&[b.words(&[0x0005_0001, 0])]),
+        b.file(&[b.doubles(&[1.0])]),
+        b.file(&[b.element(14, &[])]),
+        b.file(&[b.element(14, &b.doubles(&[1.0]))]),
+        deflated,
+        one(6, &[1, 3], &[b.doubles(&[1.0, 2.0])]),
+        one(6, &[1, 3], &[]),
+        one(6, &[3], &[b.doubles(&[1.0])]),
+        one(6, &[0x7fff_ffff; 3], &[b.doubles(&[1.0])]),
+        one(
+            6,
+            &[0, 0x7fff_ffff, 0x7fff_ffff, 0x7fff_ffff],
+            &[b.doubles(&[])],
+        ),
+        one(6, &[0x7fff_ffff, 1], &[b.doubles(&[1.0])]),
+        one(6, &[u32::MAX, 1], &[b.doubles(&[1.0])]),
+        one(6, &[1, 2], &[b.element(8, &[0; 16])]),
+        one(6, &[1, 2], &[b.element(9, &[0; 12])]),
+        one(
+            14,
+            &[1, 2],
+            &[b.element(
+                12,
+                &[
+                    0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x7f, 0, 0, 0, 0, 0, 0, 0, 0,
+                ],
+            )],
+        ),
+        one(6 | 0x0800, &[1, 2], &[b.doubles(&[1.0, 2.0])]),
+        one(4, &[2, 2], &[b.small(1, b"abc")]),
+        one(4, &[1, 1], &[b.small(4, &[0x00, 0xd8])]),
+        one(1, &[1, 1000], &[]),
+        one(2, &[1, 1], &[b.small(5, &b.word(3)), b.small(1, b"f\0")]),
+        one(2, &[1, 1], &[b.small(5, &b.word(0)), b.small(1, b"f\0")]),
+        one(
+            2,
+            &[1, 1],
+            &[
+                b.small(5, &b.word(600)),
+                b.element(1, &[b'f'; 600]),
+                b.element(14, &[]),
+            ],
+        ),
+        one(3, &[1, 1], &[]),
+        one(99, &[1, 1], &[]),
+        b.file(&[nested]),
+    ]
+    .map(|bytes| match read(&bytes) {
+        Ok(contents) => format!("read: {}", said(&contents)),
+        Err(error) => error.to_string(),
+    })
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    the mat5 data end 6 bytes too early
+    the mat5 data end 20 bytes too early
+    the mat5 data end 4294967295 bytes too early
+    mat5, byte 128: length of a small element is 5, expected at most 4 bytes
+    mat5, byte 128: type of the element is 9, expected an array (14) or a compressed one (15)
+    mat5, byte 136: flags of an array is the end of the array, expected an element
+    mat5, byte 136: flags of an array is 1 numbers of type 9, expected two of type 6
+    mat5, byte 128: compressed element is `incomplete deflate stream`, expected deflated bytes
+    mat5, byte 184: `x` is 2 numbers, expected 3, as its shape says
+    mat5, byte 184: `x` is the end of the array, expected an element
+    mat5, byte 152: shape of an array is 1 lengths, expected at least 2
+    mat5, byte 152: shape of an array is 2147483647, expected lengths whose product can be counted
+    mat5, byte 152: shape of an array is [0, 2147483647, 2147483647, 2147483647], expected lengths whose product can be counted
+    mat5, byte 184: `x` is 1 numbers, expected 2147483647, as its shape says
+    mat5, byte 152: shape of an array is -1, expected a length
+    mat5, byte 184: `x` is of type 8, expected numbers
+    mat5, byte 184: `x` is 12 bytes, expected whole numbers of its type
+    mat5, byte 184: `x` is 9223372036854776000, expected integers that floating point holds
+    mat5, byte 208: imaginary part of `x` is the end of the array, expected an element
+    mat5, byte 184: x is 3 characters in shape [2, 2], expected rows of characters
+    mat5, byte 184: x is of type 4, expected characters
+    mat5, byte 184: x is the end of the array, expected an element
+    mat5, byte 184: fields of `x` is 2 characters, expected names of the length that is announced
+    mat5, byte 184: fields of `x` is 2 characters, expected names of the length that is announced
+    mat5, byte 800: name of a field is 602 bytes, expected at most 512
+    mat5, byte 136: class of `x` is object, expected numbers, text, struct or cell
+    mat5, byte 136: class of `x` is unknown, expected numbers, text, struct or cell
+    mat5, byte 3776: array within arrays is 65 levels deep, expected at most 64 levels
+    ");
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_it_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200), tolerant in any::<bool>()) {
+        let strictness = if tolerant { Strictness::Tolerant } else { Strictness::Strict };
+        let _ = Mat5.read(&bytes, strictness);
+        let _ = Mat5.recognises(&bytes);
+        let _ = Mat5.read(&LITTLE.file(std::slice::from_ref(&bytes)), strictness);
+        let _ = Mat5.read(&BIG.file(&[BIG.element(14, &bytes)]), strictness);
+    }
+
+    #[test]
+    fn no_mutation_makes_it_panic(which in 0..5_usize, cut in 0..2200_usize, at in 0..2200_usize, byte in any::<u8>(), tolerant in any::<bool>()) {
+        let strictness = if tolerant { Strictness::Tolerant } else { Strictness::Strict };
+        let mut bytes = [PLAIN.to_vec(), PACKED.to_vec(), SPARSE.to_vec(), LITTLE.sample(), BIG.sample()][which].clone();
+        let n = bytes.len();
+        bytes[at % n] = byte;
+        let _ = Mat5.read(&bytes, strictness);
+        bytes.truncate(cut % n);
+        let _ = Mat5.read(&bytes, strictness);
+    }
+}
