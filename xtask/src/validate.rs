@@ -4,7 +4,9 @@
 //! table is printed and written to `target/validate`.
 
 mod check;
+mod files;
 mod hammer;
+mod shock;
 
 use std::path::Path;
 
@@ -25,7 +27,9 @@ enum ValidationError {
 }
 
 pub(crate) fn run(data: Option<&Path>) -> Outcome {
-    let report = hammer::report(data);
+    let report = hammer::report(data)
+        .and(shock::report(data))
+        .and(files::report(data));
     let folder = workspace_root().join("target").join("validate");
     let markdown = folder.join("validation.md");
     write_whole(&markdown, &report.to_markdown())?;

@@ -1,7 +1,9 @@
 //! A claim about a measured record, what we find, and the verdict.
 
 use std::fmt::Write as _;
+use std::io;
 
+use labio::LabioError;
 use serde::Serialize;
 
 /// What is known of a record, as a number with a tolerance.
@@ -58,6 +60,15 @@ pub(crate) struct Observation {
 pub(crate) struct Report {
     pub(crate) checks: Vec<Check>,
     pub(crate) observations: Vec<Observation>,
+}
+
+impl Report {
+    /// Adds the checks of another record.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.checks.extend(other.checks);
+        self.observations.extend(other.observations);
+        self
+    }
 }
 
 /// How many checks came out how.
@@ -220,6 +231,26 @@ impl Report {
     pub(crate) fn to_json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
+}
+
+/// Whether a file is simply not there.
+pub(crate) fn is_absent(error: &LabioError) -> bool {
+    match error {
+        LabioError::InFile { source, .. } => is_absent(source),
+        LabioError::Read { source } => source.kind() == io::ErrorKind::NotFound,
+        _ => false,
+    }
+}
+
+/// An error with its causes in one line.
+pub(crate) fn refused(error: &dyn std::error::Error) -> NotMeasured {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    NotMeasured::Refused(text)
 }
 
 /// Five significant digits, without trailing zeros.

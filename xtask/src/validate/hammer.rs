@@ -2,14 +2,13 @@
 //!
 //! The checks go the whole way: file, record, averaged spectra, H1 and coherence, and back from a response to its force.
 
-use std::io;
 use std::path::Path;
 
 use impulse::Reconstruction;
 use labio::format::npy;
 use labio::{AveragedSpectra, Channel, FrequencyResponse, LabioError, Quantity, Record, Window};
 
-use super::check::{Check, Claim, NotMeasured, Observation, Report};
+use super::check::{Check, Claim, NotMeasured, Observation, Report, is_absent, refused};
 
 const FORCE: &str = "force";
 const ACCELERATION: &str = "acceleration";
@@ -172,25 +171,6 @@ fn read(data: &Path) -> Result<[Record; 5], NotMeasured> {
         })
     };
     Ok([hit(1)?, hit(2)?, hit(3)?, hit(4)?, hit(5)?])
-}
-
-fn is_absent(error: &LabioError) -> bool {
-    match error {
-        LabioError::InFile { source, .. } => is_absent(source),
-        LabioError::Read { source } => source.kind() == io::ErrorKind::NotFound,
-        _ => false,
-    }
-}
-
-/// An error with its causes in one line.
-fn refused(error: &dyn std::error::Error) -> NotMeasured {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text = format!("{text}: {error}");
-        cause = error.source();
-    }
-    NotMeasured::Refused(text)
 }
 
 impl Measured {
