@@ -13,12 +13,15 @@ use rodwave::band_limited::SampledHistory;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::CrossSection;
 use rodwave::impact::{ImpactTest, Striker};
-use rodwave::inelastic::{Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+    RelaxedStress,
+};
 use rodwave::line::{Body, Drive, End, Gauge, Line, LineHistory, Parameter, Segment};
 use rodwave::medium::Medium;
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use rodwave::synthesis::DampedSynthesis;
-use rodwave::{DirectProblem, InelasticRod};
+use rodwave::{DirectProblem, InelasticRod, RodwaveError};
 
 const AREA: f64 = 2e-4;
 
@@ -437,6 +440,77 @@ fn agrees_with_the_lumped_impact() {
         (of_line / of_lumped - 1.0).abs() < 2e-3,
         "{of_line} {of_lumped}"
     );
+}
+
+/// A law of a user's own, with nothing to identify: the Maxwell law of one viscosity.
+#[derive(Debug, Clone)]
+struct Fixed;
+
+const VISCOSITY: f64 = 4e5;
+
+#[derive(Debug, Clone)]
+struct FixedFlow(f64);
+
+impl InelasticLaw for Fixed {
+    const PARAMETERS: &'static [&'static str] = &[];
+    type Flow = FixedFlow;
+
+    fn inelastic_strain_rate(&self, stress: f64) -> f64 {
+        stress / VISCOSITY
+    }
+
+    fn flow(&self, modulus: f64, duration: f64) -> FixedFlow {
+        FixedFlow((-modulus * duration / VISCOSITY).exp())
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn with_parameters(&self, _: &[f64]) -> Result<Self, RodwaveError> {
+        Ok(Self)
+    }
+
+    fn reference_stress(&self) -> f64 {
+        10e6
+    }
+}
+
+impl RelaxationFlow for FixedFlow {
+    fn relax(&self, stress: f64) -> f64 {
+        stress * self.0
+    }
+
+    fn relax_with_sensitivity(&self, stress: f64, _: &mut [f64]) -> RelaxedStress {
+        RelaxedStress {
+            stress: stress * self.0,
+            by_stress: self.0,
+            by_log_modulus: stress * self.0 * self.0.ln(),
+        }
+    }
+}
+
+/// Laws plug in, with parameters or without.
+#[test]
+fn a_law_of_the_users_own_relaxes() {
+    let gauge = Gauge {
+        body: 0,
+        position: 0.3,
+    };
+    let run = |segment: Segment| {
+        let line = pushed(line([segment]), 500.0);
+        line.run(1e-6, 0.8e-3, &[gauge]).unwrap()
+    };
+    let rod = || Segment::new(0.4, AREA, 910.0).unwrap();
+    let own = run(rod().with_branch(2.58e9, Fixed).unwrap());
+    let ours = run(rod()
+        .with_branch(2.58e9, Maxwell::new(VISCOSITY).unwrap())
+        .unwrap());
+    assert!(own.ledger.dissipated > 0.1 * own.ledger.supplied);
+    for (a, b) in own.gauges[0].stress.iter().zip(&ours.gauges[0].stress) {
+        // the same exponential, by its value and by its distance from 1
+        assert!((a - b).abs() < 1e-11 * 500.0 / AREA, "{a} {b}");
+    }
 }
 
 /// The strain of all cells adds up to the elongation, whatever the material.

@@ -1,9 +1,10 @@
 //! One spring in series with an inelastic law, whatever the law.
 
+use std::any::TypeId;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, StressChange, lanes};
+use crate::inelastic::{Elastic, InelasticLaw, LANES, RelaxationFlow, StressChange, lanes};
 
 /// A modulus and a law behind a pointer, so that a line may mix laws.
 #[derive(Debug, Clone)]
@@ -30,6 +31,8 @@ where
         Box::new(Flow {
             flow: InelasticLaw::flow(self, modulus, duration),
             parameters: L::PARAMETERS.len(),
+            // a law without parameters may well relax
+            is_elastic: TypeId::of::<L>() == TypeId::of::<Elastic>(),
         })
     }
 }
@@ -68,11 +71,12 @@ impl Clone for Box<dyn BranchFlow> {
 struct Flow<F> {
     flow: F,
     parameters: usize,
+    is_elastic: bool,
 }
 
 impl<F: RelaxationFlow + Debug + Clone + Send + Sync + 'static> BranchFlow for Flow<F> {
     fn is_elastic(&self) -> bool {
-        self.parameters == 0
+        self.is_elastic
     }
 
     fn relax_waves(&self, waves: Waves<'_>) -> f64 {
