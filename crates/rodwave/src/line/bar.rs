@@ -10,7 +10,7 @@
 use super::branch::{BranchFlow, Waves};
 use super::segment::Segment;
 use super::tangent::{BarTangent, Source};
-use crate::inelastic::{LANES, StressChange};
+use crate::inelastic::{LANES, StressChange, lanes};
 use crate::sliding_window::SlidingWindow;
 
 #[derive(Debug, Clone)]
@@ -110,7 +110,7 @@ impl Bar {
             return 0.0;
         }
         if !self.tangents.is_empty() {
-            return self.relax_with_tangents();
+            return pulp::Arch::new().dispatch(RelaxWithTangents(self));
         }
         let cells = self.cells();
         if let [flow] = &self.flows[..] {
@@ -158,6 +158,7 @@ impl Bar {
         0.5 * self.cell_volume * dissipated
     }
 
+    #[inline(always)]
     fn relax_with_tangents(&mut self) -> f64 {
         let inverse = 1.0 / self.specific_impedance;
         let mut dissipated = 0.0;
@@ -197,6 +198,7 @@ impl Bar {
     }
 
     /// Puts stresses and changes of the branches in `count` cells from `first` into the block.
+    #[inline(always)]
     pub(super) fn prepare_block(&mut self, first: usize, count: usize, half_step: bool) {
         let half_impedance = 0.5 * self.specific_impedance;
         let right = &self.right.as_slice()[first..first + count];
@@ -235,27 +237,34 @@ impl Bar {
     }
 
     /// The derivative of the total change in the block by one parameter; with `keep`, the tangent relaxes.
+    #[inline(always)]
     fn relax_tangent(&mut self, index: usize, first: usize, count: usize) {
         let inverse = 1.0 / self.specific_impedance;
         let changes = self.tangent_changes(index, first, count);
         let tangent = &mut self.tangents[index];
         let growth = tangent.impedance_growth;
-        for lane in 0..count {
-            let cell = first + lane;
-            let change = (changes.total[lane] - growth * self.block.total_change[lane]) * inverse;
-            tangent.right.as_mut_slice()[cell] += change;
-            tangent.left.as_mut_slice()[cell] += change;
+        let total_change = &self.block.total_change;
+        let change = lanes!(|i| (changes.total[i] - growth * total_change[i]) * inverse);
+        let right = &mut tangent.right.as_mut_slice()[first..first + count];
+        let left = &mut tangent.left.as_mut_slice()[first..first + count];
+        for ((r, l), change) in right.iter_mut().zip(left).zip(change) {
+            *r += change;
+            *l += change;
         }
         for (branch, excess) in tangent.excess.iter_mut().enumerate() {
-            for lane in 0..count {
-                excess[first + lane] += tangent.branch_change[branch][lane]
-                    - self.fractions[branch] * changes.total[lane]
-                    - tangent.fraction_growth[branch] * self.block.total_change[lane];
+            let (fraction, growth) = (self.fractions[branch], tangent.fraction_growth[branch]);
+            let branch_change = &tangent.branch_change[branch];
+            let change = lanes!(|i| branch_change[i]
+                - fraction * changes.total[i]
+                - growth * total_change[i]);
+            for (excess, change) in excess[first..first + count].iter_mut().zip(change) {
+                *excess += change;
             }
         }
     }
 
     /// dσ before the change and the derivative of the change of σ, by one parameter, for the block at hand.
+    #[inline(always)]
     pub(super) fn tangent_changes(
         &mut self,
         index: usize,
@@ -271,11 +280,20 @@ impl Bar {
         };
         let right = &tangent.right.as_slice()[first..first + count];
         let left = &tangent.left.as_slice()[first..first + count];
-        for (lane, (r, l)) in right.iter().zip(left).enumerate() {
-            result.stress[lane] =
-                half_impedance * (r + l) + tangent.impedance_growth * block.total[lane];
+        let growth = tangent.impedance_growth;
+        let sums = result.stress.iter_mut().zip(&block.total);
+        for (((stress, total), r), l) in sums.zip(right).zip(left) {
+            *stress = half_impedance * (r + l) + growth * total;
         }
         for (branch, change) in block.change.iter().enumerate() {
+            let (fraction, growth) = (self.fractions[branch], tangent.fraction_growth[branch]);
+            let mut by = lanes!(|i| fraction * result.stress[i] + growth * block.total[i]);
+            if let Some(excess) = tangent.excess.get(branch) {
+                for (by, p) in by.iter_mut().zip(&excess[first..first + count]) {
+                    *by += p;
+                }
+            }
+            by = lanes!(|i| change.by_stress[i] * by[i]);
             let source = match tangent.source {
                 Source::LogModulus(of) if of == branch => Some(&change.by_log_modulus),
                 Source::Parameter(of, parameter) if of == branch => {
@@ -283,16 +301,11 @@ impl Bar {
                 }
                 _ => None,
             };
-            for lane in 0..count {
-                let mut by = self.fractions[branch] * result.stress[lane]
-                    + tangent.fraction_growth[branch] * block.total[lane];
-                if let Some(excess) = tangent.excess.get(branch) {
-                    by += excess[first + lane];
-                }
-                let by = change.by_stress[lane] * by + source.map_or(0.0, |source| source[lane]);
-                tangent.branch_change[branch][lane] = by;
-                result.total[lane] += by;
+            if let Some(source) = source {
+                by = lanes!(|i| by[i] + source[i]);
             }
+            tangent.branch_change[branch] = by;
+            result.total = lanes!(|i| result.total[i] + by[i]);
         }
         result
     }
@@ -331,6 +344,18 @@ impl Bar {
         let sum = |values: &[f64]| -> f64 { values.iter().sum() };
         let velocities = 0.5 * (sum(self.left.as_slice()) - sum(self.right.as_slice()));
         self.density * self.cell_volume * velocities
+    }
+}
+
+/// [`Bar::relax_with_tangents`] as a task that can be run with the vector instructions of the processor at hand.
+struct RelaxWithTangents<'a>(&'a mut Bar);
+
+impl pulp::NullaryFnOnce for RelaxWithTangents<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        self.0.relax_with_tangents()
     }
 }
 
