@@ -9,12 +9,14 @@ use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 /// # Examples
 ///
 /// ```no_run
-/// # fn source() -> Box<dyn labio::BlockSource> { unimplemented!() }
-/// use labio::{CalibratedBlocks, Rating, SensorChain};
+/// use labio::format::wav::Blocks;
+/// use labio::{CalibratedBlocks, Channel, Quantity, Rating, SensorChain};
 ///
 /// # fn main() -> Result<(), labio::LabioError> {
 /// let hammer = SensorChain::of_sensitivity(Rating::new(2.3, "mV/N")?)?;
-/// let newtons = CalibratedBlocks::new(source(), vec![("hammer".to_owned(), hammer)])?;
+/// let channels = [Channel::new("hammer", Quantity::Voltage)?];
+/// let volts = Blocks::open("hits.wav", &channels, &[10.0])?;
+/// let newtons = CalibratedBlocks::new(volts, vec![("hammer".to_owned(), hammer)])?;
 /// # Ok(())
 /// # }
 /// ```

@@ -1,0 +1,123 @@
+//! What goes on inside a segment: laws of a user's own, strains.
+
+use super::*;
+
+/// A law of a user's own, with nothing to identify: the Maxwell law of one viscosity.
+#[derive(Debug, Clone)]
+struct Fixed;
+
+const VISCOSITY: f64 = 4e5;
+
+#[derive(Debug, Clone)]
+struct FixedFlow(f64);
+
+impl InelasticLaw for Fixed {
+    const PARAMETERS: &'static [&'static str] = &[];
+    type Flow = FixedFlow;
+
+    fn inelastic_strain_rate(&self, stress: f64) -> f64 {
+        stress / VISCOSITY
+    }
+
+    fn flow(&self, modulus: f64, duration: f64) -> FixedFlow {
+        FixedFlow((-modulus * duration / VISCOSITY).exp())
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn with_parameters(&self, _: &[f64]) -> Result<Self, RodwaveError> {
+        Ok(Self)
+    }
+
+    fn reference_stress(&self) -> f64 {
+        10e6
+    }
+}
+
+impl RelaxationFlow for FixedFlow {
+    fn relax(&self, stress: f64) -> f64 {
+        stress * self.0
+    }
+
+    fn relax_with_sensitivity(&self, stress: f64, _: &mut [f64]) -> RelaxedStress {
+        RelaxedStress {
+            stress: stress * self.0,
+            by_stress: self.0,
+            by_log_modulus: stress * self.0 * self.0.ln(),
+        }
+    }
+}
+
+/// Laws plug in, with parameters or without.
+#[test]
+fn a_law_of_the_users_own_relaxes() {
+    let gauge = Gauge {
+        body: 0,
+        position: 0.3,
+    };
+    let run = |segment: Segment| {
+        let line = pushed(line([segment]), 500.0);
+        line.run(1e-6, 0.8e-3, &[gauge]).unwrap()
+    };
+    let rod = || Segment::new(0.4, AREA, 910.0).unwrap();
+    let own = run(rod().with_branch(2.58e9, Fixed).unwrap());
+    let ours = run(rod()
+        .with_branch(2.58e9, Maxwell::new(VISCOSITY).unwrap())
+        .unwrap());
+    assert!(own.ledger.dissipated > 0.1 * own.ledger.supplied);
+    for (a, b) in own.gauges[0].stress.iter().zip(&ours.gauges[0].stress) {
+        // the same exponential, by its value and by its distance from 1
+        assert!((a - b).abs() < 1e-11 * 500.0 / AREA, "{a} {b}");
+    }
+}
+
+/// The strain of all cells adds up to the elongation, whatever the material.
+#[test]
+fn strain_adds_up_to_the_elongation() {
+    let segment = Segment::prony(0.2, AREA, 1140.0, &prony()).unwrap();
+    let cells = 100;
+    let step = segment.transit_time() / f64::from(cells) * (1.0 + 1e-9);
+    let gauges: Vec<Gauge> = (0..cells)
+        .map(|j| Gauge {
+            body: 0,
+            position: 0.2 * (f64::from(j) + 0.5) / f64::from(cells),
+        })
+        .collect();
+    let history = pushed(line([segment]), 500.0)
+        .with_right_end(End::Fixed)
+        .unwrap()
+        .run(step, 0.6e-3, &gauges)
+        .unwrap();
+    let elongation: f64 = history.ends[0].velocity.iter().sum::<f64>() * -history.grid.time_step;
+    let of_strain: f64 = history
+        .gauges
+        .iter()
+        .map(|gauge| gauge.strain.last().unwrap() * 0.2 / f64::from(cells))
+        .sum();
+    let scale = largest(history.gauges[50].strain.iter().copied()) * 0.2;
+    // both sums are midpoint rules of a pulse that is twenty cells long
+    assert!(
+        (elongation - of_strain).abs() < 1e-3 * scale,
+        "{elongation} {of_strain}"
+    );
+    // and elastic strain is stress over modulus
+    let elastic = pushed(line([steel(0.2, AREA)]), 500.0)
+        .run(
+            1e-6,
+            0.2e-3,
+            &[Gauge {
+                body: 0,
+                position: 0.11,
+            }],
+        )
+        .unwrap();
+    for (strain, stress) in elastic.gauges[0]
+        .strain
+        .iter()
+        .zip(&elastic.gauges[0].stress)
+    {
+        assert!((strain * 206e9 - stress).abs() < 1e-12 * 500.0 / AREA);
+    }
+}
