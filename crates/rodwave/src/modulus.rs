@@ -26,7 +26,8 @@
 //! The last law is a fit to measured waves, not a modulus: without a density it has none. It is therefore no
 //! [`ComplexModulus`] but, like every `ComplexModulus`, a [`PropagationLaw`](crate::medium::PropagationLaw), which is
 //! all that a [`Medium`](crate::medium::Medium) asks for. Whether the storage and the loss modulus of a law belong together is
-//! told by [`kramers_kronig`](crate::kramers_kronig).
+//! told by [`kramers_kronig`](crate::kramers_kronig). Laws of fractional order get a Prony series in their place, for solvers in
+//! time, from [`PronyStandIn`].
 //!
 //! # What this does not do
 //! Temperature, large strain and ageing are not here; moduli that grow with the rate faster than a dashpot, or that
@@ -42,6 +43,7 @@ mod kelvin_voigt;
 mod maxwell;
 mod monotone_cubic;
 mod power_law_propagation;
+mod prony_stand_in;
 mod retardation_spectrum;
 mod spring_pot;
 mod tabulated;
@@ -57,6 +59,7 @@ pub use havriliak_negami::HavriliakNegami;
 pub use kelvin_voigt::KelvinVoigt;
 pub use maxwell::Maxwell;
 pub use power_law_propagation::PowerLawPropagation;
+pub use prony_stand_in::{CutPlaneModulus, OmegaBand, PronyStandIn};
 pub use retardation_spectrum::{KelvinVoigtElement, RetardationSpectrum};
 pub use spring_pot::SpringPot;
 pub use tabulated::{HeldTable, Tabulated};
