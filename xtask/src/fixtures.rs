@@ -5,6 +5,8 @@
 
 mod decimal;
 mod error;
+pub(crate) mod paper_b;
+pub(crate) mod paper_c;
 #[allow(
     dead_code,
     reason = "the loader offers all of paper D; what a task does not read of it is still part of the paper"

@@ -10,7 +10,7 @@
 
 mod fixtures;
 mod generated;
-mod reproduce_paper_d;
+mod reproduce;
 mod snapshot;
 mod validate;
 
@@ -18,6 +18,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use reproduce::{Keep, Paper};
 
 /// Fixtures, reproductions of the papers, and validation on measured records.
 #[derive(Parser)]
@@ -35,15 +37,14 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Reproduce the tables and figures of paper B (complex modulus from three strains in a structure) on virtual tests.
+    ReproducePaperB(Comparison),
+    /// Reproduce the tables and figures of paper C (loss factor during creep recovery) on virtual tests.
+    ReproducePaperC(Comparison),
     /// Reproduce the tables of paper D (identification of viscoelastic materials) on virtual tests.
-    ReproducePaperD {
-        /// Compare the result with the snapshot in the repository; exit status 1 on drift.
-        #[arg(long)]
-        check: bool,
-        /// Accept the result as the new snapshot.
-        #[arg(long, conflicts_with = "check")]
-        accept: bool,
-    },
+    ReproducePaperD(Comparison),
+    /// Reproduce every paper and print what each shows.
+    ReproduceAll(Comparison),
     /// Run the software on measured records and print its figures next to what is known of them.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
@@ -52,10 +53,33 @@ enum Task {
     },
 }
 
+#[derive(clap::Args)]
+struct Comparison {
+    /// Compare the result with the snapshot in the repository; exit status 1 on drift.
+    #[arg(long)]
+    check: bool,
+    /// Accept the result as the new snapshot.
+    #[arg(long, conflicts_with = "check")]
+    accept: bool,
+}
+
+impl Comparison {
+    fn keep(&self) -> Keep {
+        match (self.check, self.accept) {
+            (_, true) => Keep::Accept,
+            (true, false) => Keep::Check,
+            (false, false) => Keep::Show,
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
-        Task::ReproducePaperD { check, accept } => reproduce_paper_d::run(check, accept),
+        Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
+        Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),
+        Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
+        Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
         Task::Validate { data } => validate::run(data.as_deref()),
     };
     match outcome {

@@ -34,7 +34,7 @@ pub(crate) struct Drift {
     path: String,
     differences: Vec<String>,
     first: String,
-    command: &'static str,
+    command: String,
 }
 
 /// Compares `found` with the snapshot at `path`, or writes it there with `accept`.
@@ -42,7 +42,7 @@ pub(crate) fn compare(
     path: &Path,
     found: &Value,
     accept: bool,
-    command: &'static str,
+    command: &str,
 ) -> Result<(), Box<dyn std::error::Error>> {
     if accept {
         let text = serde_json::to_string_pretty(&rounded(found))? + "\n";
@@ -62,7 +62,7 @@ pub(crate) fn compare(
             path: path.display().to_string(),
             first: first.clone(),
             differences,
-            command,
+            command: command.to_owned(),
         })),
     }
 }

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use maxwellid::Verdict;
 
-use super::appendix::{Row, significant, standard_error};
+use super::super::number::significant;
+use super::appendix::{Row, standard_error};
 use super::materials::{Excitation, Material};
 use crate::fixtures::paper_d::{PaperD, UnitReading};
 
@@ -16,35 +17,28 @@ fn per_cent(ratio: f64) -> String {
     }
 }
 
-pub(crate) fn markdown(paper: &PaperD, rows: &[Row], materials: &[Material]) -> String {
+pub(crate) fn body(rows: &[Row], materials: &[Material]) -> String {
     let mut text = String::new();
     let out = &mut text;
     // writing to a String cannot fail
-    let _ = introduction(out, paper);
     let _ = table_a1(out, rows);
     let _ = table_4(out, materials);
     let _ = table_5(out, materials);
-    let _ = conclusion(out, rows, materials);
     text
 }
 
-fn introduction(out: &mut String, paper: &PaperD) -> std::fmt::Result {
-    writeln!(out, "# Paper D: tables recomputed\n")?;
-    writeln!(
-        out,
+pub(crate) fn introduction(paper: &PaperD) -> String {
+    let mut text = format!(
         "I. N. Trendafilova, S. Ödeen and B. Lundberg, Identification of viscoelastic materials from two-point \
-         electro-optical displacement measurements on an impacted rod (Ödeen 1993, paper D).\n"
-    )?;
-    writeln!(
-        out,
-        "**All tests are virtual**: the measured histories of the paper were never published. The units of Tables 4 and \
-         A1 have no consistent reading: {}. Each table names the reading it uses:\n",
+         electro-optical displacement measurements on an impacted rod (Ödeen 1993, paper D).\n\n\
+         **All tests are virtual**: the measured histories of the paper were never published. The units of Tables 4 and \
+         A1 have no consistent reading: {}. Each table names the reading it uses:\n\n",
         paper.no_consistent_reading
-    )?;
+    );
     for reading in UnitReading::ALL {
-        writeln!(out, "- {}", reading.description())?;
+        text.push_str(&format!("- {}\n", reading.description()));
     }
-    Ok(())
+    text
 }
 
 fn table_a1(out: &mut String, rows: &[Row]) -> std::fmt::Result {
@@ -183,8 +177,8 @@ fn table_5(out: &mut String, materials: &[Material]) -> std::fmt::Result {
     Ok(())
 }
 
-fn conclusion(out: &mut String, rows: &[Row], materials: &[Material]) -> std::fmt::Result {
-    writeln!(out, "\n## What this shows\n")?;
+pub(crate) fn conclusion(rows: &[Row], materials: &[Material]) -> Vec<String> {
+    let mut sentences = Vec::new();
     let worst = |data: fn(&Row) -> bool, symbol: &str| {
         rows.iter()
             .filter(|row| data(row))
@@ -207,18 +201,14 @@ fn conclusion(out: &mut String, rows: &[Row], materials: &[Material]) -> std::fm
             .iter()
             .filter(|(ours, paper)| ours.is_some_and(|ours| ours.abs() <= *paper))
             .count();
-        writeln!(
-            out,
-            "- Table A1, {way}: {within} of {} printed parameters come back within the paper's own relative error.",
+        sentences.push(format!("Table A1, {way}: {within} of {} printed parameters come back within the paper's own relative error.",
             printed.len()
-        )?;
+        ));
     }
-    writeln!(
-        out,
-        "- With data of another solver E is off by {} at most. What is left of B and m there is what the two solvers differ by, \
+    sentences.push(format!("With data of another solver E is off by {} at most. What is left of B and m there is what the two solvers differ by, \
          a few parts in a million of V0: neither parameter would be seen in a record with noise.",
         per_cent(worst(|row| row.relative_error.is_some(), "E"))
-    )?;
+    ));
     let mut groups: Vec<Vec<&Material>> = Vec::new();
     for material in materials {
         match groups.last_mut() {
@@ -238,26 +228,21 @@ fn conclusion(out: &mut String, rows: &[Row], materials: &[Material]) -> std::fm
             .filter_map(|line| line.deviation)
             .collect();
         let within = deviations.iter().filter(|d| d.abs() < 2.0).count();
-        writeln!(
-            out,
-            "- Table 4, {}: the damping of {identified} of {} materials is identified; {within} of {} identified \
+        sentences.push(format!("Table 4, {}: the damping of {identified} of {} materials is identified; {within} of {} identified \
              parameters lie within two standard errors of the value put in.",
             name_of(group[0]),
             group.len(),
             deviations.len()
-        )?;
+        ));
     }
-    writeln!(
-        out,
-        "- A flat striker makes a front that the recorder's filter rounds. A linear rod commutes with that filter; a \
+    sentences.push(String::from("A flat striker makes a front that the recorder's filter rounds. A linear rod commutes with that filter; a \
          nonlinear one does not, and its parameters come out biased by many standard errors although the residual hardly \
          grows. An excitation that the recorder can follow (a rounded or padded striker) removes the bias."
-    )?;
-    writeln!(
-        out,
-        "- Not reproduced: Table 3, whose adequacy measures do not follow from what the paper states, and the measured \
+    ));
+    sentences.push(String::from("Not reproduced: Table 3, whose adequacy measures do not follow from what the paper states, and the measured \
          histories, which were not published."
-    )
+    ));
+    sentences
 }
 
 #[cfg(test)]

@@ -1,0 +1,160 @@
+//! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the papers' tables and figures, recomputed.
+//!
+//! A paper gives a [`Reproduction`]; what is the same for all of them stands here: where files go, what is compared with the snapshot,
+//! what is printed.
+
+mod number;
+mod paper_b;
+mod paper_c;
+mod paper_d;
+mod table;
+
+use std::time::Instant;
+
+use serde_json::Value;
+
+use crate::Outcome;
+use crate::generated::{workspace_root, write_whole};
+use crate::snapshot;
+
+pub(crate) use table::Table;
+
+type Error = Box<dyn std::error::Error + Send + Sync>;
+
+/// A paper of the thesis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Paper {
+    B,
+    C,
+    D,
+}
+
+impl Paper {
+    /// In the order of the thesis.
+    pub(crate) const ALL: [Self; 3] = [Self::B, Self::C, Self::D];
+
+    fn letter(self) -> &'static str {
+        match self {
+            Self::B => "b",
+            Self::C => "c",
+            Self::D => "d",
+        }
+    }
+
+    fn compute(self) -> Result<Reproduction, Error> {
+        match self {
+            Self::B => paper_b::reproduce(),
+            Self::C => paper_c::reproduce(),
+            Self::D => paper_d::reproduce(),
+        }
+    }
+}
+
+/// What is done with the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Keep {
+    /// It is printed and written to target/reproduce.
+    Show,
+    /// Also compared with the snapshot.
+    Check,
+    /// Also made the new snapshot.
+    Accept,
+}
+
+/// A paper recomputed.
+#[derive(Debug)]
+pub(crate) struct Reproduction {
+    /// Heading of the page.
+    pub(crate) title: String,
+    /// What stands before the tables: what is virtual, which errata are applied.
+    pub(crate) introduction: String,
+    /// Tables and what stands between them, as Markdown.
+    pub(crate) body: String,
+    /// What agrees, what cannot, in sentences that the numbers have written.
+    pub(crate) conclusion: Vec<String>,
+    /// Every number of the tables.
+    pub(crate) summary: Value,
+    /// Other files by name: figures and tables to calculate with.
+    pub(crate) files: Vec<(String, String)>,
+    /// Which of the figures the README or the documentation shows, and where it lies from the root of the workspace.
+    pub(crate) shown: Option<Shown>,
+}
+
+/// A figure that is part of the repository.
+#[derive(Debug)]
+pub(crate) struct Shown {
+    pub(crate) file: &'static str,
+    pub(crate) path: &'static str,
+}
+
+impl Reproduction {
+    fn page(&self) -> String {
+        let mut page = format!(
+            "# {}\n\n{}\n{}\n## What this shows\n\n",
+            self.title, self.introduction, self.body
+        );
+        for sentence in &self.conclusion {
+            page.push_str(&format!("- {sentence}\n"));
+        }
+        page
+    }
+}
+
+/// Reproduces `papers`; of one the whole page is printed, of several what they show.
+pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
+    for paper in papers {
+        let began = Instant::now();
+        let result = paper
+            .compute()
+            .map_err(|error| -> Box<dyn std::error::Error> { error })?;
+        let page = result.page();
+        match papers {
+            [_] => println!("{page}"),
+            _ => {
+                println!("# {}\n", result.title);
+                for sentence in &result.conclusion {
+                    println!("- {sentence}");
+                }
+            }
+        }
+        write(*paper, &result, &page, keep == Keep::Accept)?;
+        if keep != Keep::Show {
+            let letter = paper.letter();
+            let name = format!("xtask/snapshots/reproduce-paper-{letter}.json");
+            let accept = keep == Keep::Accept;
+            snapshot::compare(
+                &workspace_root().join(&name),
+                &result.summary,
+                accept,
+                &format!("cargo xtask reproduce-paper-{letter} --accept"),
+            )?;
+            println!(
+                "{} {name}",
+                if accept { "Accepted as" } else { "Agrees with" }
+            );
+        }
+        // to the terminal and not into a file: the files are the same on every machine
+        println!("({:.1} s)\n", began.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+fn write(paper: Paper, result: &Reproduction, page: &str, accept: bool) -> Outcome {
+    let folder = workspace_root().join(format!("target/reproduce/paper-{}", paper.letter()));
+    write_whole(&folder.join("tables.md"), page)?;
+    write_whole(
+        &folder.join("summary.json"),
+        &(serde_json::to_string_pretty(&result.summary)? + "\n"),
+    )?;
+    for (name, contents) in &result.files {
+        write_whole(&folder.join(name), contents)?;
+        match &result.shown {
+            Some(shown) if accept && shown.file == name => {
+                write_whole(&workspace_root().join(shown.path), contents)?;
+            }
+            _ => {}
+        }
+    }
+    println!("Written to {}", folder.display());
+    Ok(())
+}

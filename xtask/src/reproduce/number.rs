@@ -1,0 +1,36 @@
+//! Numbers as people write them.
+
+/// A number to a given count of significant digits, without exponent where that reads well.
+pub(crate) fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let text = format!("{:.*e}", digits - 1, value);
+    let exponent: i32 = text
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        let decimals =
+            usize::try_from(i32::try_from(digits).unwrap_or(0) - 1 - exponent).unwrap_or(0);
+        // through the rounded text, so that the digits shown are those asked for
+        format!("{:.*}", decimals, text.parse::<f64>().unwrap_or(value))
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn significant_digits_are_those_asked_for() {
+        assert_eq!(significant(2.5798e9, 4), "2.580e9");
+        assert_eq!(significant(0.000_123_46, 2), "0.00012");
+        assert_eq!(significant(2.1083, 4), "2.108");
+        assert_eq!(significant(9.996, 3), "10.0");
+        assert_eq!(significant(1234.5, 2), "1200");
+        assert_eq!(significant(0.0, 3), "0");
+    }
+}

@@ -1,0 +1,178 @@
+//! The modulus by three gauges in each mounting, and by the end accelerations of the dismounted bar.
+
+use std::f64::consts::TAU;
+
+use cmod::{GaugeSpectra, GaugedRod, ModulusEstimate, ThreePoint, TwoPoint, two_point};
+use num_complex::Complex64;
+use serde::Serialize;
+
+use super::super::Error;
+use super::rig::{
+    ACCELEROMETER, GAUGE_DISTANCE, Mounting, SEED, STRAIN_NOISE, acceleration_ratios, measured,
+    polypropylene, positions, strains,
+};
+use crate::fixtures::paper_b::PaperB;
+
+/// Step of the lines of the tables, in Hz.
+const STEP_HZ: f64 = 125.0;
+
+/// What one way of measuring gives.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Series {
+    pub(crate) way: String,
+    pub(crate) lines: Vec<Line>,
+    /// Lines that fulfil every condition.
+    pub(crate) valid: usize,
+    /// Share of the valid lines whose E' and E'' lie within one and within two standard errors of the material.
+    pub(crate) within_one: f64,
+    pub(crate) within_two: f64,
+}
+
+/// The modulus at one frequency, in Pa, with standard errors.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Line {
+    pub(crate) frequency_hz: f64,
+    pub(crate) storage_modulus: f64,
+    pub(crate) loss_modulus: f64,
+    pub(crate) storage_error: f64,
+    pub(crate) loss_error: f64,
+    pub(crate) valid: bool,
+    #[serde(skip)]
+    pub(crate) truth: Complex64,
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "two dozen lines"
+)]
+pub(crate) fn frequencies(paper: &PaperB) -> Vec<f64> {
+    let count = ((paper.highest_hz - paper.lowest_hz) / STEP_HZ).round() as u32;
+    (0..=count)
+        .map(|j| paper.lowest_hz + STEP_HZ * f64::from(j))
+        .collect()
+}
+
+pub(crate) fn all(paper: &PaperB) -> Result<Vec<Series>, Error> {
+    let mut series = Vec::new();
+    for (mounting, seed) in Mounting::ALL.into_iter().zip(SEED..) {
+        let estimate = in_situ(paper, mounting, GAUGE_DISTANCE, seed)?;
+        let way = format!("{}, three strains", mounting.name());
+        series.push(collect(paper, way, &estimate)?);
+    }
+    let frequency_hz = frequencies(paper);
+    let (ratios, variance) = acceleration_ratios(paper, &frequency_hz, tests(paper))?;
+    let estimate = TwoPoint::new(two_point::Specimen {
+        length: paper.length,
+        diameter: paper.diameter,
+        density: paper.density,
+        accelerometer_mass: ACCELEROMETER,
+    })?
+    .estimate(&frequency_hz, &ratios, &variance)?;
+    series.push(collect(
+        paper,
+        "dismounted, end accelerations".into(),
+        &estimate,
+    )?);
+    Ok(series)
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "ten"
+)]
+fn tests(paper: &PaperB) -> usize {
+    paper.averaged as usize
+}
+
+/// Ten blows seen by three gauges `distance` apart.
+pub(crate) fn in_situ(
+    paper: &PaperB,
+    mounting: Mounting,
+    distance: f64,
+    seed: u64,
+) -> Result<ModulusEstimate, Error> {
+    let frequency_hz = frequencies(paper);
+    let positions = positions(paper, distance);
+    let clean = strains(paper, mounting, &positions, &frequency_hz)?;
+    let largest = clean
+        .iter()
+        .flatten()
+        .map(|strain| strain.norm())
+        .fold(0.0, f64::max);
+    let noise = STRAIN_NOISE * largest;
+    let blows = measured(&clean, noise, tests(paper), seed);
+    let blows: Vec<&[Vec<Complex64>]> = blows.iter().map(Vec::as_slice).collect();
+    Ok(ThreePoint::new(GaugedRod {
+        positions: positions.to_vec(),
+        diameter: paper.diameter,
+        density: paper.density,
+    })?
+    .estimate(&GaugeSpectra {
+        frequency_hz: &frequency_hz,
+        tests: &blows,
+        noise: &vec![vec![noise; frequency_hz.len()]; positions.len()],
+    })?)
+}
+
+#[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
+fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Series, Error> {
+    let medium = polypropylene(paper)?;
+    let lines: Vec<Line> = estimate
+        .lines()
+        .iter()
+        .map(|line| Line {
+            frequency_hz: line.frequency_hz,
+            storage_modulus: line.modulus.re,
+            loss_modulus: line.modulus.im,
+            storage_error: line.standard_error.storage_modulus,
+            loss_error: line.standard_error.loss_modulus,
+            valid: line.validity.is_valid(),
+            truth: medium.modulus(TAU * line.frequency_hz),
+        })
+        .collect();
+    let deviations: Vec<f64> = lines
+        .iter()
+        .filter(|line| line.valid)
+        .flat_map(|line| {
+            [
+                (line.storage_modulus - line.truth.re) / line.storage_error,
+                (line.loss_modulus - line.truth.im) / line.loss_error,
+            ]
+        })
+        .collect();
+    let within = |limit: f64| {
+        let count = deviations.iter().filter(|d| d.abs() < limit).count();
+        count as f64 / deviations.len().max(1) as f64
+    };
+    Ok(Series {
+        way,
+        valid: lines.iter().filter(|line| line.valid).count(),
+        within_one: within(1.0),
+        within_two: within(2.0),
+        lines,
+    })
+}
+
+/// Root mean square of the difference of two series over its standard error, over the lines that are valid in both; 1 if they
+/// differ by noise alone.
+#[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
+pub(crate) fn difference(first: &Series, second: &Series) -> f64 {
+    let mut squares = Vec::new();
+    for a in first.lines.iter().filter(|line| line.valid) {
+        let same = |line: &&Line| (line.frequency_hz - a.frequency_hz).abs() < 1e-6;
+        let Some(b) = second.lines.iter().find(same).filter(|line| line.valid) else {
+            continue;
+        };
+        squares.push(
+            (a.storage_modulus - b.storage_modulus).powi(2)
+                / (a.storage_error.powi(2) + b.storage_error.powi(2)),
+        );
+        squares.push(
+            (a.loss_modulus - b.loss_modulus).powi(2)
+                / (a.loss_error.powi(2) + b.loss_error.powi(2)),
+        );
+    }
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,69 @@
+//! What the distance of the gauges does to the error.
+
+use cmod::multi_point::advice::singular_frequencies;
+use serde::Serialize;
+
+use super::super::number::significant;
+use super::super::{Error, Table};
+use super::estimates::in_situ;
+use super::rig::{Mounting, SEED, polypropylene, positions};
+use crate::fixtures::paper_b::PaperB;
+
+/// Distances a in m.
+const DISTANCES: [f64; 4] = [0.050, 0.100, 0.150, 0.200];
+
+/// Where singular frequencies are looked for, in Hz.
+const HIGHEST_HZ: f64 = 40e3;
+
+/// One distance.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Distance {
+    pub(crate) distance: f64,
+    /// Median over the lines of the standard error of E' by |E|.
+    pub(crate) deviation: f64,
+    pub(crate) valid: usize,
+    /// The first frequency at which ka = π, in Hz.
+    pub(crate) singular_hz: f64,
+}
+
+pub(crate) fn all(paper: &PaperB) -> Result<Vec<Distance>, Error> {
+    let medium = polypropylene(paper)?;
+    DISTANCES
+        .iter()
+        .map(|&distance| {
+            let estimate = in_situ(paper, Mounting::StructureI, distance, SEED)?;
+            let mut errors: Vec<f64> = estimate
+                .lines()
+                .iter()
+                .map(|line| line.standard_error.storage_modulus / line.modulus.norm())
+                .collect();
+            errors.sort_by(f64::total_cmp);
+            let singular =
+                singular_frequencies(&medium, &positions(paper, distance), 1e-4, HIGHEST_HZ)?;
+            Ok(Distance {
+                distance,
+                deviation: errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN),
+                valid: estimate.valid().count(),
+                singular_hz: singular.first().copied().unwrap_or(f64::INFINITY),
+            })
+        })
+        .collect()
+}
+
+pub(crate) fn table(distances: &[Distance]) -> Table {
+    let mut table = Table::new(&[
+        "a, mm",
+        "median standard error of E', %",
+        "valid lines",
+        "ka = π at, Hz",
+    ]);
+    for row in distances {
+        table.row([
+            format!("{:.0}", 1e3 * row.distance),
+            significant(100.0 * row.deviation, 2),
+            row.valid.to_string(),
+            format!("{:.0}", row.singular_hz),
+        ]);
+    }
+    table
+}
