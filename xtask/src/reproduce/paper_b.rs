@@ -41,7 +41,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             "## Table 1: the branch of eq. 8 along the measured frequencies\n\n{}\n\
              ## Figure 4: E' and E'' with standard errors, GPa\n\n{}\n\
              ## The distance of the gauges\n\n\
-             Standard deviation of the modulus on a valid line, median over the band, and the first frequency at which half a wave falls \
+             Standard error of E' in structure I, median over the lines, and the first frequency at which half a wave falls \
              between neighbouring gauges.\n\n{}",
             table_1.markdown(),
             moduli.markdown(),

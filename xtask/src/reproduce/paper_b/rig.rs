@@ -23,10 +23,10 @@ pub(crate) const GAUGE_DISTANCE: f64 = 0.200;
 const LUMP: f64 = 0.1;
 
 /// Error of one strain in one test by the largest strain in the band.
-pub(crate) const STRAIN_NOISE: f64 = 0.01;
+pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
 /// Error of one end acceleration in one test by the largest in the band. The paper finds less scatter with accelerometers.
-pub(crate) const ACCELERATION_NOISE: f64 = 0.002;
+pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
 /// The accelerometer of paper A.
 pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
