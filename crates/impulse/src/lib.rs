@@ -93,7 +93,7 @@ pub use contact::{ContactEnd, Graze, ImpactForce, separate};
 pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use history::{ForceHistory, ForcePeak};
-pub use impact::{Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impact::{DiscreteImpact, Impact, LineBand, Pair, Prediction, PredictionFlag};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
     ExcludedLine, ExclusionReason, FrequencyBand, ReconstructedForce, Reconstruction,

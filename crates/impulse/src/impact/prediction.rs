@@ -2,14 +2,17 @@
 
 use std::fmt;
 
-use super::Discrete;
+use super::DiscreteImpact;
 use crate::balance::{Account, Balance};
 use crate::convolution::causal_convolution;
 use crate::unilateral::{ContactInterval, Marched};
 use crate::{ForceHistory, ForcePeak, ImpulseError};
 
-/// What a kernel may have ahead of the impulse, over its first weight.
+/// What a kernel may have ahead of the impulse, over the first weight of both.
 const ACAUSAL: f64 = 1e-3;
+
+/// Negative part of the real part of a mobility: rounding of a law, noise of a measurement.
+const ACTIVE_PART: f64 = 0.05;
 
 /// Inner energy below minus this part of the work is a body that makes energy.
 const ACTIVE: f64 = 1e-3;
@@ -41,8 +44,15 @@ pub enum PredictionFlag {
     Acausal {
         /// 0 or 1.
         body: usize,
-        /// The level found.
+        /// Root mean square ahead of the impulse, over what both faces answer in the first step.
         level: f64,
+    },
+    /// The real part of a mobility is negative: [`Kernel::active_part`](crate::Kernel::active_part) exceeds 5 %.
+    Active {
+        /// 0 or 1.
+        body: usize,
+        /// The part found.
+        part: f64,
     },
     /// The time step is too long for the stiffness of the contact: its force alternates from step to step.
     UnresolvedContact {
@@ -69,7 +79,11 @@ impl fmt::Display for PredictionFlag {
             Self::StillInContact => write!(formatter, "the faces still press at the end"),
             Self::Acausal { body, level } => write!(
                 formatter,
-                "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of its first answer"
+                "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of the first answer"
+            ),
+            Self::Active { body, part } => write!(
+                formatter,
+                "body {body} generates energy: {part:.2e} of the real part of its mobility is negative"
             ),
             Self::UnresolvedContact { number } => write!(
                 formatter,
@@ -86,20 +100,16 @@ impl fmt::Display for PredictionFlag {
 }
 
 impl Prediction {
-    pub(super) fn new(
-        velocity: f64,
-        masses: [Option<f64>; 2],
-        discrete: &Discrete,
-        marched: Marched,
-    ) -> Result<Self, ImpulseError> {
-        let answer =
-            |body: usize| causal_convolution(discrete.kernels[body].weights(), &marched.force);
+    pub(super) fn new(discrete: &DiscreteImpact, marched: Marched) -> Result<Self, ImpulseError> {
+        let velocity = discrete.velocity();
+        let kernels = discrete.kernels();
+        let answer = |body: usize| causal_convolution(kernels[body].weights(), &marched.force);
         let first: Vec<f64> = answer(0).iter().map(|own| velocity - own).collect();
         let second = answer(1);
         let mut contact_work = marched.contact_work;
-        let grid = discrete.kernels[0].grid();
+        let grid = kernels[0].grid();
         // a spring at a face that is not part of the law has its work in the kernel
-        let springs = discrete.springs_in_kernel();
+        let springs = discrete.springs();
         if springs > 0.0 {
             let mut before = 0.0;
             for &force in &marched.force {
@@ -110,7 +120,7 @@ impl Prediction {
         let balance = Account {
             time_step: grid.time_step,
             velocity,
-            masses,
+            masses: discrete.masses(),
             force: &marched.force,
             faces: [&first, &second],
             contact_work,
@@ -125,11 +135,17 @@ impl Prediction {
         {
             flags.push(PredictionFlag::StillInContact);
         }
-        for (body, kernel) in discrete.kernels.iter().enumerate() {
-            if kernel.acausal() > ACAUSAL {
-                flags.push(PredictionFlag::Acausal {
+        for (body, kernel) in kernels.iter().enumerate() {
+            let level = kernel.acausal() / discrete.first_weight().abs();
+            if level > ACAUSAL {
+                flags.push(PredictionFlag::Acausal { body, level });
+            }
+        }
+        for (body, kernel) in kernels.iter().enumerate() {
+            if kernel.active_part() > ACTIVE_PART {
+                flags.push(PredictionFlag::Active {
                     body,
-                    level: kernel.acausal(),
+                    part: kernel.active_part(),
                 });
             }
         }
