@@ -289,7 +289,7 @@ impl<'a> Impact<'a> {
             Kernel::of(self.first, grid, self.quadrature)?,
             Kernel::of(self.second, grid, self.quadrature)?,
         ];
-        DiscreteImpact::new(self.velocity, self.masses(), kernels, &self.law)
+        DiscreteImpact::new(self.velocity, [self.first, self.second], kernels, &self.law)
     }
 
     #[expect(
@@ -334,7 +334,11 @@ fn check_mass(
             Domain::FrequencyAxis => Complex64::new(0.0, rate),
             Domain::Lines { .. } => return Ok(None),
         };
-        Ok(Some(1.0 / (s * body.mobility_at(s)?).norm()))
+        let mobility = body.mobility_at(s)?;
+        if !mobility.is_finite() {
+            return Err(ImpulseError::InfiniteMobility { body: name, s });
+        }
+        Ok(Some(1.0 / (s * mobility).norm()))
     };
     let Some(found) = inertia(rate)? else {
         return Ok(());

@@ -77,7 +77,7 @@ pub struct Kernel {
     face_compliance: f64,
     front: FrontDecade,
     acausal: f64,
-    active: f64,
+    activity: f64,
 }
 
 /// The mobility \[m/(N s)\] beyond the band, and a decade further.
@@ -112,7 +112,7 @@ impl Kernel {
                 Weights {
                     weights,
                     acausal: 0.0,
-                    active: 0.0,
+                    activity: 0.0,
                 }
             }
         };
@@ -129,7 +129,7 @@ impl Kernel {
             face_compliance: front.compliance,
             front: front.decade,
             acausal: made.acausal,
-            active: made.active,
+            activity: made.activity,
         })
     }
 
@@ -164,11 +164,13 @@ impl Kernel {
         self.acausal
     }
 
-    /// Part of the real part of the mobility that is negative, summed over the lines that were used: 0 for a passive body, noise for a
-    /// measured one. Not looked for, and 0, with convolution quadrature.
+    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines that were used: 0 for a passive body, up to 1 for one that generates
+    /// energy somewhere, and anything between by the noise of a measured one
+    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) judges that by its variance). Not looked for, and 0, with convolution
+    /// quadrature.
     #[must_use]
-    pub fn active_part(&self) -> f64 {
-        self.active
+    pub fn activity(&self) -> f64 {
+        self.activity
     }
 
     pub(crate) fn front(&self) -> FrontDecade {
@@ -180,7 +182,7 @@ impl Kernel {
 struct Weights {
     weights: Vec<f64>,
     acausal: f64,
-    active: f64,
+    activity: f64,
 }
 
 /// What the face does at once.

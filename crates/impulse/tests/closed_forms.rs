@@ -217,7 +217,9 @@ fn a_mass_on_an_endless_rod() {
         (Quadrature::Bdf2, 1e-2),
     ] {
         let prediction = run(4096.0, quadrature);
-        assert!(prediction.flags == [impulse::PredictionFlag::StillInContact]);
+        // below a millionth of the peak it is no contact to speak of: 13.8 time constants
+        assert_eq!(prediction.flags, []);
+        assert!((prediction.duration() / (1e6_f64.ln() * 0.1 / z) - 1.0).abs() < 1e-2);
         let found = deviation(&prediction, &[], 0.0, exact) / (z * VELOCITY);
         assert!(found < tolerance, "{quadrature:?} {found}");
     }

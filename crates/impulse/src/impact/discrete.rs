@@ -3,7 +3,7 @@
 use super::Prediction;
 use crate::error::check_positive;
 use crate::unilateral::March;
-use crate::{ContactLaw, ForceHistory, ImpulseError, Kernel};
+use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
 
 /// Two faces whose mobility falls over a decade to less than this part are those of masses.
 const RIGID: f64 = 0.2;
@@ -27,6 +27,7 @@ const RIGID: f64 = 0.2;
 pub struct DiscreteImpact {
     velocity: f64,
     masses: [Option<f64>; 2],
+    measured: [bool; 2],
     kernels: [Kernel; 2],
     /// their sum
     kernel: Vec<f64>,
@@ -43,7 +44,7 @@ impl DiscreteImpact {
     /// [`ImpulseError::RigidFaces`]; [`ImpulseError::NonPhysical`].
     pub(super) fn new(
         velocity: f64,
-        masses: [Option<f64>; 2],
+        bodies: [&dyn ImpactBody; 2],
         kernels: [Kernel; 2],
         law: &ContactLaw,
     ) -> Result<Self, ImpulseError> {
@@ -80,7 +81,8 @@ impl DiscreteImpact {
         }
         Ok(Self {
             velocity,
-            masses,
+            masses: bodies.map(ImpactBody::free_mass),
+            measured: bodies.map(|body| matches!(body.domain(), Domain::Lines { .. })),
             kernels,
             kernel,
             law,
@@ -129,6 +131,11 @@ impl DiscreteImpact {
 
     pub(super) fn masses(&self) -> [Option<f64>; 2] {
         self.masses
+    }
+
+    /// Which bodies are known by a measurement.
+    pub(super) fn measured(&self) -> [bool; 2] {
+        self.measured
     }
 
     pub(super) fn springs(&self) -> f64 {

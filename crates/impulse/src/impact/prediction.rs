@@ -11,8 +11,11 @@ use crate::{ForceHistory, ForcePeak, ImpulseError};
 /// What a kernel may have ahead of the impulse, over the first weight of both.
 const ACAUSAL: f64 = 1e-3;
 
-/// Negative part of the real part of a mobility: rounding of a law, noise of a measurement.
-const ACTIVE_PART: f64 = 0.05;
+/// A law is passive above minus this part of its magnitude (rounding).
+const ROUNDING: f64 = 1e-9;
+
+/// Part of the impulse from which a contact counts for the duration.
+const COUNTS: f64 = 1e-3;
 
 /// Inner energy below minus this part of the work is a body that makes energy.
 const ACTIVE: f64 = 1e-3;
@@ -47,12 +50,13 @@ pub enum PredictionFlag {
         /// Root mean square ahead of the impulse, over what both faces answer in the first step.
         level: f64,
     },
-    /// The real part of a mobility is negative: [`Kernel::active_part`](crate::Kernel::active_part) exceeds 5 %.
+    /// The real part of a mobility is negative on some line: [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not for measured
+    /// bodies.
     Active {
         /// 0 or 1.
         body: usize,
-        /// The part found.
-        part: f64,
+        /// The largest $`-\operatorname{Re} G/\lvert G\rvert`$.
+        activity: f64,
     },
     /// The time step is too long for the stiffness of the contact: its force alternates from step to step.
     UnresolvedContact {
@@ -81,9 +85,10 @@ impl fmt::Display for PredictionFlag {
                 formatter,
                 "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of the first answer"
             ),
-            Self::Active { body, part } => write!(
+            Self::Active { body, activity } => write!(
                 formatter,
-                "body {body} generates energy: {part:.2e} of the real part of its mobility is negative"
+                "body {body} generates energy: the real part of its mobility comes down to {:.2e} of the magnitude",
+                -activity
             ),
             Self::UnresolvedContact { number } => write!(
                 formatter,
@@ -142,10 +147,10 @@ impl Prediction {
             }
         }
         for (body, kernel) in kernels.iter().enumerate() {
-            if kernel.active_part() > ACTIVE_PART {
+            if kernel.activity() > ROUNDING && !discrete.measured()[body] {
                 flags.push(PredictionFlag::Active {
                     body,
-                    part: kernel.active_part(),
+                    activity: kernel.activity(),
                 });
             }
         }
@@ -181,11 +186,20 @@ impl Prediction {
     }
 
     /// From the first touch to the last parting, or to the end of the history if the faces still press \[s\].
+    ///
+    /// Contacts that carry less than a thousandth of the impulse do not count: a jump within a step leaves some of one step where elastic
+    /// bodies part without a force. [`Prediction::contacts`] has them all.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let (Some(first), Some(last)) = (self.contacts.first(), self.contacts.last()) else {
+        let least = COUNTS * self.balance.impulse;
+        let mut counting = self
+            .contacts
+            .iter()
+            .filter(|contact| contact.impulse >= least);
+        let Some(first) = counting.next() else {
             return 0.0;
         };
+        let last = counting.next_back().unwrap_or(first);
         let samples = self.history.force().len();
         last.end
             .unwrap_or(self.history.time_at(samples.saturating_sub(1)))

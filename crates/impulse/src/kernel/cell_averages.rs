@@ -46,7 +46,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         Domain::Lines { n_lines, .. } => n_lines.min(BANDS * n_points / 2 + 1),
         _ => BANDS * n_points / 2 + 1,
     };
-    let (mut negative, mut all) = (0.0, 0.0);
+    let mut activity = 0.0_f64;
     let mut folded = vec![Complex64::ZERO; n_points / 2 + 1];
     for line in 0..n_lines {
         let s = Complex64::new(damping, TAU * line as f64 / period);
@@ -62,8 +62,9 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
                 s,
             });
         }
-        negative += (-mobility.re).max(0.0);
-        all += mobility.re.abs();
+        if mobility.re < 0.0 {
+            activity = activity.max(-mobility.re / mobility.norm());
+        }
         let remainder = mobility - front.conductance - s * front.compliance;
         let value = remainder * average(s, time_step, line, n_points) * roll_off(line, n_points);
         fold(&mut folded, n_points, line, value);
@@ -97,7 +98,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     Ok(Weights {
         weights,
         acausal: ahead,
-        active: if negative > 0.0 { negative / all } else { 0.0 },
+        activity,
     })
 }
 
