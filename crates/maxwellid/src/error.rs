@@ -96,4 +96,34 @@ pub enum MaxwellidError {
         /// The iteration.
         iteration: usize,
     },
+    /// A setting has no meaning.
+    #[error("{setting} is {value}, expected {expected}")]
+    Setting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// The value found.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A law has fewer parameters than an index asks for.
+    #[error("parameter {index} was set free, but the law has {found}")]
+    UnknownParameter {
+        /// The index, from 0.
+        index: usize,
+        /// Number of parameters of the law.
+        found: usize,
+    },
+    /// A range of a parameter is empty or not finite.
+    #[error(
+        "the range of `{parameter}` is {low} to {high}, expected finite bounds in ascending order"
+    )]
+    InvalidRange {
+        /// Name of the parameter.
+        parameter: String,
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
 }

@@ -30,6 +30,7 @@ mod fit;
 mod identifiability;
 mod law;
 mod least_squares;
+pub mod linear;
 mod report;
 mod residual;
 mod test;
