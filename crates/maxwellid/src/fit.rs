@@ -9,6 +9,7 @@ use crate::law::IdentifiableLaw;
 use crate::least_squares::{
     LeastSquares, Linearisation, Minimum, Termination, minimise, sum_of_squares,
 };
+use crate::model::RodModel;
 use crate::residual::TestResidual;
 use crate::test::{Provenance, RodTest};
 
@@ -60,21 +61,21 @@ const SCAN_CELL: f64 = 8e-3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Fit<L> {
-    law: L,
+pub struct Fit<M> {
+    model: M,
     modulus: Option<f64>,
     scan: bool,
     cell: f64,
     round_trip: bool,
 }
 
-impl<L: IdentifiableLaw> Fit<L> {
-    /// An identification of the parameters of `law`, whose shape is the starting value; the rate is scanned and E follows from
-    /// the time of flight.
+impl<M: RodModel> Fit<M> {
+    /// An identification of the parameters of `model`, a law or any other [`RodModel`]. The shape of a law is the starting value;
+    /// the rate is scanned and E follows from the time of flight.
     #[must_use]
-    pub fn of(law: L) -> Self {
+    pub fn of(model: M) -> Self {
         Self {
-            law,
+            model,
             modulus: None,
             scan: true,
             cell: DEFAULT_CELL,
@@ -82,7 +83,7 @@ impl<L: IdentifiableLaw> Fit<L> {
         }
     }
 
-    /// Starts from Young's modulus `modulus` \[Pa\] and the parameters of the law itself instead.
+    /// Starts from Young's modulus `modulus` \[Pa\] and the parameters of the model itself instead.
     #[must_use]
     pub fn starting_from(mut self, modulus: f64) -> Self {
         self.modulus = Some(modulus);
@@ -111,28 +112,28 @@ impl<L: IdentifiableLaw> Fit<L> {
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, or data of the inverting solver without
     /// [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
     /// [`Identification::termination`] and [`Identification::identifiability`].
-    pub fn to(&self, tests: &[RodTest]) -> Result<Identification<L>, MaxwellidError> {
+    pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
+    where
+        M: Clone,
+    {
         let modulus = self.check(tests)?;
-        let problem = TestResidual::new(tests, self.law.clone(), self.cell);
-        let parameters = 1 + L::PARAMETERS.len();
+        let problem = TestResidual::new(tests, &self.model, self.cell);
+        let parameters = self.model.parameter_names().len();
         if problem.samples() <= parameters {
             return Err(MaxwellidError::TooFewSamples {
                 samples: problem.samples(),
                 parameters,
             });
         }
-        let law = if self.scan {
-            let coarse = TestResidual::new(tests, self.law.clone(), self.cell.max(SCAN_CELL));
-            scan_rate(&coarse, &self.law, modulus, tests)
+        let start = if self.scan {
+            let coarse = TestResidual::new(tests, &self.model, self.cell.max(SCAN_CELL));
+            scan(&coarse, modulus)
         } else {
-            self.law.clone()
+            self.model.parameters(modulus)
         };
-        let start: Vec<f64> = std::iter::once(modulus.ln())
-            .chain(law.parameters())
-            .collect();
         let minimum = minimise(&problem, &start, rounding(problem.samples()))?
             .ok_or_else(|| start_error(modulus))?;
-        Ok(Identification::new(problem, minimum, tests))
+        Ok(Identification::new(self.model.clone(), minimum, tests))
     }
 
     /// Checks the tests and returns the starting value of Young's modulus.
@@ -186,31 +187,16 @@ fn rounding(samples: usize) -> f64 {
     1e-28 * samples as f64
 }
 
-/// The rate among a decade grid that fits best with E and the shape at their starting values.
-///
-/// The grid runs from a relaxation time of a hundredth of the window, which nothing survives, to one of ten thousand
-/// windows, which no record shows.
-fn scan_rate<L: IdentifiableLaw>(
-    problem: &TestResidual<'_, L>,
-    law: &L,
-    modulus: f64,
-    tests: &[RodTest],
-) -> L {
-    let window = tests
+/// The one among the starts of the model that fits best.
+fn scan<M: RodModel>(problem: &TestResidual<'_, M>, modulus: f64) -> Vec<f64> {
+    let duration = problem
+        .times
         .iter()
-        .filter_map(|test| test.times().last().copied())
+        .filter_map(|times| times.last().copied())
         .fold(0.0, f64::max);
-    let mut best = (f64::INFINITY, law.clone());
-    for half_decades in -4_i32..=8 {
-        let relaxation_time = window * 10.0_f64.powf(0.5 * f64::from(half_decades));
-        let rate = law.reference_stress() / (modulus * relaxation_time);
-        let Some(candidate) = law.at_rate(rate) else {
-            break;
-        };
-        let parameters: Vec<f64> = std::iter::once(modulus.ln())
-            .chain(candidate.parameters())
-            .collect();
-        if let Some(residual) = problem.residual(&parameters) {
+    let mut best = (f64::INFINITY, problem.model.parameters(modulus));
+    for candidate in problem.model.starts(modulus, duration) {
+        if let Some(residual) = problem.residual(&candidate) {
             let value = sum_of_squares(&residual);
             if value < best.0 {
                 best = (value, candidate);
@@ -222,9 +208,9 @@ fn scan_rate<L: IdentifiableLaw>(
 
 /// The outcome of a [`Fit`].
 #[derive(Debug, Clone)]
-pub struct Identification<L> {
-    law: L,
-    modulus: f64,
+pub struct Identification<M> {
+    model: M,
+    parameters: Vec<f64>,
     linearisation: Linearisation,
     lengths: Vec<usize>,
     iterations: usize,
@@ -232,15 +218,22 @@ pub struct Identification<L> {
 }
 
 impl<L: IdentifiableLaw> Identification<L> {
-    fn new(problem: TestResidual<'_, L>, minimum: Minimum, tests: &[RodTest]) -> Self {
-        let (log_modulus, of_law) = minimum
-            .parameters
-            .split_first()
-            .map_or((f64::NAN, &[][..]), |(first, rest)| (*first, rest));
+    /// The law at the minimum.
+    #[must_use]
+    pub fn law(&self) -> L {
+        // the residual exists at these parameters, so the law does
+        self.parameters
+            .get(1..)
+            .and_then(|of_law| self.model.with_parameters(of_law).ok())
+            .unwrap_or_else(|| self.model.clone())
+    }
+}
+
+impl<M: RodModel> Identification<M> {
+    fn new(model: M, minimum: Minimum, tests: &[RodTest]) -> Self {
         Self {
-            // the residual exists at these parameters, so the law does
-            law: problem.law.with_parameters(of_law).unwrap_or(problem.law),
-            modulus: log_modulus.exp(),
+            model,
+            parameters: minimum.parameters,
             linearisation: minimum.linearisation,
             lengths: tests.iter().map(|test| test.window).collect(),
             iterations: minimum.iterations,
@@ -248,16 +241,22 @@ impl<L: IdentifiableLaw> Identification<L> {
         }
     }
 
-    /// The law at the minimum.
+    /// The model that was fitted, as it was given.
     #[must_use]
-    pub fn law(&self) -> &L {
-        &self.law
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
+    /// θ at the minimum, in the order of [`RodModel::parameter_names`].
+    #[must_use]
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
     }
 
     /// Young's modulus at the minimum \[Pa\].
     #[must_use]
     pub fn modulus(&self) -> f64 {
-        self.modulus
+        self.parameters.first().map_or(f64::NAN, |t| t.exp())
     }
 
     /// Number of iterations.
@@ -297,8 +296,8 @@ impl<L: IdentifiableLaw> Identification<L> {
     #[must_use]
     pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
         assess(
-            &self.law,
-            self.modulus,
+            &self.model,
+            &self.parameters,
             &self.linearisation,
             &self.lengths,
             noise,

@@ -1,7 +1,8 @@
 //! What the data can tell: covariance, standard errors, and a verdict for each parameter.
 
-use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
+use crate::model::RodModel;
 
 /// Largest standard error, as a ratio or as a difference of an exponent, at which a parameter counts as identified: a
 /// parameter of three standard errors.
@@ -80,14 +81,14 @@ pub struct Identifiability {
     pub correlation_inflation: f64,
 }
 
-pub(crate) fn assess<L: IdentifiableLaw>(
-    law: &L,
-    modulus: f64,
+pub(crate) fn assess(
+    model: &dyn RodModel,
+    at: &[f64],
     linearisation: &Linearisation,
     lengths: &[usize],
     noise: Noise,
 ) -> Option<Identifiability> {
-    let parameters = 1 + L::PARAMETERS.len();
+    let parameters = at.len();
     let decomposition = ScaledDecomposition::new(linearisation, &vec![1.0; parameters])?;
     let degrees = linearisation
         .residual
@@ -143,32 +144,23 @@ pub(crate) fn assess<L: IdentifiableLaw>(
                 .collect()
         })
         .collect();
-    let modulus = StatedParameter {
-        name: "Young's modulus",
-        symbol: "E",
-        unit: "Pa",
-        value: modulus,
-        scale: Scale::Ratio,
-        gradient: vec![0.0; parameters - 1],
-        role: Role::Coordinate,
-    };
     let influences: Vec<f64> = linearisation
         .jacobian
         .iter()
         .map(|column| root_mean_square(column))
         .collect();
-    let mut estimates = vec![estimate(&modulus, &covariance, &influences, 1.0)];
-    let stated = law.stated();
-    estimates.extend(
-        stated
-            .iter()
-            .map(|p| estimate(p, &covariance, &influences, 0.0)),
-    );
-    // the last parameter of a law is its rate: where the rate is not seen, neither is the shape of what is not seen,
-    // whatever its linearised error at the point where the iteration stopped
-    let rate_seen = covariance[parameters - 1][parameters - 1].sqrt() < IDENTIFIED_BELOW;
-    if parameters > 1 && !rate_seen {
-        for estimate in &mut estimates[1..] {
+    let mut estimates: Vec<Estimate> = model
+        .stated(at)
+        .iter()
+        .map(|stated| estimate(stated, &covariance, &influences))
+        .collect();
+    // where the damping is not seen, neither is the shape of what is not seen, whatever its linearised error at the point
+    // where the iteration stopped
+    let damping_seen = model
+        .damping_parameter()
+        .is_none_or(|index| covariance[index][index].sqrt() < IDENTIFIED_BELOW);
+    if !damping_seen {
+        for estimate in estimates.iter_mut().skip(1) {
             estimate.verdict = Verdict::NotIdentifiable;
         }
     }
@@ -185,22 +177,15 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     })
 }
 
-fn estimate(
-    parameter: &StatedParameter,
-    covariance: &[Vec<f64>],
-    influences: &[f64],
-    by_log_modulus: f64,
-) -> Estimate {
-    let gradient: Vec<f64> = std::iter::once(by_log_modulus)
-        .chain(parameter.gradient.iter().copied())
-        .collect();
+fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], influences: &[f64]) -> Estimate {
+    let gradient = &parameter.gradient;
     let variance: f64 = gradient
         .iter()
         .zip(covariance)
         .map(|(g, row)| {
             let product: f64 = row
                 .iter()
-                .zip(&gradient)
+                .zip(gradient)
                 .map(|(c, h)| if *h == 0.0 { 0.0 } else { c * h })
                 .sum();
             if *g == 0.0 { 0.0 } else { g * product }
@@ -244,7 +229,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
-fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
+pub(crate) fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
     let variance = sum_of_squares(residual);
     if variance <= 0.0 {
         return 1.0;

@@ -1,29 +1,25 @@
 //! The direct problem as residual: simulated minus measured response of all tests, over V0.
 
-use rodwave::{DirectProblem, InelasticRod};
-
-use crate::law::IdentifiableLaw;
 use crate::least_squares::{LeastSquares, Linearisation};
+use crate::model::{DrivenRod, RodModel};
 use crate::test::RodTest;
 
 /// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test.
-///
-/// Parameters θ = (ln E, parameters of the law).
-pub(crate) struct TestResidual<'a, L> {
+pub(crate) struct TestResidual<'a, M> {
     pub(crate) tests: &'a [RodTest],
     /// The times of the samples in the window of each test.
     pub(crate) times: Vec<Vec<f64>>,
-    pub(crate) law: L,
+    pub(crate) model: &'a M,
     /// Longest cell of the grid \[m\].
     pub(crate) cell: f64,
 }
 
-impl<'a, L: IdentifiableLaw> TestResidual<'a, L> {
-    pub(crate) fn new(tests: &'a [RodTest], law: L, cell: f64) -> Self {
+impl<'a, M: RodModel> TestResidual<'a, M> {
+    pub(crate) fn new(tests: &'a [RodTest], model: &'a M, cell: f64) -> Self {
         Self {
             tests,
             times: tests.iter().map(RodTest::times).collect(),
-            law,
+            model,
             cell,
         }
     }
@@ -32,28 +28,19 @@ impl<'a, L: IdentifiableLaw> TestResidual<'a, L> {
         self.times.iter().map(Vec::len).sum()
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "lengths and cells are positive; the ratio is a cell count"
-    )]
-    pub(crate) fn problem(&self, test: &RodTest, parameters: &[f64]) -> Option<DirectProblem<L>> {
-        let (log_modulus, of_law) = parameters.split_first()?;
-        let law = self.law.with_parameters(of_law).ok()?;
-        let rod = InelasticRod::new(test.length, test.density, log_modulus.exp(), law).ok()?;
-        let cells = (test.length / self.cell).ceil().max(16.0) as usize;
-        DirectProblem::new(rod, cells).ok()
+    fn driven(&self) -> impl Iterator<Item = (&'a RodTest, DrivenRod<'_>)> {
+        self.tests
+            .iter()
+            .zip(&self.times)
+            .map(|(test, times)| (test, test.driven_rod(times, self.cell)))
     }
 }
 
-impl<L: IdentifiableLaw> LeastSquares for TestResidual<'_, L> {
+impl<M: RodModel> LeastSquares for TestResidual<'_, M> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut residual = Vec::with_capacity(self.samples());
-        for (test, times) in self.tests.iter().zip(&self.times) {
-            let simulated = self
-                .problem(test, parameters)?
-                .free_end_velocity(&test.excitation, times)
-                .ok()?;
+        for (test, rod) in self.driven() {
+            let simulated = self.model.response(&rod, parameters)?;
             let scale = 1.0 / test.impact_velocity;
             residual.extend(
                 simulated
@@ -69,11 +56,8 @@ impl<L: IdentifiableLaw> LeastSquares for TestResidual<'_, L> {
         let samples = self.samples();
         let mut residual = Vec::with_capacity(samples);
         let mut jacobian = vec![Vec::with_capacity(samples); parameters.len()];
-        for (test, times) in self.tests.iter().zip(&self.times) {
-            let response = self
-                .problem(test, parameters)?
-                .free_end_velocity_with_sensitivities(&test.excitation, times)
-                .ok()?;
+        for (test, rod) in self.driven() {
+            let response = self.model.linearised_response(&rod, parameters)?;
             let scale = 1.0 / test.impact_velocity;
             residual.extend(
                 response
@@ -82,9 +66,7 @@ impl<L: IdentifiableLaw> LeastSquares for TestResidual<'_, L> {
                     .zip(test.response())
                     .map(|(s, m)| scale * (s - m)),
             );
-            let derivatives =
-                std::iter::once(&response.by_log_modulus).chain(&response.by_parameter);
-            for (column, derivative) in jacobian.iter_mut().zip(derivatives) {
+            for (column, derivative) in jacobian.iter_mut().zip(&response.by_parameter) {
                 column.extend(derivative.iter().map(|d| scale * d));
             }
         }
@@ -94,9 +76,6 @@ impl<L: IdentifiableLaw> LeastSquares for TestResidual<'_, L> {
     }
 
     fn step_limits(&self) -> Vec<f64> {
-        // 10 % of E in one iteration: half a period of the waveform at most
-        std::iter::once(0.1)
-            .chain(L::STEP_LIMITS.iter().copied())
-            .collect()
+        self.model.step_limits()
     }
 }

@@ -4,6 +4,7 @@ use rodwave::RodwaveError;
 use rodwave::band_limited::SampledHistory;
 
 use crate::error::MaxwellidError;
+use crate::model::DrivenRod;
 
 /// Where a record comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -193,6 +194,21 @@ impl RodTest {
         (0..self.window)
             .map(|k| k as f64 / self.sampling_rate_hz)
             .collect()
+    }
+
+    /// The rod of this test, driven by its excitation, asked for the response at `times` \[s\] on a grid with cells up to
+    /// `cell` \[m\].
+    #[must_use]
+    pub fn driven_rod<'a>(&'a self, times: &'a [f64], cell: f64) -> DrivenRod<'a> {
+        DrivenRod {
+            length: self.length,
+            density: self.density,
+            sampling_rate_hz: self.sampling_rate_hz,
+            samples: &self.excitation_samples,
+            excitation: &self.excitation,
+            times,
+            cell,
+        }
     }
 
     /// Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
