@@ -96,6 +96,14 @@ pub enum MaxwellidError {
         /// The iteration.
         iteration: usize,
     },
+    /// There is nothing to choose from, or no candidate exists at any start.
+    #[error("no candidate law was given, or none exists near the modulus of the time of flight")]
+    NoCandidate,
+    /// The noise of the excitation needs a linear rod to be propagated through.
+    #[error(
+        "the noise of the excitation is propagated by a linear candidate, but none was given or none could be fitted"
+    )]
+    NoLinearCandidate,
     /// A setting has no meaning.
     #[error("{setting} is {value}, expected {expected}")]
     Setting {
@@ -126,4 +134,20 @@ pub enum MaxwellidError {
         /// Upper bound.
         high: f64,
     },
+}
+
+/// Accepts finite bounds in ascending order.
+pub(crate) fn check_range(
+    parameter: &str,
+    (low, high): (f64, f64),
+) -> Result<(), MaxwellidError> {
+    if low.is_finite() && high.is_finite() && low < high {
+        Ok(())
+    } else {
+        Err(MaxwellidError::InvalidRange {
+            parameter: parameter.into(),
+            low,
+            high,
+        })
+    }
 }

@@ -34,6 +34,7 @@ pub mod linear;
 mod model;
 mod report;
 mod residual;
+pub mod selection;
 mod test;
 
 pub use error::MaxwellidError;

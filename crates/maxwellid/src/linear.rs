@@ -44,7 +44,7 @@ mod tests;
 pub use constant_q::ConstantQ;
 pub use maxwell_branches::MaxwellBranches;
 pub use model::LinearModel;
-pub use scaled_modulus::ScaledModulus;
+pub use scaled_modulus::{FreeParameter, ScaledModulus};
 
 use std::fmt::Debug;
 
@@ -62,7 +62,7 @@ use num_complex::Complex64;
 ///
 /// impl LinearLaw for KelvinVoigt {
 ///     fn name(&self) -> &str { "Kelvin-Voigt" }
-///     fn parameter_names(&self) -> Vec<String> { vec!["ln_time".into()] }
+///     fn parameter_names(&self) -> Vec<&'static str> { vec!["ln_time"] }
 ///     fn start(&self) -> Vec<f64> { vec![(1e-6_f64).ln()] }
 ///     fn step_limits(&self) -> Vec<f64> { vec![1.0] }
 ///     fn ranges(&self) -> Vec<(f64, f64)> { vec![((1e-8_f64).ln(), (1e-4_f64).ln())] }
@@ -79,7 +79,7 @@ pub trait LinearLaw: Debug + Send + Sync {
     fn name(&self) -> &str;
 
     /// Names of the parameters p, without ln E.
-    fn parameter_names(&self) -> Vec<String>;
+    fn parameter_names(&self) -> Vec<&'static str>;
 
     /// Values of p from which a fit may start.
     fn start(&self) -> Vec<f64>;
@@ -90,6 +90,11 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// The range of each parameter in which the law is looked for and from which standard samples are drawn: about
     /// ±2 standard deviations of what is known beforehand.
     fn ranges(&self) -> Vec<(f64, f64)>;
+
+    /// Index of the parameter that scales the damping, if there is one.
+    fn damping_parameter(&self) -> Option<usize> {
+        None
+    }
 
     /// Whether the loss factor can be nearly constant over a decade of frequency, so that the law can tell flat loss from a
     /// nonlinearity.

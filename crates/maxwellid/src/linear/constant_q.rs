@@ -42,8 +42,8 @@ impl LinearLaw for ConstantQ {
         "constant Q"
     }
 
-    fn parameter_names(&self) -> Vec<String> {
-        vec![String::from("ln_loss_factor")]
+    fn parameter_names(&self) -> Vec<&'static str> {
+        vec!["ln_loss_factor"]
     }
 
     fn start(&self) -> Vec<f64> {
@@ -56,6 +56,10 @@ impl LinearLaw for ConstantQ {
 
     fn ranges(&self) -> Vec<(f64, f64)> {
         vec![(0.005_f64.ln(), 0.5_f64.ln())]
+    }
+
+    fn damping_parameter(&self) -> Option<usize> {
+        Some(0)
     }
 
     fn is_flat_loss(&self) -> bool {

@@ -71,27 +71,25 @@ impl LaplaceLine {
         Some(lines)
     }
 
-    /// The first `samples` samples of the history of this unscaled transform, which is overwritten.
-    pub(super) fn history(&self, lines: &mut [Complex64], samples: usize) -> Option<Vec<f64>> {
+    /// Points a second of a history.
+    pub(super) fn rate_hz(&self) -> f64 {
+        1.0 / self.interval
+    }
+
+    /// The first `points` fine points of the history of this unscaled transform, which is overwritten.
+    pub(super) fn history(&self, lines: &mut [Complex64], points: usize) -> Option<Vec<f64>> {
         // real samples show only the real parts of the first and the last line
         if let [first, .., last] = lines {
             first.im = 0.0;
             last.im = 0.0;
         }
-        let mut damped = self.inverse.make_output_vec();
-        self.inverse.process(lines, &mut damped).ok()?;
+        let mut history = self.inverse.make_output_vec();
+        self.inverse.process(lines, &mut history).ok()?;
+        history.truncate(points);
         let scale = 1.0 / self.count as f64;
-        Some(
-            damped
-                .iter()
-                .step_by(FINER)
-                .take(samples)
-                .enumerate()
-                .map(|(n, value)| {
-                    let time = (n * FINER) as f64 * self.interval;
-                    value * scale * (self.damping * time).exp()
-                })
-                .collect(),
-        )
+        for (n, value) in history.iter_mut().enumerate() {
+            *value *= scale * (self.damping * self.interval * n as f64).exp();
+        }
+        Some(history)
     }
 }

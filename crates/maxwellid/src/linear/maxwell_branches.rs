@@ -38,7 +38,7 @@ impl MaxwellBranches {
     #[must_use]
     pub fn of(branches: usize) -> Option<Self> {
         let name = *[
-            "Maxwell (linear solver)",
+            "Maxwell",
             "two Maxwell branches",
             "three Maxwell branches",
             "four Maxwell branches",
@@ -90,10 +90,24 @@ impl LinearLaw for MaxwellBranches {
         self.name
     }
 
-    fn parameter_names(&self) -> Vec<String> {
-        let shares = (1..self.terms()).map(|i| format!("ln_share_ratio_{i}"));
-        let times = (1..=self.branches).map(|i| format!("ln_relaxation_time_{i}"));
-        shares.chain(times).collect()
+    fn parameter_names(&self) -> Vec<&'static str> {
+        const SHARES: [&str; MOST] = [
+            "ln_share_ratio_1",
+            "ln_share_ratio_2",
+            "ln_share_ratio_3",
+            "ln_share_ratio_4",
+        ];
+        const TIMES: [&str; MOST] = [
+            "ln_relaxation_time_1",
+            "ln_relaxation_time_2",
+            "ln_relaxation_time_3",
+            "ln_relaxation_time_4",
+        ];
+        let shares = SHARES.iter().take(self.terms() - 1);
+        shares
+            .chain(TIMES.iter().take(self.branches))
+            .copied()
+            .collect()
     }
 
     fn start(&self) -> Vec<f64> {
@@ -115,7 +129,7 @@ impl LinearLaw for MaxwellBranches {
     fn ranges(&self) -> Vec<(f64, f64)> {
         let shares = (1..self.terms()).map(|_| (0.005_f64.ln(), 1.0_f64.ln()));
         let times = (0..self.branches).map(|i| match (self.has_spring, i) {
-            (false, 0) => (3e-4_f64.ln(), 3e-2_f64.ln()),
+            (false, 0) => (3e-5_f64.ln(), 30_f64.ln()),
             (_, 0 | 1) => (5e-6_f64.ln(), 1e-3_f64.ln()),
             _ => (1e-6_f64.ln(), 1e-4_f64.ln()),
         });

@@ -4,7 +4,18 @@ use num_complex::Complex64;
 use rodwave::modulus::{DifferentiableModulus, LaplaceModulus};
 
 use super::LinearLaw;
-use crate::MaxwellidError;
+use crate::error::{MaxwellidError, check_range};
+
+/// A parameter of a modulus that is to be identified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeParameter {
+    /// Its index among the parameters of the modulus.
+    pub index: usize,
+    /// Its name.
+    pub name: &'static str,
+    /// Its range, in the coordinates of the modulus.
+    pub range: (f64, f64),
+}
 
 /// A law of [`rodwave::modulus`], or one's own of its traits, up to a factor that ln E takes over.
 ///
@@ -16,15 +27,15 @@ use crate::MaxwellidError;
 /// and stay as they are; the others are set free by index.
 ///
 /// ```
-/// use maxwellid::linear::ScaledModulus;
+/// use maxwellid::linear::{FreeParameter, ScaledModulus};
 /// use rodwave::modulus::FractionalZener;
 ///
 /// let law = FractionalZener::new(2.0e9, 2.6e9, 1e-4, 0.4)?;
 /// // E₁ - E₀, the time and the exponent are free, E₀ stays
 /// let scaled = ScaledModulus::new("fractional Zener", law, 25e3, &[
-///     (1, (0.02e9_f64.ln(), 2e9_f64.ln())),
-///     (2, (1e-6_f64.ln(), 1e-2_f64.ln())),
-///     (3, (0.1, 0.9)),
+///     FreeParameter { index: 1, name: "ln_modulus_increment", range: (0.02e9_f64.ln(), 2e9_f64.ln()) },
+///     FreeParameter { index: 2, name: "ln_relaxation_time", range: (1e-6_f64.ln(), 1e-2_f64.ln()) },
+///     FreeParameter { index: 3, name: "exponent", range: (0.1, 0.9) },
 /// ])?;
 /// # let _ = scaled;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -34,13 +45,13 @@ pub struct ScaledModulus<M> {
     name: String,
     law: M,
     reference_omega: f64,
-    free: Vec<(usize, (f64, f64))>,
+    free: Vec<FreeParameter>,
     is_flat_loss: bool,
 }
 
 impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
     /// The law with its present parameters as start; `free` are the indices of the parameters to be identified, each with
-    /// its range (in the coordinates of the law).
+    /// its range.
     ///
     /// # Errors
     /// [`MaxwellidError::UnknownParameter`] for an index that the law does not have;
@@ -50,23 +61,17 @@ impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
         name: impl Into<String>,
         law: M,
         reference_omega: f64,
-        free: &[(usize, (f64, f64))],
+        free: &[FreeParameter],
     ) -> Result<Self, MaxwellidError> {
         let names = law.parameter_names();
-        for (index, (low, high)) in free {
-            let Some(parameter) = names.get(*index) else {
+        for parameter in free {
+            if parameter.index >= names.len() {
                 return Err(MaxwellidError::UnknownParameter {
-                    index: *index,
+                    index: parameter.index,
                     found: names.len(),
                 });
-            };
-            if !(low.is_finite() && high.is_finite() && low < high) {
-                return Err(MaxwellidError::InvalidRange {
-                    parameter: parameter.clone(),
-                    low: *low,
-                    high: *high,
-                });
             }
+            check_range(parameter.name, parameter.range)?;
         }
         if !(reference_omega.is_finite() && reference_omega > 0.0) {
             return Err(MaxwellidError::Setting {
@@ -99,31 +104,27 @@ impl<M: LaplaceModulus + DifferentiableModulus + std::fmt::Debug + Send + Sync> 
         &self.name
     }
 
-    fn parameter_names(&self) -> Vec<String> {
-        let names = self.law.parameter_names();
-        self.free
-            .iter()
-            .filter_map(|(index, _)| names.get(*index).cloned())
-            .collect()
+    fn parameter_names(&self) -> Vec<&'static str> {
+        self.free.iter().map(|parameter| parameter.name).collect()
     }
 
     fn start(&self) -> Vec<f64> {
         let all = self.law.parameters();
         self.free
             .iter()
-            .filter_map(|(index, _)| all.get(*index).copied())
+            .filter_map(|parameter| all.get(parameter.index).copied())
             .collect()
     }
 
     fn step_limits(&self) -> Vec<f64> {
         self.free
             .iter()
-            .map(|(_, (low, high))| (0.25 * (high - low)).min(1.0))
+            .map(|parameter| (0.25 * (parameter.range.1 - parameter.range.0)).min(1.0))
             .collect()
     }
 
     fn ranges(&self) -> Vec<(f64, f64)> {
-        self.free.iter().map(|(_, range)| *range).collect()
+        self.free.iter().map(|parameter| parameter.range).collect()
     }
 
     fn is_flat_loss(&self) -> bool {
@@ -135,8 +136,8 @@ impl<M: LaplaceModulus + DifferentiableModulus + std::fmt::Debug + Send + Sync> 
             return None;
         }
         let mut all = self.law.parameters();
-        for ((index, _), value) in self.free.iter().zip(parameters) {
-            *all.get_mut(*index)? = *value;
+        for (parameter, value) in self.free.iter().zip(parameters) {
+            *all.get_mut(parameter.index)? = *value;
         }
         let law = self.law.with_parameters(&all).ok()?;
         Some(law.at_s(s) / law.at(self.reference_omega).norm())
