@@ -99,11 +99,34 @@ pub enum MaxwellidError {
     /// There is nothing to choose from, or no candidate exists at any start.
     #[error("no candidate law was given, or none exists near the modulus of the time of flight")]
     NoCandidate,
-    /// The noise of the excitation needs a linear rod to be propagated through.
+    /// A law has too few standard samples to be told from others.
+    #[error("`{law}` has {found} standard samples, at least 2 are needed")]
+    TooFewStandardSamples {
+        /// Name of the law.
+        law: String,
+        /// Number of samples at which it exists.
+        found: usize,
+    },
+    /// More principal components were asked for than the samples have.
+    #[error("{requested} principal components were asked for, the samples have {found}")]
+    TooManyComponents {
+        /// The number asked for.
+        requested: usize,
+        /// The number above rounding.
+        found: usize,
+    },
+    /// Samples of a classifier do not belong together.
     #[error(
-        "the noise of the excitation is propagated by a linear candidate, but none was given or none could be fitted"
+        "{features} samples with features and {classes} with a class, the first of another length being {unequal:?}"
     )]
-    NoLinearCandidate,
+    UnequalSamples {
+        /// Number of samples with features.
+        features: usize,
+        /// Number of samples with a class.
+        classes: usize,
+        /// The first sample whose length is another.
+        unequal: Option<usize>,
+    },
     /// A setting has no meaning.
     #[error("{setting} is {value}, expected {expected}")]
     Setting {
@@ -137,10 +160,7 @@ pub enum MaxwellidError {
 }
 
 /// Accepts finite bounds in ascending order.
-pub(crate) fn check_range(
-    parameter: &str,
-    (low, high): (f64, f64),
-) -> Result<(), MaxwellidError> {
+pub(crate) fn check_range(parameter: &str, (low, high): (f64, f64)) -> Result<(), MaxwellidError> {
     if low.is_finite() && high.is_finite() && low < high {
         Ok(())
     } else {

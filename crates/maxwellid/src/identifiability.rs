@@ -20,7 +20,7 @@ pub enum Noise {
 }
 
 /// Whether the data determine a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
@@ -28,14 +28,20 @@ pub enum Verdict {
     /// It is not: within the noise, values of another order of magnitude (or exponents of another kind) explain the data as
     /// well. The value shown is where the iteration stopped, not a property of the material.
     NotIdentifiable,
+    /// Only values above this one are excluded, at 95 % ([`crate::profile`]).
+    BoundedAbove(f64),
+    /// Only values below this one are excluded, at 95 % ([`crate::profile`]).
+    BoundedBelow(f64),
 }
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Identified => "identified",
-            Self::NotIdentifiable => "not identifiable from these data",
-        })
+        match self {
+            Self::Identified => f.write_str("identified"),
+            Self::NotIdentifiable => f.write_str("not identifiable from these data"),
+            Self::BoundedAbove(bound) => write!(f, "at most {bound:.4}"),
+            Self::BoundedBelow(bound) => write!(f, "at least {bound:.4}"),
+        }
     }
 }
 

@@ -25,6 +25,9 @@
 //!   law is not proved.
 //! * Errors are those of the linearised problem at the minimum.
 
+pub mod adequacy;
+pub mod conformal;
+pub mod design;
 mod error;
 mod fit;
 mod identifiability;
@@ -32,8 +35,10 @@ mod law;
 mod least_squares;
 pub mod linear;
 mod model;
+pub mod profile;
 mod report;
 mod residual;
+pub mod samples;
 pub mod selection;
 mod test;
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::fit::Identification;
-use crate::identifiability::{Estimate, Identifiability, Noise, Verdict};
+use crate::identifiability::{Estimate, Identifiability, Noise};
 use crate::law::{Role, Scale};
 use crate::model::RodModel;
 
@@ -64,9 +64,7 @@ impl fmt::Display for Estimate {
         }
         match (self.role, self.verdict) {
             (Role::Derived, _) => write!(f, " (derived)"),
-            (Role::Coordinate, verdict @ (Verdict::Identified | Verdict::NotIdentifiable)) => {
-                write!(f, " ({verdict})")
-            }
+            (Role::Coordinate, verdict) => write!(f, " ({verdict})"),
         }
     }
 }

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! with J the derivatives of the response, C the covariance of the residual (noise of both histories, that of the excitation propagated through
-//! the rod; one C for all candidates), S = diag(s) the prior's standard deviations, and w the weights of the laws beforehand. A parameter that
+//! each candidate's rod, at the excitation that is most probable for it), S = diag(s) the prior's standard deviations, and w the weights of the laws beforehand. A parameter that
 //! the data do not see costs nothing; one that they see costs the logarithm of what they narrow it by (Occam's factor).
 //!
 //! For known noise ln L = -½ χ². For noise estimated from q samples of rest the common factor is averaged over, ln L = -½ (n + q) ln(1 + χ²/q).
@@ -30,17 +30,17 @@
 //! Laplace's method takes a posterior for normal about one maximum. Errors of E from L, ρ or the sensors are not in C.
 
 mod candidate;
-mod covariance;
 mod decision;
+mod noise;
 mod posterior;
+mod true_excitation;
 
 pub use candidate::Candidate;
-pub use covariance::NoiseLevels;
 pub use decision::{Advice, Decision, Doubt};
+pub use noise::NoiseLevels;
 
 pub(crate) use candidate::Prior;
-pub(crate) use covariance::CommonCovariance;
-pub(crate) use posterior::PosteriorProblem;
+pub(crate) use posterior::{Contest, Posterior, PosteriorProblem};
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
@@ -141,7 +141,10 @@ impl Selection {
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         let ground = Ground::of(tests)?;
         let samples: usize = ground.times.iter().map(Vec::len).sum();
-        let most = self.candidates.iter().map(|c| c.model.parameter_names().len());
+        let most = self
+            .candidates
+            .iter()
+            .map(|c| c.model.parameter_names().len());
         let parameters = most.max().unwrap_or(0);
         if samples <= parameters {
             return Err(MaxwellidError::TooFewSamples {
@@ -149,13 +152,31 @@ impl Selection {
                 parameters,
             });
         }
-        let covariance =
-            ground.covariance_for(tests, self.noise, &self.candidates, self.cell)?;
-        let mut posteriors = Vec::with_capacity(self.candidates.len());
-        for candidate in &self.candidates {
-            let prior = candidate.prior(ground.modulus, ground.duration);
-            let problem = ground.problem(tests, candidate, &covariance, &prior, self.cell);
-            posteriors.push(problem.search(candidate, ground.modulus, ground.duration)?);
+        let mut modulus = ground.modulus;
+        let mut least = f64::INFINITY;
+        let mut posteriors: Vec<Option<Posterior>> = vec![None; self.candidates.len()];
+        // linear laws first: the best of them tells the nonlinear ones where to look for E
+        for linear in [true, false] {
+            for (candidate, posterior) in self.candidates.iter().zip(&mut posteriors) {
+                if candidate.model.is_linear() == linear {
+                    let prior = candidate.prior(ground.modulus, ground.duration);
+                    let contest = Contest {
+                        least,
+                        ..self.contest(candidate, &prior, tests, 1.0)
+                    };
+                    *posterior = contest.search(modulus, ground.duration)?;
+                    if let Some(found) = posterior {
+                        least = least.min(found.chi_square);
+                    }
+                }
+            }
+            let best = posteriors
+                .iter()
+                .flatten()
+                .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+            if let Some(first) = best.and_then(|best| best.minimum.parameters.first()) {
+                modulus = first.exp();
+            }
         }
         let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
         let least = posteriors
@@ -163,22 +184,19 @@ impl Selection {
             .flatten()
             .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
             .ok_or(MaxwellidError::NoCandidate)?;
-        let inflation = correlation_inflation(
-            &least.minimum.linearisation.residual[..samples],
-            &lengths,
-        );
+        let inflation =
+            correlation_inflation(&least.minimum.linearisation.residual[..samples], &lengths);
         let scale = self.noise_scale(least.chi_square, samples);
         // with fewer independent samples or another noise the priors weigh more
         let weight = 1.0 / (scale * inflation.sqrt());
         if (weight - 1.0).abs() > 1e-12 {
             for (posterior, candidate) in posteriors.iter_mut().zip(&self.candidates) {
-                let Some(found) = posterior else { continue };
-                let prior = candidate.prior(ground.modulus, ground.duration);
-                let reweighted = PosteriorProblem {
-                    weight,
-                    ..ground.problem(tests, candidate, &covariance, &prior, self.cell)
+                let Some(found) = posterior.take() else {
+                    continue;
                 };
-                *posterior = reweighted.from(&found.minimum.parameters)?;
+                let prior = candidate.prior(ground.modulus, ground.duration);
+                let contest = self.contest(candidate, &prior, tests, weight);
+                *posterior = contest.from(&found.minimum.parameters)?;
             }
         }
         let effective_samples = samples as f64 / inflation;
@@ -201,10 +219,7 @@ impl Selection {
                         .map(ToString::to_string)
                         .collect(),
                     chi_square,
-                    adequacy: self.adequacy(
-                        chi_square,
-                        effective_samples - posterior.determined,
-                    ),
+                    adequacy: self.adequacy(chi_square, effective_samples - posterior.determined),
                     ln_evidence: self.ln_likelihood(chi_square, effective_samples)
                         - 0.5 * posterior.prior_square
                         - posterior.occam,
@@ -217,10 +232,9 @@ impl Selection {
             })
             .collect::<Vec<_>>();
         let velocities = tests.iter().map(|test| test.impact_velocity);
-        let (slowest, fastest) = velocities
-            .fold((f64::INFINITY, 0.0), |(low, high), v| {
-                (f64::min(low, v), f64::max(high, v))
-            });
+        let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
+            (f64::min(low, v), f64::max(high, v))
+        });
         Ok(self.decide(
             compared,
             effective_samples,
@@ -230,11 +244,29 @@ impl Selection {
         ))
     }
 
+    fn contest<'a>(
+        &self,
+        candidate: &'a Candidate,
+        prior: &'a Prior,
+        tests: &'a [RodTest],
+        weight: f64,
+    ) -> Contest<'a> {
+        Contest {
+            candidate,
+            prior,
+            tests,
+            noise: self.noise,
+            cell: self.cell,
+            weight,
+            least: f64::INFINITY,
+        }
+    }
+
     /// Factor of the standard deviations that noise and residual together suggest; 1 where the noise is known.
     fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
-        self.noise.degrees_of_freedom.map_or(1.0, |q| {
-            ((q + chi_square) / (q + samples as f64)).sqrt()
-        })
+        self.noise
+            .degrees_of_freedom
+            .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
     }
 
     fn ln_likelihood(&self, chi_square: f64, samples: f64) -> f64 {
@@ -250,9 +282,11 @@ impl Selection {
     fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
         match self.noise.degrees_of_freedom {
             None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
-            Some(q) if q > 0.0 => {
-                Some(FisherSnedecor::new(degrees, q).ok()?.sf(chi_square / degrees))
-            }
+            Some(q) if q > 0.0 => Some(
+                FisherSnedecor::new(degrees, q)
+                    .ok()?
+                    .sf(chi_square / degrees),
+            ),
             Some(_) => None,
         }
     }
@@ -307,9 +341,8 @@ impl Selection {
         order: &[usize],
         has_several_velocities: bool,
     ) -> Decision {
-        let least = (0..laws.len()).min_by(|a, b| {
-            laws[*a].chi_square.total_cmp(&laws[*b].chi_square)
-        });
+        let least =
+            (0..laws.len()).min_by(|a, b| laws[*a].chi_square.total_cmp(&laws[*b].chi_square));
         if let Some(best) = least
             && let Some(adequacy) = laws[best].adequacy
             && adequacy < self.adequacy_level
@@ -391,54 +424,6 @@ impl Ground {
                 .fold(0.0, f64::max),
             times,
         })
-    }
-
-    pub(crate) fn problem<'a>(
-        &'a self,
-        tests: &'a [RodTest],
-        candidate: &'a Candidate,
-        covariance: &'a CommonCovariance,
-        prior: &'a Prior,
-        cell: f64,
-    ) -> PosteriorProblem<'a> {
-        PosteriorProblem {
-            model: candidate.model.as_ref(),
-            tests,
-            times: &self.times,
-            covariance,
-            weight: 1.0,
-            prior,
-            cell,
-        }
-    }
-
-    /// The covariance that all candidates share: noise propagated by the linear candidate that explains the data best.
-    pub(crate) fn covariance_for(
-        &self,
-        tests: &[RodTest],
-        noise: NoiseLevels,
-        candidates: &[Candidate],
-        cell: f64,
-    ) -> Result<CommonCovariance, MaxwellidError> {
-        let white = CommonCovariance::white(tests, noise);
-        if noise.excitation == 0.0 {
-            return Ok(white);
-        }
-        let mut best: Option<(f64, &Candidate, Vec<f64>)> = None;
-        for candidate in candidates.iter().filter(|c| c.model.is_linear()) {
-            let prior = candidate.prior(self.modulus, self.duration);
-            let problem = self.problem(tests, candidate, &white, &prior, cell);
-            let found = problem.search(candidate, self.modulus, self.duration)?;
-            if let Some(found) = found
-                && best.as_ref().is_none_or(|(least, _, _)| found.chi_square < *least)
-            {
-                best = Some((found.chi_square, candidate, found.minimum.parameters));
-            }
-        }
-        best.and_then(|(_, candidate, parameters)| {
-            CommonCovariance::propagated(tests, noise, candidate.model.as_ref(), &parameters, cell)
-        })
-        .ok_or(MaxwellidError::NoLinearCandidate)
     }
 }
 

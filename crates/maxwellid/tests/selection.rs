@@ -11,35 +11,62 @@ use maxwellid::selection::{Candidate, NoiseLevels, Selection};
 use rodwave::inelastic::MaxwellNorton;
 use virtual_tests::{by_the_chain, by_the_line, constant_q_stack, in_parallel, noisy};
 
+fn selection() -> Selection {
+    Selection::new(Candidate::standard(), NoiseLevels::known(0.01, 0.01))
+        .unwrap()
+        .with_cell(8e-3)
+        .unwrap()
+}
+
 #[test]
-fn experiment() {
-    let truth = MaxwellNorton::from_reference_rate(2.0, 3.0, 10e6).unwrap();
-    for (slow, fast) in [(5.0, 10.0), (4.0, 16.0)] {
+fn norton() {
+    let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
+    for (slow, fast) in [(5.0, 15.0), (5.0, 20.0)] {
         let exact = [by_the_chain(&truth, slow), by_the_chain(&truth, fast)];
         let t = std::time::Instant::now();
-        for seed in 0..3 {
-            let tests = [noisy(&exact[0], 0.01, 2 * seed), noisy(&exact[1], 0.01, 2 * seed + 1)];
-            let selection =
-                Selection::new(Candidate::standard(), NoiseLevels::known(0.01, 0.01)).unwrap();
-            let c = selection.compare(&tests).unwrap();
-            println!("{slow} {fast} {:?} infl {:.2} neff {:.0}", c.decision, c.inflation, c.effective_samples);
-            for law in &c.laws {
-                println!("   {:30} chi2 {:8.1} adeq {:.3} lnZ {:9.2} P {:.4} det {:.1} {:?} {:?}", law.name, law.chi_square, law.adequacy.unwrap(), law.ln_evidence, law.probability, law.determined, law.termination, law.parameters);
-            }
+        let cases: Vec<u64> = (0..16).collect();
+        let r = in_parallel(&cases, |seed| {
+            let tests = [
+                noisy(&exact[0], 0.01, 2 * seed),
+                noisy(&exact[1], 0.01, 2 * seed + 1),
+            ];
+            let c = selection().compare(&tests).unwrap();
+            format!(
+                "{:?} {:?}",
+                c.decision,
+                c.laws
+                    .iter()
+                    .map(|l| (l.chi_square, l.probability))
+                    .collect::<Vec<_>>()
+            )
+        });
+        for r in r {
+            println!("{r}");
         }
         println!("{:?}", t.elapsed());
     }
-    let exact = by_the_line(&constant_q_stack(0.07), 10.0);
-    for seed in 0..2 {
-        let t = std::time::Instant::now();
-        let selection =
-            Selection::new(Candidate::standard(), NoiseLevels::known(0.01, 0.01)).unwrap();
-        let c = selection.compare(&[noisy(&exact, 0.01, seed)]).unwrap();
-        println!("{:?} infl {:.2} neff {:.0}", c.decision, c.inflation, c.effective_samples);
-        for law in &c.laws {
-            println!("   {:30} chi2 {:8.1} adeq {:.3} lnZ {:9.2} P {:.4} det {:.1} {:?} {:?}", law.name, law.chi_square, law.adequacy.unwrap(), law.ln_evidence, law.probability, law.determined, law.termination, law.parameters);
-        }
-        println!("{:?}", t.elapsed());
+}
+#[test]
+fn cq() {
+    let t = std::time::Instant::now();
+    let cases: Vec<u64> = (0..16).collect();
+    let exact = [0.03, 0.05, 0.07, 0.1].map(|d| by_the_line(&constant_q_stack(d), 10.0));
+    println!("{:?}", t.elapsed());
+    let r = in_parallel(&cases, |seed| {
+        let c = selection()
+            .compare(&[noisy(&exact[*seed as usize % 4], 0.01, *seed)])
+            .unwrap();
+        format!(
+            "{:?} {:?}",
+            c.decision,
+            c.laws
+                .iter()
+                .map(|l| (l.chi_square, l.probability))
+                .collect::<Vec<_>>()
+        )
+    });
+    for r in r {
+        println!("{r}");
     }
-    let _ = in_parallel(&[1], |x| *x);
+    println!("{:?}", t.elapsed());
 }

@@ -181,10 +181,9 @@ impl<'a> Times<'a> {
         }
         let first = times.first().map_or(0.0, |t| t * rod.sampling_rate_hz);
         // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far below it
-        let uniform = times
-            .iter()
-            .enumerate()
-            .all(|(k, t)| (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64);
+        let uniform = times.iter().enumerate().all(|(k, t)| {
+            (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
+        });
         Some(if uniform {
             Self::AtSamples {
                 first: first.floor() as usize,

@@ -3,8 +3,8 @@
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-use crate::model::{DrivenRod, RodModel};
 use super::{ConstantQ, FreeParameter, LinearLaw, LinearModel, MaxwellBranches, ScaledModulus};
+use crate::model::{DrivenRod, RodModel};
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::inelastic::Maxwell;
 use rodwave::line::{Body, Drive, End, Line, Segment};
@@ -96,7 +96,12 @@ fn without_relaxation_the_waves_are_those_of_d_alembert() {
 fn one_branch_is_the_maxwell_rod_of_the_characteristics() {
     let history = excitation();
     let (modulus, time) = (2.6e9, 1e-3);
-    let found = response(&LinearModel::new(law(1)), &history, &[f64::ln(modulus), f64::ln(time)]).0;
+    let found = response(
+        &LinearModel::new(law(1)),
+        &history,
+        &[f64::ln(modulus), f64::ln(time)],
+    )
+    .0;
     let error = |cells: usize| {
         let law = Maxwell::new(modulus * time).unwrap();
         let rod = InelasticRod::new(LENGTH, DENSITY, modulus, law).unwrap();
@@ -116,7 +121,12 @@ fn one_branch_is_the_maxwell_rod_of_the_characteristics() {
 fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
     let history = excitation();
     let (modulus, time) = (2.6e9, 1e-3);
-    let found = response(&LinearModel::new(law(1)), &history, &[f64::ln(modulus), f64::ln(time)]).0;
+    let found = response(
+        &LinearModel::new(law(1)),
+        &history,
+        &[f64::ln(modulus), f64::ln(time)],
+    )
+    .0;
     let error = |cells: usize| {
         let law = Maxwell::new(modulus * time).unwrap();
         let rod = InelasticRod::new(LENGTH, DENSITY, modulus, law).unwrap();
@@ -277,8 +287,16 @@ fn derivatives_are_exact() {
 fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     let zener = Zener::new(2.0e9, 2.5e9, 3e-5).unwrap();
     let ranges = [
-        FreeParameter { index: 1, name: "ln_modulus_increment", range: (0.02e9_f64.ln(), 2e9_f64.ln()) },
-        FreeParameter { index: 2, name: "ln_relaxation_time", range: (1e-6_f64.ln(), 1e-2_f64.ln()) },
+        FreeParameter {
+            index: 1,
+            name: "ln_modulus_increment",
+            range: (0.02e9_f64.ln(), 2e9_f64.ln()),
+        },
+        FreeParameter {
+            index: 2,
+            name: "ln_relaxation_time",
+            range: (1e-6_f64.ln(), 1e-2_f64.ln()),
+        },
     ];
     let scaled = ScaledModulus::new("Zener of rodwave", zener, TAU * 4e3, &ranges).unwrap();
     let history = excitation();
@@ -297,8 +315,32 @@ fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     .0;
     assert!(largest_difference(&found, &expected) < 1e-10);
     derivatives_are_those_of_differences(scaled, &[0.5e9_f64.ln(), 3e-5_f64.ln()]);
-    assert!(ScaledModulus::new("none", zener, TAU * 4e3, &[FreeParameter { index: 3, name: "?", range: (0.0, 1.0) }]).is_err());
-    assert!(ScaledModulus::new("none", zener, TAU * 4e3, &[FreeParameter { index: 2, name: "?", range: (1.0, 0.0) }]).is_err());
+    assert!(
+        ScaledModulus::new(
+            "none",
+            zener,
+            TAU * 4e3,
+            &[FreeParameter {
+                index: 3,
+                name: "?",
+                range: (0.0, 1.0)
+            }]
+        )
+        .is_err()
+    );
+    assert!(
+        ScaledModulus::new(
+            "none",
+            zener,
+            TAU * 4e3,
+            &[FreeParameter {
+                index: 2,
+                name: "?",
+                range: (1.0, 0.0)
+            }]
+        )
+        .is_err()
+    );
     assert!(ScaledModulus::new("none", zener, 0.0, &[]).is_err());
 }
 

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rodwave::inelastic::{DEFAULT_REFERENCE_STRESS, Elastic, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::{
+    DEFAULT_REFERENCE_STRESS, Elastic, MaxwellGurevichRabinovich, MaxwellNorton,
+};
 
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
@@ -205,8 +207,14 @@ impl Candidate {
     pub(crate) fn prior(&self, modulus: f64, duration: f64) -> Prior {
         let ranges = self.ranges(modulus, duration);
         Prior {
-            mean: ranges.iter().map(|(low, high)| 0.5 * (low + high)).collect(),
-            deviation: ranges.iter().map(|(low, high)| 0.25 * (high - low)).collect(),
+            mean: ranges
+                .iter()
+                .map(|(low, high)| 0.5 * (low + high))
+                .collect(),
+            deviation: ranges
+                .iter()
+                .map(|(low, high)| 0.25 * (high - low))
+                .collect(),
         }
     }
 

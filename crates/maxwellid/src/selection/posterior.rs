@@ -6,15 +6,15 @@ use crate::least_squares::{
 };
 use crate::model::RodModel;
 use crate::selection::candidate::{Candidate, Prior};
-use crate::selection::covariance::CommonCovariance;
+use crate::selection::noise::NoiseLevels;
+use crate::selection::true_excitation::TrueExcitation;
 use crate::test::RodTest;
 
 /// Whitened residuals of all tests, followed by one row a parameter for its prior.
 pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
-    pub(crate) tests: &'a [RodTest],
-    pub(crate) times: &'a [Vec<f64>],
-    pub(crate) covariance: &'a CommonCovariance,
+    /// The tests, each with its most probable excitation.
+    pub(crate) tests: &'a [TrueExcitation],
     /// What the whitened residuals are multiplied by: 1/(standard deviation).
     pub(crate) weight: f64,
     pub(crate) prior: &'a Prior,
@@ -24,30 +24,26 @@ pub(crate) struct PosteriorProblem<'a> {
 
 impl PosteriorProblem<'_> {
     pub(crate) fn samples(&self) -> usize {
-        self.times.iter().map(Vec::len).sum()
+        self.tests.iter().map(TrueExcitation::count).sum()
     }
 
-    /// Whitens and weighs a column of the samples of all tests, in m/s, V0 being taken out.
+    /// Whitens and weighs a column of the samples of all tests \[m/s\].
     fn whiten(&self, column: &mut [f64]) {
         let mut rest = &mut *column;
-        for (test, times) in self.tests.iter().zip(self.times) {
-            let (of_test, others) = rest.split_at_mut(times.len());
+        for test in self.tests {
+            let (of_test, others) = rest.split_at_mut(test.count());
             rest = others;
-            let scale = self.weight / test.impact_velocity;
-            for value in of_test {
-                *value *= scale;
-            }
+            test.whiten(of_test);
         }
-        self.covariance.whiten(column);
-    }
-
-    fn measured(&self) -> impl Iterator<Item = f64> + '_ {
-        self.tests.iter().flat_map(|test| test.response().iter().copied())
+        for value in column {
+            *value *= self.weight;
+        }
     }
 
     fn finish(&self, mut simulated: Vec<f64>, parameters: &[f64]) -> Vec<f64> {
-        for (value, measured) in simulated.iter_mut().zip(self.measured()) {
-            *value -= measured;
+        let targets = self.tests.iter().flat_map(TrueExcitation::target);
+        for (value, target) in simulated.iter_mut().zip(targets) {
+            *value -= target;
         }
         self.whiten(&mut simulated);
         simulated.extend(
@@ -64,9 +60,8 @@ impl PosteriorProblem<'_> {
 impl LeastSquares for PosteriorProblem<'_> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut simulated = Vec::with_capacity(self.samples() + parameters.len());
-        for (test, times) in self.tests.iter().zip(self.times) {
-            let rod = test.driven_rod(times, self.cell);
-            simulated.extend(self.model.response(&rod, parameters)?);
+        for test in self.tests {
+            simulated.extend(self.model.response(&test.rod(self.cell), parameters)?);
         }
         let residual = self.finish(simulated, parameters);
         residual.iter().all(|r| r.is_finite()).then_some(residual)
@@ -76,9 +71,10 @@ impl LeastSquares for PosteriorProblem<'_> {
         let samples = self.samples();
         let mut simulated = Vec::with_capacity(samples + parameters.len());
         let mut jacobian = vec![Vec::with_capacity(samples + parameters.len()); parameters.len()];
-        for (test, times) in self.tests.iter().zip(self.times) {
-            let rod = test.driven_rod(times, self.cell);
-            let response = self.model.linearised_response(&rod, parameters)?;
+        for test in self.tests {
+            let response = self
+                .model
+                .linearised_response(&test.rod(self.cell), parameters)?;
             simulated.extend(response.velocity);
             for (column, derivative) in jacobian.iter_mut().zip(response.by_parameter) {
                 column.extend(derivative);
@@ -86,9 +82,8 @@ impl LeastSquares for PosteriorProblem<'_> {
         }
         for (index, column) in jacobian.iter_mut().enumerate() {
             self.whiten(column);
-            column.extend(self.prior.deviation.iter().enumerate().map(|(row, deviation)| {
-                if row == index { 1.0 / deviation } else { 0.0 }
-            }));
+            let rows = self.prior.deviation.iter().enumerate();
+            column.extend(rows.map(|(row, s)| if row == index { 1.0 / s } else { 0.0 }));
         }
         let residual = self.finish(simulated, parameters);
         let finite = residual.iter().all(|r| r.is_finite())
@@ -115,79 +110,129 @@ pub(crate) struct Posterior {
     pub(crate) determined: f64,
 }
 
-/// Fits spend their time where a grid is; a start is good enough on a coarse one.
+/// Starts are compared on a coarse grid.
 const SCAN_CELL: f64 = 8e-3;
 
-/// Factors of E at which starts are tried: the time of flight may be a fraction of a period off.
+/// Factors of E at which starts of linear models are tried: the time of flight may be a fraction of a period off.
 const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 
-/// Starts from which a fit is made.
-const FITS: usize = 2;
+/// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
+const RENEWALS: usize = 4;
 
-impl PosteriorProblem<'_> {
-    /// The most probable parameters, from the best among the starts of `candidate`; `None` if the model exists at none of them.
+/// Change of χ² by a renewal that ends them: a hundredth of what tells one law from another.
+const SETTLED: f64 = 0.05;
+
+/// A χ² that exceeds that of another candidate by so much needs no further digits: its probability is below e^{-50}.
+const HOPELESS: f64 = 100.0;
+
+/// One candidate before its tests.
+pub(crate) struct Contest<'a> {
+    pub(crate) candidate: &'a Candidate,
+    pub(crate) prior: &'a Prior,
+    pub(crate) tests: &'a [RodTest],
+    pub(crate) noise: NoiseLevels,
+    pub(crate) cell: f64,
+    /// What the whitened residuals are multiplied by.
+    pub(crate) weight: f64,
+    /// The least χ² of the candidates so far.
+    pub(crate) least: f64,
+}
+
+impl Contest<'_> {
+    pub(crate) fn problem<'a>(
+        &'a self,
+        tests: &'a [TrueExcitation],
+        cell: f64,
+    ) -> PosteriorProblem<'a> {
+        PosteriorProblem {
+            model: self.candidate.model.as_ref(),
+            tests,
+            weight: self.weight,
+            prior: self.prior,
+            cell,
+        }
+    }
+
+    /// The tests with their most probable excitations at θ; `None` where the model does not exist.
+    pub(crate) fn estimated(&self, parameters: &[f64]) -> Option<Vec<TrueExcitation>> {
+        let model = self.candidate.model.as_ref();
+        self.tests
+            .iter()
+            .map(|test| TrueExcitation::estimate(test, self.noise, model, parameters, self.cell))
+            .collect()
+    }
+
+    /// The most probable parameters, from the best of the candidate's starts for `modulus`; `None` if the model exists at none.
     pub(crate) fn search(
         &self,
-        candidate: &Candidate,
         modulus: f64,
         duration: f64,
     ) -> Result<Option<Posterior>, MaxwellidError> {
-        let coarse = PosteriorProblem {
-            cell: self.cell.max(SCAN_CELL),
-            ..*self
-        };
-        let mut starts: Vec<(f64, Vec<f64>)> = MODULUS_FACTORS
+        let measured: Vec<TrueExcitation> = self
+            .tests
             .iter()
-            .flat_map(|factor| candidate.starts(modulus * factor, duration))
-            .filter_map(|start| {
-                let value = sum_of_squares(&coarse.residual(&start)?);
-                Some((value, start))
-            })
+            .map(|test| TrueExcitation::measured(test, self.noise))
             .collect();
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Posterior> = None;
-        for (_, start) in starts.iter().take(FITS) {
-            let found = self.from(start)?;
-            let is_better = |found: &Posterior| {
-                best.as_ref()
-                    .is_none_or(|best| found.objective() < best.objective())
-            };
-            if let Some(found) = found.filter(is_better) {
-                best = Some(found);
-            }
+        let coarse = self.problem(&measured, self.cell.max(SCAN_CELL));
+        let factors = if self.candidate.model.is_linear() {
+            &MODULUS_FACTORS[..]
+        } else {
+            &MODULUS_FACTORS[..1]
+        };
+        let start = factors
+            .iter()
+            .flat_map(|factor| self.candidate.starts(modulus * factor, duration))
+            .filter_map(|start| Some((sum_of_squares(&coarse.residual(&start)?), start)))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match start {
+            None => Ok(None),
+            Some((_, start)) => self.from(&start),
         }
-        Ok(best)
     }
 
     /// The most probable parameters near `start`.
     pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
-        let Some(minimum) = minimise(self, start, 0.0)? else {
-            return Ok(None);
-        };
-        let residual = &minimum.linearisation.residual;
-        let (of_data, of_prior) = residual.split_at(self.samples());
-        let Some(svd) =
-            ScaledDecomposition::new(&minimum.linearisation, &self.prior.deviation)
-        else {
-            return Err(MaxwellidError::Decomposition {
-                iteration: minimum.iterations,
+        let mut parameters = start.to_vec();
+        let mut found: Option<Posterior> = None;
+        for _ in 0..RENEWALS {
+            let Some(tests) = self.estimated(&parameters) else {
+                return Ok(None);
+            };
+            let problem = self.problem(&tests, self.cell);
+            let Some(minimum) = minimise(&problem, &parameters, 0.0)? else {
+                return Ok(None);
+            };
+            parameters.clone_from(&minimum.parameters);
+            let next = Posterior::of(&problem, minimum)?;
+            let change = found.as_ref().map_or(f64::INFINITY, |last: &Posterior| {
+                (next.chi_square - last.chi_square).abs()
             });
-        };
-        // rows of the data and of the prior together: squares of singular values are 1 + those of the data
-        let occam = svd.singular_values.iter().map(|s| s.ln()).sum();
-        let determined = svd.singular_values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum();
-        Ok(Some(Posterior {
-            chi_square: sum_of_squares(of_data),
-            prior_square: sum_of_squares(of_prior),
-            occam,
-            determined,
-            minimum,
-        }))
+            let is_settled = change < SETTLED || next.chi_square > self.least + HOPELESS;
+            found = Some(next);
+            if is_settled {
+                break;
+            }
+        }
+        Ok(found)
     }
 }
 
 impl Posterior {
-    fn objective(&self) -> f64 {
-        self.chi_square + self.prior_square
+    fn of(problem: &PosteriorProblem<'_>, minimum: Minimum) -> Result<Self, MaxwellidError> {
+        let residual = &minimum.linearisation.residual;
+        let (of_data, of_prior) = residual.split_at(problem.samples());
+        let svd = ScaledDecomposition::new(&minimum.linearisation, &problem.prior.deviation)
+            .ok_or(MaxwellidError::Decomposition {
+                iteration: minimum.iterations,
+            })?;
+        // rows of the data and of the prior together: squares of singular values are 1 + those of the data
+        let values = &svd.singular_values;
+        Ok(Self {
+            chi_square: sum_of_squares(of_data),
+            prior_square: sum_of_squares(of_prior),
+            occam: values.iter().map(|s| s.ln()).sum(),
+            determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
+            minimum,
+        })
     }
 }

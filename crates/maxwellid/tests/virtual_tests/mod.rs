@@ -80,7 +80,9 @@ pub fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
     let pi = std::f64::consts::PI;
     let step = 10.0_f64.ln() / 3.0;
     let strength = MODULUS * (pi * exponent).sin() / pi;
-    let times: Vec<f64> = (0..22).map(|k| 1e-8 * (step * f64::from(k)).exp()).collect();
+    let times: Vec<f64> = (0..22)
+        .map(|k| 1e-8 * (step * f64::from(k)).exp())
+        .collect();
     let slowest = times[times.len() - 1] * (0.5 * step).exp();
     let branches = times
         .into_iter()
@@ -156,6 +158,9 @@ pub fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + Sync) -
             .chunks(half)
             .map(|part| scope.spawn(|| part.iter().map(&of).collect::<Vec<R>>()))
             .collect();
-        parts.into_iter().flat_map(|part| part.join().unwrap()).collect()
+        parts
+            .into_iter()
+            .flat_map(|part| part.join().unwrap())
+            .collect()
     })
 }
