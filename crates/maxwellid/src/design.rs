@@ -1,6 +1,6 @@
 //! What to measure next: which test would sharpen the parameters, and which would tell two laws apart.
 //!
-//! For a planned test the excitation is predicted, the response follows from a law, and the noise of the instruments is known. Then
+//! For a planned test the excitation is predicted, the response follows from a law, and the noise of the instruments is stated. Then
 //!
 //! ```text
 //! sharpening     cov(θ) = (S⁻² + Σ Jᵀ C⁻¹ J)⁻¹   over the tests made and the planned one
@@ -20,7 +20,7 @@ use rodwave::inelastic::InelasticLaw;
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
-use crate::selection::{Candidate, Contest, Ground, NoiseLevels};
+use crate::selection::{Candidate, Contest, Ground};
 use crate::test::{Provenance, RodTest, RodTestData};
 
 /// A test that could be made.
@@ -30,7 +30,8 @@ pub struct PlannedTest {
 }
 
 impl PlannedTest {
-    /// A test of a rod like that of `test`, at another impact velocity \[m/s\]: the excitation is scaled.
+    /// A test of a rod like that of `test`, at another impact velocity [m/s]: the excitation is scaled, the
+    /// noise is that of the same instruments.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
@@ -42,6 +43,7 @@ impl PlannedTest {
                 expected: "a finite value above 0",
             });
         }
+        let noise = test.noise.clone();
         let factor = velocity / test.impact_velocity;
         let excitation: Vec<f64> = test.excitation_samples.iter().map(|v| v * factor).collect();
         Self::with_excitation(
@@ -50,6 +52,10 @@ impl PlannedTest {
             test.sampling_rate_hz,
             excitation,
         )
+        .map(|mut planned| {
+            planned.test.noise = noise;
+            planned
+        })
     }
 
     /// A test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation is `section_distance` \[m\] from the free
@@ -111,6 +117,16 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
+    /// The same with the noise [m/s] that its instruments will have.
+    ///
+    /// # Errors
+    /// As [`RodTest::with_noise`].
+    pub fn with_noise(self, excitation: f64, response: f64) -> Result<Self, MaxwellidError> {
+        Ok(Self {
+            test: self.test.with_noise(excitation, response)?,
+        })
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -133,13 +149,11 @@ pub struct Estimated<'a> {
     pub parameters: &'a [f64],
 }
 
-/// The tests made, and how the next ones will be measured.
+/// The tests made.
 #[derive(Debug, Clone, Copy)]
 pub struct Design<'a> {
     /// Tests made.
     pub tests: &'a [RodTest],
-    /// Noise of the instruments.
-    pub noise: NoiseLevels,
     /// Longest cell of grids \[m\].
     pub cell: f64,
 }
@@ -155,24 +169,24 @@ impl Design<'_> {
         law: Estimated<'_>,
         planned: Option<&PlannedTest>,
     ) -> Result<Vec<f64>, MaxwellidError> {
-        self.noise.check()?;
         let ground = Ground::of(self.tests)?;
         let tests = self.of_law(law, planned)?;
+        let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = law.candidate.prior(ground.modulus, ground.duration);
         let contest = Contest {
             candidate: law.candidate,
             prior: &prior,
             tests: &tests,
-            noise: self.noise,
+            times: &times,
             cell: self.cell,
             weight: 1.0,
             least: f64::INFINITY,
         };
         let seen = contest
-            .estimated(law.parameters)
+            .seen(law.parameters)
             .ok_or(MaxwellidError::NoCandidate)?;
         let linearisation = contest
-            .problem(&seen, self.cell)
+            .problem(&seen)
             .linearisation(law.parameters)
             .ok_or(MaxwellidError::NoCandidate)?;
         let svd = ScaledDecomposition::new(&linearisation, &prior.deviation)
@@ -199,15 +213,15 @@ impl Design<'_> {
         rival: &Candidate,
         planned: Option<&PlannedTest>,
     ) -> Result<f64, MaxwellidError> {
-        self.noise.check()?;
         let ground = Ground::of(self.tests)?;
         let tests = self.of_law(truth, planned)?;
+        let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = rival.prior(ground.modulus, ground.duration);
         let contest = Contest {
             candidate: rival,
             prior: &prior,
             tests: &tests,
-            noise: self.noise,
+            times: &times,
             cell: self.cell,
             weight: 1.0,
             least: f64::INFINITY,

@@ -15,6 +15,9 @@ pub enum Noise {
     /// Standard deviation of each sample of the response, as a share of the impact velocity. The errors then are those of data
     /// with this noise; they are never smaller than the residual of the fit itself implies.
     Known(f64),
+    /// As stated with the tests ([`crate::RodTest::with_noise`] and its kin), of excitation and response, through the rod. The errors are
+    /// raised where the residual is larger than chance permits.
+    Stated,
     /// From the residual of the fit, with the number of independent samples reduced by its autocorrelation.
     FromResidual,
 }
@@ -70,6 +73,20 @@ pub struct Estimate {
     pub influence: Option<f64>,
 }
 
+impl Estimate {
+    /// The interval of 95 % of the linearised problem, symmetric in ln(value) or in the value as `scale` says. Infinite where the data
+    /// do not determine the parameter.
+    #[must_use]
+    pub fn interval_95(&self) -> (f64, f64) {
+        // the normal distribution has 95 % within 1.96 standard deviations
+        let half = 1.959_964 * self.standard_error;
+        match self.scale {
+            Scale::Ratio => (self.value * (-half).exp(), self.value * half.exp()),
+            Scale::Difference => (self.value - half, self.value + half),
+        }
+    }
+}
+
 /// The information that the data hold about the parameters at the minimum.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -81,20 +98,30 @@ pub struct Identifiability {
     pub signal_to_noise: Vec<f64>,
     /// Correlation matrix of (ln E, parameters of the law), by rows.
     pub correlation: Vec<Vec<f64>>,
-    /// Standard deviation of a sample that was used, as a share of V0.
+    /// Standard deviation of a sample that was used, as a share of V0; of a white sample, in stated standard deviations, for
+    /// [`Noise::Stated`].
     pub noise: f64,
     /// Factor by which the variances were raised for the autocorrelation of the residual; 1 for white residuals.
     pub correlation_inflation: f64,
 }
 
+/// What is judged: the residual over V0 and, for stated noise, the white one with the factor on its noise.
+pub(crate) struct Judged<'a> {
+    pub(crate) linearisation: &'a Linearisation,
+    pub(crate) white: Option<(&'a Linearisation, f64)>,
+}
+
 pub(crate) fn assess(
     model: &dyn RodModel,
     at: &[f64],
-    linearisation: &Linearisation,
+    judged: &Judged<'_>,
     lengths: &[usize],
     noise: Noise,
 ) -> Option<Identifiability> {
     let parameters = at.len();
+    let linearisation = judged
+        .white
+        .map_or(judged.linearisation, |(white, _)| white);
     let decomposition = ScaledDecomposition::new(linearisation, &vec![1.0; parameters])?;
     let degrees = linearisation
         .residual
@@ -107,6 +134,7 @@ pub(crate) fn assess(
     )]
     let from_residual = (sum_of_squares(&linearisation.residual) / degrees as f64).sqrt();
     let (noise, correlation_inflation) = match noise {
+        _ if judged.white.is_some() => (judged.white.map_or(1.0, |(_, ratio)| ratio), 1.0),
         Noise::Known(known) if known >= from_residual => (known, 1.0),
         _ => (
             from_residual,
@@ -150,7 +178,8 @@ pub(crate) fn assess(
                 .collect()
         })
         .collect();
-    let influences: Vec<f64> = linearisation
+    let influences: Vec<f64> = judged
+        .linearisation
         .jacobian
         .iter()
         .map(|column| root_mean_square(column))

@@ -26,27 +26,44 @@
 //! * Errors are those of the linearised problem at the minimum.
 
 pub mod adequacy;
+mod agreement;
 pub mod conformal;
 pub mod design;
+mod displacement;
 mod error;
 mod fit;
+mod historical;
 mod identifiability;
+mod identification;
 mod law;
 mod least_squares;
 pub mod linear;
 mod model;
+mod noise;
+mod nuisance;
+mod parallel;
 pub mod profile;
 mod report;
 mod residual;
 pub mod samples;
 pub mod selection;
+mod start;
 mod test;
+mod velocity;
+mod whitening;
 
+pub use agreement::FitFlag;
+pub use displacement::DisplacementTransducers;
 pub use error::MaxwellidError;
-pub use fit::{DEFAULT_CELL, Fit, Identification};
+pub use fit::{DEFAULT_ACCURACY, DEFAULT_CELL, Fit, Method};
 pub use identifiability::{Estimate, IDENTIFIED_BELOW, Identifiability, Noise, Verdict};
+pub use identification::Identification;
 pub use law::{IdentifiableLaw, Role, Scale, StatedParameter};
-pub use least_squares::Termination;
+pub use least_squares::{Evaluations, Termination};
 pub use model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
+pub use noise::{HistoryNoise, TestNoise};
+pub use nuisance::{Freedom, NuisanceEstimate, Nuisances};
 pub use report::Report;
-pub use test::{Provenance, RodTest, RodTestData};
+pub use start::StartOutcome;
+pub use test::{Provenance, RodTest, RodTestData, TestFlag};
+pub use velocity::Differentiator;

@@ -17,7 +17,7 @@ use crate::identifiability::Verdict;
 use crate::least_squares::{
     LeastSquares, Linearisation, ScaledDecomposition, minimise, sum_of_squares,
 };
-use crate::selection::{Candidate, Contest, Ground, NoiseLevels, PosteriorProblem, Prior};
+use crate::selection::{Candidate, Contest, Ground, PosteriorProblem, Prior};
 use crate::test::RodTest;
 
 /// Quantile of chi-square of one degree of freedom at 95 %.
@@ -82,17 +82,15 @@ impl Profile {
 pub fn profiles(
     candidate: &Candidate,
     tests: &[RodTest],
-    noise: NoiseLevels,
     cell: f64,
 ) -> Result<Vec<Profile>, MaxwellidError> {
-    noise.check()?;
     let ground = Ground::of(tests)?;
     let prior = candidate.prior(ground.modulus, ground.duration);
     let contest = Contest {
         candidate,
         prior: &prior,
         tests,
-        noise,
+        times: &ground.times,
         cell,
         weight: 1.0,
         least: f64::INFINITY,
@@ -106,10 +104,10 @@ pub fn profiles(
         deviation: vec![f64::INFINITY; prior.mean.len()],
     };
     let at = &start.minimum.parameters;
-    let seen = contest.estimated(at).ok_or(MaxwellidError::NoCandidate)?;
+    let seen = contest.seen(at).ok_or(MaxwellidError::NoCandidate)?;
     let problem = PosteriorProblem {
         prior: &flat,
-        ..contest.problem(&seen, cell)
+        ..contest.problem(&seen)
     };
     let minimum = minimise(&problem, at, 0.0)?.ok_or(MaxwellidError::NoCandidate)?;
     let least = sum_of_squares(&minimum.linearisation.residual);

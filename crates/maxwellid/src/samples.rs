@@ -13,6 +13,7 @@ use faer::Mat;
 
 use crate::error::MaxwellidError;
 use crate::fit::DEFAULT_CELL;
+use crate::parallel::map_in_order;
 use crate::selection::{Candidate, Ground};
 use crate::test::RodTest;
 
@@ -73,7 +74,7 @@ impl StandardSamples {
             }
             Some(pattern)
         };
-        let patterns = all(&wanted, respond);
+        let patterns = map_in_order(&wanted, respond);
         let mut samples = Self {
             classes: candidates.iter().map(|c| c.name().to_owned()).collect(),
             class_of: Vec::new(),
@@ -116,19 +117,6 @@ impl StandardSamples {
     pub fn projection(&self, components: usize) -> Result<KarhunenLoeve, MaxwellidError> {
         KarhunenLoeve::of(&self.patterns, components)
     }
-}
-
-/// `of` of all, in order.
-#[cfg(feature = "rayon")]
-fn all<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-    items.par_iter().map(of).collect()
-}
-
-/// `of` of all, in order.
-#[cfg(not(feature = "rayon"))]
-fn all<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
-    items.iter().map(of).collect()
 }
 
 fn differences(test: &RodTest, response: &[f64], kind: Pattern) -> Vec<f64> {

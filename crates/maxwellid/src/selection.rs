@@ -31,13 +31,11 @@
 
 mod candidate;
 mod decision;
-mod noise;
 mod posterior;
-mod true_excitation;
+mod seen_test;
 
 pub use candidate::Candidate;
 pub use decision::{Advice, Decision, Doubt};
-pub use noise::NoiseLevels;
 
 pub(crate) use candidate::Prior;
 pub(crate) use posterior::{Contest, Posterior, PosteriorProblem};
@@ -54,7 +52,7 @@ use crate::test::RodTest;
 #[derive(Debug, Clone)]
 pub struct Selection {
     candidates: Vec<Candidate>,
-    noise: NoiseLevels,
+    noise_samples: Option<f64>,
     cell: f64,
     required_probability: f64,
     adequacy_level: f64,
@@ -67,21 +65,39 @@ const DISTINCT_VELOCITIES: f64 = 1.2;
 const CORRELATED_FROM: f64 = 1.5;
 
 impl Selection {
-    /// A comparison of these candidates for data of this noise.
+    /// A comparison of these candidates. The noise is what each test states; it counts as known.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoCandidate`]; [`MaxwellidError::Setting`] for a noise level that is not finite and positive.
-    pub fn new(candidates: Vec<Candidate>, noise: NoiseLevels) -> Result<Self, MaxwellidError> {
-        noise.check()?;
+    /// [`MaxwellidError::NoCandidate`].
+    pub fn new(candidates: Vec<Candidate>) -> Result<Self, MaxwellidError> {
         if candidates.is_empty() {
             return Err(MaxwellidError::NoCandidate);
         }
         Ok(Self {
             candidates,
-            noise,
+            noise_samples: None,
             cell: DEFAULT_CELL,
             required_probability: 0.95,
             adequacy_level: 1e-3,
+        })
+    }
+
+    /// States that the noise of the tests was estimated from so many samples of rest: the common factor of all is then uncertain,
+    /// and is averaged over. With 0 nothing but the ratios is known, and no law can be refuted by its misfit.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and not negative.
+    pub fn with_noise_of(self, samples: f64) -> Result<Self, MaxwellidError> {
+        if !(samples.is_finite() && samples >= 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "number of samples from which the noise was estimated",
+                value: samples,
+                expected: "a finite value not below 0",
+            });
+        }
+        Ok(Self {
+            noise_samples: Some(samples),
+            ..self
         })
     }
 
@@ -137,7 +153,7 @@ impl Selection {
     /// Compares the candidates on all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, no arrival to start from, too few samples, or if no candidate exists at any start.
+    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         let ground = Ground::of(tests)?;
         let samples: usize = ground.times.iter().map(Vec::len).sum();
@@ -162,7 +178,7 @@ impl Selection {
                     let prior = candidate.prior(ground.modulus, ground.duration);
                     let contest = Contest {
                         least,
-                        ..self.contest(candidate, &prior, tests, 1.0)
+                        ..self.contest(candidate, &prior, (tests, &ground.times), 1.0)
                     };
                     *posterior = contest.search(modulus, ground.duration)?;
                     if let Some(found) = posterior {
@@ -195,7 +211,7 @@ impl Selection {
                     continue;
                 };
                 let prior = candidate.prior(ground.modulus, ground.duration);
-                let contest = self.contest(candidate, &prior, tests, weight);
+                let contest = self.contest(candidate, &prior, (tests, &ground.times), weight);
                 *posterior = contest.from(&found.minimum.parameters)?;
             }
         }
@@ -248,14 +264,14 @@ impl Selection {
         &self,
         candidate: &'a Candidate,
         prior: &'a Prior,
-        tests: &'a [RodTest],
+        (tests, times): (&'a [RodTest], &'a [Vec<f64>]),
         weight: f64,
     ) -> Contest<'a> {
         Contest {
             candidate,
             prior,
             tests,
-            noise: self.noise,
+            times,
             cell: self.cell,
             weight,
             least: f64::INFINITY,
@@ -264,13 +280,12 @@ impl Selection {
 
     /// Factor of the standard deviations that noise and residual together suggest; 1 where the noise is known.
     fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
-        self.noise
-            .degrees_of_freedom
+        self.noise_samples
             .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
     }
 
     fn ln_likelihood(&self, chi_square: f64, samples: f64) -> f64 {
-        match self.noise.degrees_of_freedom {
+        match self.noise_samples {
             None => -0.5 * chi_square,
             Some(q) if q > 0.0 => -0.5 * (samples + q) * (chi_square / q).ln_1p(),
             // nothing but the ratio of the levels is known
@@ -280,7 +295,7 @@ impl Selection {
 
     /// Probability of a misfit as large, if the candidate were true; `None` where the level of the noise is not known.
     fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
-        match self.noise.degrees_of_freedom {
+        match self.noise_samples {
             None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
             Some(q) if q > 0.0 => Some(
                 FisherSnedecor::new(degrees, q)

@@ -2,19 +2,19 @@
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{
-    LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise, sum_of_squares,
+    LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares,
 };
 use crate::model::RodModel;
+use crate::parallel::map_in_order;
 use crate::selection::candidate::{Candidate, Prior};
-use crate::selection::noise::NoiseLevels;
-use crate::selection::true_excitation::TrueExcitation;
+use crate::selection::seen_test::{SeenTest, rough_level};
 use crate::test::RodTest;
 
 /// Whitened residuals of all tests, followed by one row a parameter for its prior.
 pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
     /// The tests, each with its most probable excitation.
-    pub(crate) tests: &'a [TrueExcitation],
+    pub(crate) tests: &'a [SeenTest<'a>],
     /// What the whitened residuals are multiplied by: 1/(standard deviation).
     pub(crate) weight: f64,
     pub(crate) prior: &'a Prior,
@@ -24,7 +24,7 @@ pub(crate) struct PosteriorProblem<'a> {
 
 impl PosteriorProblem<'_> {
     pub(crate) fn samples(&self) -> usize {
-        self.tests.iter().map(TrueExcitation::count).sum()
+        self.tests.iter().map(SeenTest::count).sum()
     }
 
     /// Whitens and weighs a column of the samples of all tests \[m/s\].
@@ -41,7 +41,7 @@ impl PosteriorProblem<'_> {
     }
 
     fn finish(&self, mut simulated: Vec<f64>, parameters: &[f64]) -> Vec<f64> {
-        let targets = self.tests.iter().flat_map(TrueExcitation::target);
+        let targets = self.tests.iter().flat_map(SeenTest::target);
         for (value, target) in simulated.iter_mut().zip(targets) {
             *value -= target;
         }
@@ -119,6 +119,9 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 /// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
 const RENEWALS: usize = 4;
 
+/// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
+const REDUCTION: f64 = 1e-6;
+
 /// Change of χ² by a renewal that ends them: a hundredth of what tells one law from another.
 const SETTLED: f64 = 0.05;
 
@@ -130,7 +133,7 @@ pub(crate) struct Contest<'a> {
     pub(crate) candidate: &'a Candidate,
     pub(crate) prior: &'a Prior,
     pub(crate) tests: &'a [RodTest],
-    pub(crate) noise: NoiseLevels,
+    pub(crate) times: &'a [Vec<f64>],
     pub(crate) cell: f64,
     /// What the whitened residuals are multiplied by.
     pub(crate) weight: f64,
@@ -139,27 +142,45 @@ pub(crate) struct Contest<'a> {
 }
 
 impl Contest<'_> {
-    pub(crate) fn problem<'a>(
-        &'a self,
-        tests: &'a [TrueExcitation],
-        cell: f64,
-    ) -> PosteriorProblem<'a> {
+    pub(crate) fn problem<'a>(&'a self, tests: &'a [SeenTest<'a>]) -> PosteriorProblem<'a> {
         PosteriorProblem {
             model: self.candidate.model.as_ref(),
             tests,
             weight: self.weight,
             prior: self.prior,
-            cell,
+            cell: self.cell,
         }
     }
 
-    /// The tests with their most probable excitations at θ; `None` where the model does not exist.
-    pub(crate) fn estimated(&self, parameters: &[f64]) -> Option<Vec<TrueExcitation>> {
-        let model = self.candidate.model.as_ref();
+    /// The tests as they are seen at θ; `None` where the model does not exist.
+    pub(crate) fn seen(&self, parameters: &[f64]) -> Option<Vec<SeenTest<'_>>> {
         self.tests
             .iter()
-            .map(|test| TrueExcitation::estimate(test, self.noise, model, parameters, self.cell))
+            .zip(self.times)
+            .map(|(test, times)| {
+                SeenTest::of(test, times, &self.candidate.model, parameters, self.cell)
+            })
             .collect()
+    }
+
+    /// What a start is compared with others by; `None` where the model does not exist.
+    fn rough_misfit(&self, start: &[f64], levels: &[f64]) -> Option<f64> {
+        let mut sum = 0.0;
+        for ((test, times), level) in self.tests.iter().zip(self.times).zip(levels) {
+            let rod = test.driven_rod(times, self.cell.max(SCAN_CELL));
+            let response = self.candidate.model.response(&rod, start)?;
+            sum += response
+                .iter()
+                .zip(test.response())
+                .map(|(s, m)| ((s - m) / level).powi(2))
+                .sum::<f64>();
+        }
+        let prior = self.prior.mean.iter().zip(&self.prior.deviation);
+        let unlikely = start
+            .iter()
+            .zip(prior)
+            .map(|(t, (m, s))| ((t - m) / s).powi(2));
+        Some(sum + unlikely.sum::<f64>())
     }
 
     /// The most probable parameters, from the best of the candidate's starts for `modulus`; `None` if the model exists at none.
@@ -168,25 +189,29 @@ impl Contest<'_> {
         modulus: f64,
         duration: f64,
     ) -> Result<Option<Posterior>, MaxwellidError> {
-        let measured: Vec<TrueExcitation> = self
+        let levels = self
             .tests
             .iter()
-            .map(|test| TrueExcitation::measured(test, self.noise))
-            .collect();
-        let coarse = self.problem(&measured, self.cell.max(SCAN_CELL));
+            .map(rough_level)
+            .collect::<Result<Vec<_>, _>>()?;
         let factors = if self.candidate.model.is_linear() {
             &MODULUS_FACTORS[..]
         } else {
             &MODULUS_FACTORS[..1]
         };
-        let start = factors
+        let starts: Vec<Vec<f64>> = factors
             .iter()
             .flat_map(|factor| self.candidate.starts(modulus * factor, duration))
-            .filter_map(|start| Some((sum_of_squares(&coarse.residual(&start)?), start)))
+            .collect();
+        let misfits = map_in_order(&starts, |start| self.rough_misfit(start, &levels));
+        let best = starts
+            .iter()
+            .zip(misfits)
+            .filter_map(|(start, misfit)| Some((misfit?, start)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        match start {
+        match best {
             None => Ok(None),
-            Some((_, start)) => self.from(&start),
+            Some((_, start)) => self.from(start),
         }
     }
 
@@ -195,11 +220,11 @@ impl Contest<'_> {
         let mut parameters = start.to_vec();
         let mut found: Option<Posterior> = None;
         for _ in 0..RENEWALS {
-            let Some(tests) = self.estimated(&parameters) else {
+            let Some(tests) = self.seen(&parameters) else {
                 return Ok(None);
             };
-            let problem = self.problem(&tests, self.cell);
-            let Some(minimum) = minimise(&problem, &parameters, 0.0)? else {
+            let problem = self.problem(&tests);
+            let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
                 return Ok(None);
             };
             parameters.clone_from(&minimum.parameters);

@@ -13,9 +13,9 @@ use rodwave::line::{self, Body, Drive, End, Line, Segment};
 use rodwave::lumped::{self, LumpedRod};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
-pub const DENSITY: f64 = 912.0;
-pub const MODULUS: f64 = 2.6e9;
-pub const LENGTH: f64 = 0.394;
+pub(crate) const DENSITY: f64 = 912.0;
+pub(crate) const MODULUS: f64 = 2.6e9;
+pub(crate) const LENGTH: f64 = 0.394;
 const REFERENCE_OMEGA: f64 = std::f64::consts::TAU * 4e3;
 
 const ACQUISITION: Acquisition = Acquisition {
@@ -30,11 +30,11 @@ const ACQUISITION: Acquisition = Acquisition {
 
 /// A test without noise.
 #[derive(Clone)]
-pub struct Exact {
-    pub velocity: f64,
-    pub excitation: Vec<f64>,
-    pub response: Vec<f64>,
-    generator: &'static str,
+pub(crate) struct Exact {
+    pub(crate) velocity: f64,
+    pub(crate) excitation: Vec<f64>,
+    pub(crate) response: Vec<f64>,
+    pub(crate) generator: &'static str,
 }
 
 fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> VelocityRecord {
@@ -58,7 +58,7 @@ fn times(record: &VelocityRecord) -> Vec<f64> {
 }
 
 /// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute with a nonlinear rod.
-pub fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
+pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     let record = struck(law, velocity);
     let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
     let response = LumpedRod::new(&rod, 400, 0.5)
@@ -75,7 +75,7 @@ pub fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
 
 /// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and whose modulus has the magnitude
 /// [`MODULUS`] at 4 kHz: the relaxation spectrum of the spring-pot in steps of a third of a decade.
-pub fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
+pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
     let exponent = std::f64::consts::FRAC_2_PI * f64::atan(loss_factor);
     let pi = std::f64::consts::PI;
     let step = 10.0_f64.ln() / 3.0;
@@ -97,7 +97,7 @@ pub fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
 }
 
 /// The line's response, branches in parallel, to the excitation as recorded.
-pub fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact {
+pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact {
     // the excitation of a rod of nearly the same damping
     let record = struck(&Maxwell::new(4e6).unwrap(), velocity);
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap();
@@ -124,7 +124,7 @@ pub fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact {
 }
 
 /// Adds white noise of `level` V0 to both histories.
-pub fn noisy(exact: &Exact, level: f64, seed: u64) -> RodTest {
+pub(crate) fn noisy(exact: &Exact, level: f64, seed: u64) -> RodTest {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut with_noise = |samples: &[f64]| -> Vec<f64> {
         samples
@@ -148,10 +148,12 @@ pub fn noisy(exact: &Exact, level: f64, seed: u64) -> RodTest {
         },
     })
     .unwrap()
+    .with_noise(level * exact.velocity, level * exact.velocity)
+    .unwrap()
 }
 
 /// `of` of each case, on two threads, in the order of the cases.
-pub fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let half = cases.len().div_ceil(2).max(1);
     std::thread::scope(|scope| {
         let parts: Vec<_> = cases
