@@ -122,8 +122,8 @@ const RENEWALS: usize = 4;
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
-/// Change of χ² by a renewal that ends them: a hundredth of what tells one law from another.
-const SETTLED: f64 = 0.05;
+/// Change of χ² by a renewal that ends them: a thirtieth of what tells one law from another.
+const SETTLED: f64 = 0.2;
 
 /// A χ² that exceeds that of another candidate by so much needs no further digits: its probability is below e^{-50}.
 const HOPELESS: f64 = 100.0;
