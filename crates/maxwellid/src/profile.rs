@@ -23,7 +23,7 @@ use crate::test::RodTest;
 /// Quantile of chi-square of one degree of freedom at 95 %.
 const THRESHOLD: f64 = 3.841_458_820_694_124;
 
-/// The range that is looked at is that of the candidate, so many times as wide.
+/// The range that is looked at is that of the candidate, so many times as wide, within the bounds of the model.
 const WIDER: f64 = 3.0;
 
 /// What the data say about one parameter.
@@ -113,6 +113,7 @@ pub fn profiles(
     let least = sum_of_squares(&minimum.linearisation.residual);
     let errors = standard_errors(&minimum.linearisation, &prior.deviation);
     let names = candidate.model().parameter_names();
+    let bounds = candidate.model().bounds();
     (0..at.len())
         .map(|index| {
             let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
@@ -122,8 +123,8 @@ pub fn profiles(
                 least,
                 minimum: &minimum.parameters,
                 range: (
-                    mean - 2.0 * WIDER * deviation,
-                    mean + 2.0 * WIDER * deviation,
+                    (mean - 2.0 * WIDER * deviation).max(bounds[index].0),
+                    (mean + 2.0 * WIDER * deviation).min(bounds[index].1),
                 ),
                 step: (2.0 * errors[index]).min(deviation),
             };
@@ -182,6 +183,12 @@ impl LeastSquares for Held<'_> {
         let mut limits = self.problem.step_limits();
         limits.remove(self.index);
         limits
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        let mut bounds = self.problem.bounds();
+        bounds.remove(self.index);
+        bounds
     }
 }
 

@@ -16,12 +16,11 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
 
-/// Two tests at 4 m/s and two at 24 m/s. The exponential law comes within 30 of the power law in χ²; with one test each it comes within 15,
-/// and 19 of 20 cases are right.
+/// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law in χ² at 4 and 24 m/s already, within 6
+/// at 5 and 15 m/s.
 #[test]
 fn a_norton_law_is_named_from_two_velocities() {
-    let (slow, fast) = (by_the_chain(&norton(), 4.0), by_the_chain(&norton(), 24.0));
-    let exact = [slow.clone(), fast.clone(), slow, fast];
+    let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
     let seeds: Vec<u64> = (0..20).collect();
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
     let names: Vec<String> = comparisons.iter().map(named).collect();
@@ -35,8 +34,8 @@ fn a_norton_law_is_named_from_two_velocities() {
             "{:?}",
             law.parameters
         );
-        // 576 samples less 3 parameters, ± 34, with 4.3 standard deviations
-        assert!((law.chi_square - 573.0).abs() < 146.0, "{}", law.chi_square);
+        // 288 samples less 3 parameters, ± 24, with four standard deviations
+        assert!((law.chi_square - 285.0).abs() < 96.0, "{}", law.chi_square);
         assert!(comparison.advice.is_empty(), "{:?}", comparison.advice);
         let sum: f64 = comparison.laws.iter().map(|law| law.probability).sum();
         assert!((sum - 1.0).abs() < 1e-12);

@@ -94,6 +94,10 @@ impl LeastSquares for PosteriorProblem<'_> {
     fn step_limits(&self) -> Vec<f64> {
         self.model.step_limits()
     }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        self.model.bounds()
+    }
 }
 
 /// What a fit with prior found.
