@@ -9,7 +9,8 @@
 //! Each evaluation solves the direct problem of [`rodwave::characteristics`] with v_e prescribed; the sum of squares of
 //! simulated minus measured v_r over all tests (paper D, eq. 12) is minimised over (ln E, shape of the law, ln of its rate at
 //! 10 MPa) by damped least squares with exact derivatives. At the minimum the singular values of the Jacobian, the covariance
-//! and a [`Verdict`] for each parameter say what was learnt.
+//! and a [`Verdict`] for each parameter say what was learnt. Where the noise of both histories is stated, the residual is made white
+//! with it and the excitation is estimated too; gain, offset and delay of the transducers can be unknowns ([`Nuisances`]).
 //!
 //! # Errata of the source
 //! * Eq. (14), a recursion with gain 1/m on the printed parameters, diverges or stands still: in Pa the Hessian has the eigenvalues
@@ -18,8 +19,6 @@
 //!   record and their damping cannot be identified from data with 2 % noise. This crate then says so.
 //!
 //! # What this does not do
-//! * It takes velocities; differentiation of measured displacements is the caller's.
-//! * The excitation is taken as exact; its noise is not propagated, so with a noisy excitation the errors are too small.
 //! * It does not choose between laws. Beware: data of a *linear* material with constant loss factor are fitted well by a nonlinear
 //!   law, because amplitude and frequency content fall together along the rod. From one impact velocity the nonlinearity of a
 //!   law is not proved.
