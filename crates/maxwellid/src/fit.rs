@@ -18,8 +18,8 @@ use crate::whitening::{Transfer, Weighting};
 
 pub(crate) use crate::identification::Identification;
 
-/// Longest cell of the grid unless another is set \[m\]; the requested accuracy may ask for a shorter one. The scheme leaves about 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a
-/// hundredth of the recorder's noise, and is of second order.
+/// Longest cell of the grid unless another is set \[m\]; the requested accuracy may ask for a shorter one. The scheme is of second order
+/// and leaves less than 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
 /// Requested accuracy of the simulated response unless another is chosen, rms as a share of V0.

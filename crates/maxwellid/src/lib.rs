@@ -9,7 +9,8 @@
 //! Each evaluation solves the direct problem of [`rodwave::characteristics`] with v_e prescribed; the sum of squares of
 //! simulated minus measured v_r over all tests (paper D, eq. 12) is minimised over (ln E, shape of the law, ln of its rate at
 //! 10 MPa) by damped least squares with exact derivatives. At the minimum the singular values of the Jacobian, the covariance
-//! and a [`Verdict`] for each parameter say what was learnt.
+//! and a [`Verdict`] for each parameter say what was learnt. Where the noise of both histories is stated, the residual is made white
+//! with it and the excitation is estimated too; gain, offset and delay of the transducers can be unknowns ([`Nuisances`]).
 //!
 //! # Which law
 //! [`selection`] compares the three laws with linear competitors ([`linear`]) and may answer that the data cannot tell, or that it is none of
@@ -23,8 +24,6 @@
 //!   record and their damping cannot be identified from data with 2 % noise. This crate then says so.
 //!
 //! # What this does not do
-//! * It takes velocities; differentiation of measured displacements is the caller's.
-//! * The excitation is taken as exact; its noise is not propagated, so with a noisy excitation the errors are too small.
 //! * [`Fit`] does not choose between laws; [`selection`] does. Beware: data of a *linear* material with constant loss factor are
 //!   fitted well by a nonlinear law, because amplitude and frequency content fall together along the rod. From one impact velocity
 //!   the nonlinearity of a law is not proved by a fit.

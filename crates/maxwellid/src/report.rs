@@ -2,10 +2,12 @@
 
 use std::fmt;
 
-use crate::fit::Identification;
+use crate::agreement::FitFlag;
 use crate::identifiability::{Estimate, Identifiability, Noise};
+use crate::identification::Identification;
 use crate::law::{Role, Scale};
 use crate::model::RodModel;
+use crate::nuisance::NuisanceEstimate;
 
 /// Displays an identification: law, termination, residual, and each parameter with error and verdict.
 #[derive(Debug, Clone)]
@@ -15,6 +17,8 @@ pub struct Report {
     termination: String,
     relative_error: f64,
     identifiability: Option<Identifiability>,
+    nuisances: Vec<Vec<NuisanceEstimate>>,
+    flags: Vec<FitFlag>,
 }
 
 impl<M: RodModel> Identification<M> {
@@ -27,6 +31,8 @@ impl<M: RodModel> Identification<M> {
             termination: self.termination().to_string(),
             relative_error: self.relative_error(),
             identifiability: self.identifiability(noise),
+            nuisances: self.nuisances().to_vec(),
+            flags: self.flags().to_vec(),
         }
     }
 }
@@ -49,6 +55,23 @@ impl fmt::Display for Report {
         };
         for estimate in &identifiability.estimates {
             writeln!(f, "  {estimate}")?;
+        }
+        for (test, nuisances) in self.nuisances.iter().enumerate() {
+            for NuisanceEstimate {
+                name,
+                value,
+                standard_error,
+            } in nuisances
+            {
+                writeln!(
+                    f,
+                    "  test {}: {name} = {value:.4e} ± {standard_error:.1e}",
+                    test + 1
+                )?;
+            }
+        }
+        for flag in &self.flags {
+            writeln!(f, "  attention: {flag}")?;
         }
         Ok(())
     }

@@ -284,18 +284,6 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
     .unwrap();
     let test = RodTest::new(data(&record, record.response.clone(), lumped::GENERATOR)).unwrap();
     let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
-    if std::env::var("TT").is_ok() {
-        for cell in [4e-3, 2e-3, 1e-3] {
-            let f = Fit::of(start).with_cell(cell).to(&[test.clone()]).unwrap();
-            eprintln!(
-                "{rate_hz} {cell} {} {}",
-                value(&f, "kappa"),
-                f.relative_error()
-            );
-        }
-        let f = Fit::of(start).to(&[test.clone()]).unwrap();
-        eprintln!("auto {} {} {:?}", f.cell(), f.grid_difference(), f.flags());
-    }
     value(&Fit::of(start).to(&[test]).unwrap(), "kappa")
 }
 
@@ -303,11 +291,13 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
-    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 2.07.
+    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 1.97, each the same to
+    // 0.01 on grids of half the cell. (A cell of 4 mm at the highest rate gives 2.07: its own error, and twice the residual.)
     let exponents = [at(1.0), at(4.0), at(16.0)];
     assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
     assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");
-    assert!((exponents[2] - 2.108).abs() < 0.06, "{exponents:?}");
+    assert!(exponents[2] > exponents[1] + 0.06, "{exponents:?}");
+    assert!((exponents[2] - 2.108).abs() < 0.2, "{exponents:?}");
 }
 
 #[test]
