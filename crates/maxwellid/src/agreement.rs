@@ -91,7 +91,7 @@ pub(crate) fn disagreements(
     tests: &[String],
 ) -> Vec<FitFlag> {
     let mut flags = Vec::new();
-    if row_lengths.len() < 2 || !(noise > 0.0) {
+    if row_lengths.len() < 2 || noise.is_nan() || noise <= 0.0 {
         return flags;
     }
     let mut start = 0;

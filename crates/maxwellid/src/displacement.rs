@@ -41,7 +41,7 @@ impl RodTest {
             response,
             ..
         } = &data;
-        if !(transducers.range > 0.0) {
+        if transducers.range.is_nan() || transducers.range <= 0.0 {
             return Err(MaxwellidError::TransducerRange {
                 test: name.clone(),
                 value: transducers.range,

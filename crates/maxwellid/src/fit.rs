@@ -327,10 +327,14 @@ impl<M: RodModel> Fit<M> {
         let requested = self.requested_accuracy(tests);
         // data of this solver come from a grid that their user knows or the usual one
         let fixed = self.cell.or(self.round_trip.then_some(DEFAULT_CELL));
+        let noise_is_known = noise_is_known(tests)?;
         let mut cell = match fixed {
             Some(cell) => cell,
+            // the excitation that matters is not known yet
+            None if noise_is_known => DEFAULT_CELL,
             None => {
-                let coarse = self.grid_difference(tests, start, SCAN_CELL).unwrap_or(0.0);
+                let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
+                let coarse = Self::grid_difference(&problem, start, SCAN_CELL).unwrap_or(0.0);
                 // an error of second order
                 let share = (MARGIN * requested / coarse).sqrt();
                 (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
@@ -339,7 +343,6 @@ impl<M: RodModel> Fit<M> {
         let mut start = start.to_vec();
         let each = self.nuisances.of_iteration().len() * tests.len();
         start.extend(std::iter::repeat_n(0.0, each));
-        let noise_is_known = noise_is_known(tests)?;
         let mut refinement = 0;
         loop {
             let mut problem = TestResidual::new(tests, &self.model, cell);
@@ -354,9 +357,7 @@ impl<M: RodModel> Fit<M> {
                 (problem, minimum)
             };
             let of_model = &minimum.parameters[..problem.of_model()];
-            let difference = self
-                .grid_difference(tests, of_model, cell)
-                .unwrap_or(f64::NAN);
+            let difference = Self::grid_difference(&problem, of_model, cell).unwrap_or(f64::NAN);
             let finest = fixed.is_some() || cell <= SHORTEST_CELL;
             if difference <= requested || finest || refinement >= REFINEMENTS {
                 if difference > requested && fixed.is_none() {
@@ -389,15 +390,12 @@ impl<M: RodModel> Fit<M> {
             .fold(self.accuracy, f64::min)
     }
 
-    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it.
-    fn grid_difference(&self, tests: &[RodTest], of_model: &[f64], cell: f64) -> Option<f64> {
+    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it, to the excitations about which
+    /// `problem` is linearised: the noise of a measured one would be more for a grid to resolve than the motion of the rod is.
+    fn grid_difference(problem: &TestResidual<'_, M>, of_model: &[f64], cell: f64) -> Option<f64> {
         let mut largest = 0.0_f64;
-        for test in tests {
-            let times = test.times();
-            let response = |cell| {
-                self.model
-                    .response(&test.driven_rod(&times, cell), of_model)
-            };
+        for (index, test) in problem.tests.iter().enumerate() {
+            let response = |cell| problem.response_on(index, of_model, cell);
             let difference: Vec<f64> = response(cell)?
                 .iter()
                 .zip(response(0.5 * cell)?)

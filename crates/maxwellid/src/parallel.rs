@@ -4,7 +4,7 @@
 #[cfg(feature = "rayon")]
 pub(crate) fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     use rayon::prelude::*;
-    items.par_iter().map(f).collect()
+    items.par_iter().map(&f).collect()
 }
 
 /// `f` of each item, in their order.

@@ -129,6 +129,13 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         self.driven(test, own, shift, |rod| self.model.response(rod, of_model))
     }
 
+    /// S of one test on a grid of `cell` \[m\], with its nuisances at their references.
+    pub(crate) fn response_on(&self, test: usize, of_model: &[f64], cell: f64) -> Option<Vec<f64>> {
+        self.driven(test, &[], 0.0, |rod| {
+            self.model.response(&DrivenRod { cell, ..*rod }, of_model)
+        })
+    }
+
     fn add_correction(&self, test: usize, velocity: &mut [f64]) {
         if let Some(weighting) = self.weightings.get(test) {
             for (v, c) in velocity.iter_mut().zip(&weighting.correction) {

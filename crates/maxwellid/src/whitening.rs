@@ -222,6 +222,12 @@ impl Weighting {
     /// Linearises about `excitation` [m/s] as the Wiener filter passes it.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
+        // the rod is at rest before the record: without noise it would not jump to its first sample, which no grid resolves
+        for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "some samples")]
+            let share = k as f64 / FADE as f64;
+            *u *= (0.5 * std::f64::consts::PI * share).sin().powi(2);
+        }
         let error: Vec<f64> = test
             .excitation_samples
             .iter()
@@ -286,6 +292,9 @@ impl Weighting {
         self.linearised_about(test, excitation)
     }
 }
+
+/// Samples over which the excitation of the linearisation is faded in.
+const FADE: usize = 8;
 
 /// Frequencies to either side over which the power of a record is averaged.
 const SMOOTHED: usize = 5;

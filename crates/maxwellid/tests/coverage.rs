@@ -28,13 +28,9 @@ fn coverage<L: IdentifiableLaw>(modulus: f64, truth: &L, start: &L) -> Vec<(f64,
             .unwrap()
             .with_noise(NOISE, NOISE)
             .unwrap();
-        // of this smooth excitation a grid of 8 mm is accurate to a hundredth of the noise
+        // of this smooth excitation the error on a grid of 8 mm is below a third of a standard error, 0.01 · 0.3/√104
         let fit = Fit::of(start.clone()).with_cell(8e-3).to(&[test]).unwrap();
-        assert!(
-            fit.grid_difference() < 0.01 * NOISE / V0,
-            "{}",
-            fit.grid_difference()
-        );
+        assert!(fit.grid_difference() < 3e-4, "{}", fit.grid_difference());
         assert!(fit.termination().was_successful(), "seed {seed}");
         let judged = fit.identifiability(Noise::Stated).unwrap();
         for ((estimate, truth), count) in judged.estimates.iter().zip(&expected).zip(&mut counts) {

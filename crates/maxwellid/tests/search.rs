@@ -28,7 +28,7 @@ fn a_minimum_of_another_period_is_found_and_left() {
     for wrong in [1.6 * 3e9, 0.5 * 3e9] {
         let fit = Fit::of(truth)
             .starting_from(wrong)
-            .to(&[test.clone()])
+            .to(std::slice::from_ref(&test))
             .unwrap();
         assert!(
             ratio_error(fit.modulus(), 3e9) < 1e-3,
@@ -43,7 +43,7 @@ fn a_minimum_of_another_period_is_found_and_left() {
         .map(|factor| {
             let fit = Fit::of(truth)
                 .starting_from(factor * 3e9)
-                .to(&[test.clone()])
+                .to(std::slice::from_ref(&test))
                 .unwrap();
             assert!(ratio_error(fit.modulus(), 3e9) < 1e-3);
             fit.cycle_skips_left()
@@ -60,7 +60,10 @@ fn many_starts_end_where_one_does_and_tell_where_each_led() {
     let truth = MaxwellNorton::new(2.0, 1.3e13).unwrap();
     let test = RodTest::new(struck(0.4, 10.0, 2.6e9, &truth, 100).data).unwrap();
     let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
-    let one = Fit::of(start).with_cell(8e-3).to(&[test.clone()]).unwrap();
+    let one = Fit::of(start)
+        .with_cell(8e-3)
+        .to(std::slice::from_ref(&test))
+        .unwrap();
     let many = Fit::of(start)
         .with_cell(8e-3)
         .with_starts(12)
@@ -79,7 +82,7 @@ fn many_starts_end_where_one_does_and_tell_where_each_led() {
     assert!(
         many.starts()
             .iter()
-            .any(|s| s.start[0] != one.starts()[0].start[0])
+            .any(|s| (s.start[0] - one.starts()[0].start[0]).abs() > 0.01)
     );
     let best = many
         .starts()
@@ -103,7 +106,7 @@ fn the_grid_is_as_fine_as_the_accuracy_asks_for() {
     for accuracy in [1e-3, 2e-6, 4e-7] {
         let fit = Fit::of(truth)
             .with_accuracy(accuracy)
-            .to(&[test.clone()])
+            .to(std::slice::from_ref(&test))
             .unwrap();
         assert!(
             fit.grid_difference() <= accuracy,
@@ -114,7 +117,10 @@ fn the_grid_is_as_fine_as_the_accuracy_asks_for() {
         last = fit.cell();
     }
     // and the difference that is stated is that to a finer grid
-    let fit = Fit::of(truth).with_cell(8e-3).to(&[test.clone()]).unwrap();
+    let fit = Fit::of(truth)
+        .with_cell(8e-3)
+        .to(std::slice::from_ref(&test))
+        .unwrap();
     let times = test.times();
     let response = |cell| {
         fit.model()
@@ -164,7 +170,7 @@ fn the_minimiser_of_the_paper_ends_at_the_same_place_with_more_work() {
         Fit::of(Maxwell::new(1e6).unwrap())
             .with_cell(8e-3)
             .with_method(method)
-            .to(&[test.clone()])
+            .to(std::slice::from_ref(&test))
             .unwrap()
     };
     let (damped, historical) = (fit(Method::DampedLeastSquares), fit(Method::Historical));
@@ -233,7 +239,7 @@ fn bad_requests_are_refused() {
             "the direct problem fails at the starting values: cell of the grid [m] is NaN, expected a finite value above 0",
         ),
     ] {
-        let error: MaxwellidError = fit.to(&[test.clone()]).unwrap_err();
+        let error: MaxwellidError = fit.to(std::slice::from_ref(&test)).unwrap_err();
         assert_eq!(error.to_string(), message);
     }
 }

@@ -176,7 +176,7 @@ fn gain_offset_and_delay_of_a_transducer_are_found() {
     data.response.splice(0..0, [0.05, 0.05]);
     data.response.truncate(data.excitation.len());
     let test = RodTest::new(data).unwrap();
-    let blind = Fit::of(start).to(&[test.clone()]).unwrap();
+    let blind = Fit::of(start).to(std::slice::from_ref(&test)).unwrap();
     assert!(ratio_error(blind.modulus(), 2.6e9) > 0.05);
     let fit = Fit::of(start)
         .with_nuisances(Nuisances {
@@ -215,7 +215,7 @@ fn a_calibration_holds_what_the_data_cannot_see() {
             excitation_gain: Freedom::Within(0.03),
             ..Nuisances::default()
         })
-        .to(&[test.clone()])
+        .to(std::slice::from_ref(&test))
         .unwrap();
     let [excitation, response] = &fit.nuisances()[0][..] else {
         panic!("{:?}", fit.nuisances());
@@ -238,7 +238,7 @@ fn a_calibration_holds_what_the_data_cannot_see() {
                 response_gain: freedom,
                 ..Nuisances::default()
             })
-            .to(&[test.clone()])
+            .to(std::slice::from_ref(&test))
             .unwrap();
         fit.identifiability(Noise::Stated).unwrap().estimates[1].standard_error
     };
@@ -259,7 +259,7 @@ fn calibrations_that_mean_nothing_are_refused() {
                 delay: freedom,
                 ..Nuisances::default()
             })
-            .to(&[test.clone()])
+            .to(std::slice::from_ref(&test))
             .unwrap_err()
             .to_string()
     };
