@@ -72,16 +72,21 @@
 
 mod contact;
 mod error;
+mod force_error;
 mod fourier;
 mod history;
 mod reconstruct;
 mod stick;
+mod uncertainty;
 
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
 pub use error::ImpulseError;
+pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
 pub use reconstruct::{
-    ExcludedLine, ExclusionReason, FrequencyBand, ReconstructedForce, Reconstruction,
-    Regularisation, ResponseEnd, TimeInterval,
+    ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand,
+    NonNegativity, Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ReconstructedForce,
+    Reconstruction, Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
+pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
