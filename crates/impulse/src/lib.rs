@@ -70,19 +70,34 @@
 //! - After the first separation the bodies are taken not to touch again, as in the paper; eq. 3 is then the whole history.
 //! - No uncertainty of the force is computed from that of the mobilities, and nothing is screened for causality.
 
+mod balance;
+mod body;
 mod contact;
+mod contact_law;
+mod convolution;
 mod error;
 mod force_error;
 mod fourier;
 mod history;
+mod impact;
+mod kernel;
 mod reconstruct;
 mod stick;
 mod uncertainty;
+mod unilateral;
 
+pub use balance::Balance;
+pub use body::{
+    Causality, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody, MobilityLaw,
+    Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
+};
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
+pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
+pub use impact::{Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand,
     NonNegativity, Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ReconstructedForce,
@@ -90,3 +105,4 @@ pub use reconstruct::{
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
+pub use unilateral::ContactInterval;

@@ -19,14 +19,14 @@ const FINER: usize = 4;
 
 /// A pulse $`\frac12P(1 - \cos(2\pi (t-t_0)/T))`$.
 #[derive(Debug, Clone, Copy)]
-pub struct Pulse {
-    pub peak: f64,
-    pub begin: f64,
-    pub duration: f64,
+pub(crate) struct Pulse {
+    pub(crate) peak: f64,
+    pub(crate) begin: f64,
+    pub(crate) duration: f64,
 }
 
 impl Pulse {
-    pub fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         let phase = (time - self.begin) / self.duration;
         if (0.0..1.0).contains(&phase) {
             0.5 * self.peak * (1.0 - (TAU * phase).cos())
@@ -43,19 +43,19 @@ impl Pulse {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub struct VirtualBody {
-    pub length: f64,
-    pub n_samples: usize,
-    pub sampling_rate_hz: f64,
+pub(crate) struct VirtualBody {
+    pub(crate) length: f64,
+    pub(crate) n_samples: usize,
+    pub(crate) sampling_rate_hz: f64,
 }
 
 /// What is measured at the struck and at the far face.
 #[derive(Debug, Clone)]
-pub struct Faces {
+pub(crate) struct Faces {
     /// Accelerations \[m/s²\].
-    pub responses: [Vec<f64>; 2],
+    pub(crate) responses: [Vec<f64>; 2],
     /// Accelerances [1/kg].
-    pub frequency_responses: [Vec<Complex64>; 2],
+    pub(crate) frequency_responses: [Vec<Complex64>; 2],
 }
 
 impl VirtualBody {
@@ -64,7 +64,7 @@ impl VirtualBody {
         Medium::new(1150.0, ConstantQ::new(3e9, 0.1, 1e4)?)
     }
 
-    pub fn struck_by(&self, pulse: Pulse) -> Result<Faces, RodwaveError> {
+    pub(crate) fn struck_by(&self, pulse: Pulse) -> Result<Faces, RodwaveError> {
         let medium = Self::medium()?;
         let section = Circle::of_diameter(0.020)?;
         let analytic = AnalyticChain::analytic_from_impact_face()
@@ -110,13 +110,13 @@ impl VirtualBody {
 }
 
 /// `values` with Gaussian noise of standard deviation `level`.
-pub fn noisy(values: &[f64], level: f64, random: &mut impl Rng) -> Vec<f64> {
+pub(crate) fn noisy(values: &[f64], level: f64, random: &mut impl Rng) -> Vec<f64> {
     let mut noise = || -> f64 { random.sample(StandardNormal) };
     values.iter().map(|x| x + level * noise()).collect()
 }
 
 /// Lines with circular Gaussian errors of these variances; at 0 Hz and at the Nyquist frequency the errors are real.
-pub fn noisy_lines(
+pub(crate) fn noisy_lines(
     lines: &[Complex64],
     variances: &[f64],
     random: &mut impl Rng,
