@@ -99,9 +99,10 @@ pub use history::{ForceHistory, ForcePeak};
 pub use impact::{Impact, LineBand, Pair, Prediction, PredictionFlag};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand,
-    NonNegativity, Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ReconstructedForce,
-    Reconstruction, Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
+    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
+    ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
+    RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
+    ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};

@@ -1,5 +1,6 @@
 //! The force that made a known body move as was measured.
 
+mod calibration_scatter;
 mod choice;
 mod lines;
 mod modes;
@@ -17,6 +18,7 @@ use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
 use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
+pub use calibration_scatter::{CalibrationBlow, CalibrationScatter};
 pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
 pub use outcome::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,
