@@ -31,7 +31,7 @@ pub struct Balance {
     pub dissipated_in_contact: f64,
     /// Energy that the contact holds at the end and may give back \[J\].
     pub stored_in_contact: f64,
-    /// $`(W_1 - W_2 - W_c)/\lvert W_1\rvert`$: work that the first body gave, less that which the second and the contact took, the former by
+    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work that the first body gave, less that which the second and the contact took, the former by
     /// the velocities of the faces, the latter by the law of the contact.
     pub energy_residual: f64,
     /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last contact (mean under a Hann window):
@@ -101,8 +101,8 @@ impl Account<'_> {
             inner,
             dissipated_in_contact: self.contact_work - self.stored_in_contact,
             stored_in_contact: self.stored_in_contact,
-            energy_residual: if given.abs() > 0.0 {
-                (given - taken - self.contact_work) / given.abs()
+            energy_residual: if impulse > 0.0 {
+                (given - taken - self.contact_work) / (velocity * impulse)
             } else {
                 0.0
             },

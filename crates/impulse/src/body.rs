@@ -3,6 +3,7 @@
 mod chain;
 mod law;
 mod measured;
+mod reciprocity;
 mod screening;
 
 use num_complex::Complex64;
@@ -11,9 +12,8 @@ use crate::ImpulseError;
 
 pub use law::MobilityLaw;
 pub use measured::{LowFrequency, MeasuredBody, WeighedMass};
-pub use screening::{
-    Causality, FrontLimit, MassCheck, Passivity, Reciprocity, Screening, ScreeningFlag,
-};
+pub use reciprocity::Reciprocity;
+pub use screening::{Causality, FrontLimit, MassCheck, Passivity, Screening, ScreeningFlag};
 
 /// Where the mobility of a body is known.
 #[derive(Debug, Clone, Copy, PartialEq)]

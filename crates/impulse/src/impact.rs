@@ -1,5 +1,6 @@
 //! Two bodies that meet: who, how fast, through what, and how it is computed.
 
+mod discrete;
 mod prediction;
 
 use std::fmt;
@@ -10,12 +11,12 @@ use rodwave::synthesis::DampedSynthesis;
 
 use crate::error::check_positive;
 use crate::kernel::Kernel;
-use crate::unilateral::March;
 use crate::{
     ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Quadrature, StickForce,
     StickProblem, TimeGrid, ZeroLine, lines_of,
 };
 
+pub use discrete::DiscreteImpact;
 pub use prediction::{Prediction, PredictionFlag};
 
 /// Steps of a prediction unless the caller chooses their length.
@@ -23,9 +24,6 @@ const DEFAULT_STEPS: usize = 4096;
 
 /// Gaussian that rounds jumps in the damped transform, in intervals: 3e-14 is left at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
-
-/// Two faces whose mobility falls over a decade by more than to this part are those of masses.
-const RIGID: f64 = 0.2;
 
 /// Largest relative difference between the mass of a body and that of its mobility at low frequency.
 const MASS_TOLERANCE: f64 = 1e-3;
@@ -59,7 +57,7 @@ pub struct Pair<'a> {
 /// let long = AnalyticChain::analytic_from_impact_face()
 ///     .end(Termination::semi_infinite(&steel, circle))?;
 ///
-/// let impact = Impact::between(&striker, &long).at_velocity(1.0)?.predict(0.5e-3)?;
+/// let impact = Impact::between(&striker, &long).at_velocity(1.0).predict(0.5e-3)?;
 /// // de Saint-Venant: Z V/2 for one round trip, and the striker stands still
 /// assert!((impact.peak().force / 1572.1 - 1.0).abs() < 1e-3);
 /// assert!((impact.duration() / 1.943e-4 - 1.0).abs() < 2e-3);
@@ -173,9 +171,7 @@ impl<'a> Impact<'a> {
     ///
     /// As [`Impact::predict`].
     pub fn stick_force(&self, duration: f64) -> Result<ForceHistory, ImpulseError> {
-        let discrete = self.discrete(duration)?;
-        let force = discrete.march(self.velocity).run_sticking()?;
-        discrete.history(force)
+        self.discretised(duration)?.stick_force()
     }
 
     /// The same on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$ by the damped Fourier transform, at intervals of
@@ -270,16 +266,20 @@ impl<'a> Impact<'a> {
     /// [`ImpulseError::RigidFaces`] where two masses meet without anything soft between; [`ImpulseError::ActiveFaces`] and
     /// [`ImpulseError::Diverged`] for mobilities that make energy; as [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
-        let discrete = self.discrete(duration)?;
-        let marched = discrete.march(self.velocity).run()?;
-        Prediction::new(self.velocity, self.masses(), &discrete, marched)
+        self.discretised(duration)?.predict()
     }
 
     fn masses(&self) -> [Option<f64>; 2] {
         [self.first.free_mass(), self.second.free_mass()]
     }
 
-    fn discrete(&self, duration: f64) -> Result<Discrete, ImpulseError> {
+    /// The impact in discrete time: both kernels, which take longer to make than the march. To be used where the same bodies meet more
+    /// than once, at several velocities.
+    ///
+    /// # Errors
+    ///
+    /// As [`Impact::predict`].
+    pub fn discretised(&self, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
         check_positive("impact velocity [m/s]", self.velocity)?;
         let grid = self.grid(duration)?;
         for (name, body) in [("first", self.first), ("second", self.second)] {
@@ -289,40 +289,7 @@ impl<'a> Impact<'a> {
             Kernel::of(self.first, grid, self.quadrature)?,
             Kernel::of(self.second, grid, self.quadrature)?,
         ];
-        let [near, far] = [
-            kernels[0].front().near + kernels[1].front().near,
-            kernels[0].front().far + kernels[1].front().far,
-        ];
-        let compliance = kernels[0].face_compliance() + kernels[1].face_compliance();
-        let mut kernel: Vec<f64> = kernels[0]
-            .weights()
-            .iter()
-            .zip(kernels[1].weights())
-            .map(|(first, second)| first + second)
-            .collect();
-        let law = match &self.law {
-            law if compliance <= 0.0 => law.clone(),
-            ContactLaw::Rigid => ContactLaw::linear(1.0 / compliance)?,
-            ContactLaw::Linear { stiffness } => {
-                ContactLaw::linear(1.0 / (compliance + 1.0 / stiffness))?
-            }
-            law => {
-                // the spring in series by backward differences: of first order, the only place
-                let jump = compliance / grid.time_step;
-                for (weight, change) in kernel.iter_mut().zip([jump, -jump]) {
-                    *weight += change;
-                }
-                law.clone()
-            }
-        };
-        if law == ContactLaw::Rigid && far < RIGID * near {
-            return Err(ImpulseError::RigidFaces { ratio: far / near });
-        }
-        Ok(Discrete {
-            kernels,
-            kernel,
-            law,
-        })
+        DiscreteImpact::new(self.velocity, [self.first, self.second], kernels, &self.law)
     }
 
     #[expect(
@@ -353,38 +320,6 @@ impl<'a> Impact<'a> {
     }
 }
 
-/// An impact in discrete time.
-struct Discrete {
-    kernels: [Kernel; 2],
-    /// their sum
-    kernel: Vec<f64>,
-    law: ContactLaw,
-}
-
-impl Discrete {
-    fn march(&self, velocity: f64) -> March<'_> {
-        March {
-            kernel: &self.kernel,
-            time_step: self.kernels[0].grid().time_step,
-            velocity,
-            law: &self.law,
-        }
-    }
-
-    /// Compliance \[m/N\] of springs at the faces that stand in the kernel, not in the law.
-    fn springs_in_kernel(&self) -> f64 {
-        match self.law {
-            ContactLaw::Rigid | ContactLaw::Linear { .. } => 0.0,
-            _ => self.kernels[0].face_compliance() + self.kernels[1].face_compliance(),
-        }
-    }
-
-    fn history(&self, force: Vec<f64>) -> Result<ForceHistory, ImpulseError> {
-        let time_step = self.kernels[0].grid().time_step;
-        ForceHistory::new(0.5 * time_step, time_step, force)
-    }
-}
-
 /// A free body begins as its mass, another one does not begin as one. Of a measured body [`MeasuredBody::screen`](crate::MeasuredBody::screen)
 /// judges that by its errors.
 fn check_mass(
@@ -399,7 +334,11 @@ fn check_mass(
             Domain::FrequencyAxis => Complex64::new(0.0, rate),
             Domain::Lines { .. } => return Ok(None),
         };
-        Ok(Some(1.0 / (s * body.mobility_at(s)?).norm()))
+        let mobility = body.mobility_at(s)?;
+        if !mobility.is_finite() {
+            return Err(ImpulseError::InfiniteMobility { body: name, s });
+        }
+        Ok(Some(1.0 / (s * mobility).norm()))
     };
     let Some(found) = inertia(rate)? else {
         return Ok(());

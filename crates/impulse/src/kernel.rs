@@ -17,6 +17,9 @@ const BEYOND: f64 = 1e3;
 /// A massless spring at the face shows as a mobility that grows with s by at least this part of it over the band.
 const SPRING: f64 = 1e-4;
 
+/// Real over imaginary part of the s at which the answer at once is looked for.
+const OFF_AXIS: f64 = 0.02;
+
 /// Frequencies over which echoes are averaged.
 const POINTS_BEYOND: u32 = 256;
 
@@ -74,6 +77,7 @@ pub struct Kernel {
     face_compliance: f64,
     front: FrontDecade,
     acausal: f64,
+    activity: f64,
 }
 
 /// The mobility \[m/(N s)\] beyond the band, and a decade further.
@@ -108,6 +112,7 @@ impl Kernel {
                 Weights {
                     weights,
                     acausal: 0.0,
+                    activity: 0.0,
                 }
             }
         };
@@ -124,6 +129,7 @@ impl Kernel {
             face_compliance: front.compliance,
             front: front.decade,
             acausal: made.acausal,
+            activity: made.activity,
         })
     }
 
@@ -151,11 +157,20 @@ impl Kernel {
         self.face_compliance
     }
 
-    /// Root mean square of what the kernel has ahead of time 0, over its first weight. Rounding for an analytic body; for
-    /// others what the band limit smears, noise, and what has not died out within the period and came round.
+    /// Root mean square of what the kernel has ahead of time 0 \[m/(N s)\]. Rounding for an analytic body; for others what the band
+    /// limit smears, noise, and what has not died out within the period and came round.
     #[must_use]
     pub fn acausal(&self) -> f64 {
         self.acausal
+    }
+
+    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines that were used: 0 for a passive body, up to 1 for one that generates
+    /// energy somewhere, and anything between by the noise of a measured one
+    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) judges that by its variance). Not looked for, and 0, with convolution
+    /// quadrature.
+    #[must_use]
+    pub fn activity(&self) -> f64 {
+        self.activity
     }
 
     pub(crate) fn front(&self) -> FrontDecade {
@@ -167,6 +182,7 @@ impl Kernel {
 struct Weights {
     weights: Vec<f64>,
     acausal: f64,
+    activity: f64,
 }
 
 /// What the face does at once.
@@ -194,35 +210,39 @@ impl Front {
             });
         }
         let at = |rate: f64| mobility_beyond(body, rate);
-        let (near, far) = (at(BEYOND * edge)?, at(10.0 * BEYOND * edge)?);
-        let at_edge = at(edge)?;
-        let (grown, compared) = match body.domain() {
-            Domain::RightHalfPlane => (far.re - near.re, at_edge.re),
-            _ => (far.im - near.im, at_edge.norm()),
-        };
-        let slope = grown / (9.0 * BEYOND * edge);
-        let compliance = if slope * edge > SPRING * compared {
+        let rates = [edge, BEYOND * edge, 10.0 * BEYOND * edge];
+        let [here, near, far] = [at(rates[0])?, at(rates[1])?, at(rates[2])?];
+        // a spring shows in the imaginary part, G → s c
+        let slope = (far.im - near.im) / (rates[2] - rates[1]);
+        let compliance = if slope * edge > SPRING * here.norm() {
             slope
         } else {
             0.0
         };
-        let without_spring = |mobility: Complex64, rate: f64| match body.domain() {
-            Domain::RightHalfPlane => mobility - compliance * rate,
-            _ => mobility - Complex64::new(0.0, compliance * rate),
-        };
+        let without_spring =
+            |mobility: Complex64, rate: f64| mobility - compliance * rate * direction(body);
         Ok(Self {
-            conductance: without_spring(at_edge, edge).re,
+            conductance: without_spring(here, rates[0]).re,
             compliance,
             decade: FrontDecade {
-                near: without_spring(near, BEYOND * edge).norm(),
-                far: without_spring(far, 10.0 * BEYOND * edge).norm(),
+                near: without_spring(near, rates[1]).norm(),
+                far: without_spring(far, rates[2]).norm(),
             },
         })
     }
 }
 
-/// Mobility without echoes at the `rate` [1/s]: on the real axis, from which no echo returns, or where only the frequency axis is
-/// known the mean over frequencies, in which the echoes cancel.
+/// s over the rate at which a body is looked at: near the frequency axis, where the lines are, but far enough from it for echoes to
+/// have died out if the body is known there.
+fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
+    match body.domain() {
+        Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
+        _ => Complex64::I,
+    }
+}
+
+/// Mobility without echoes at the `rate` [1/s]; where only the frequency axis is known the mean over frequencies, in which the
+/// echoes cancel.
 fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Complex64, ImpulseError> {
     let value = |s: Complex64| {
         let mobility = body.mobility_at(s)?;
@@ -236,7 +256,7 @@ fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Comple
         }
     };
     if body.domain() == Domain::RightHalfPlane {
-        return value(Complex64::new(rate, 0.0));
+        return value(rate * direction(body));
     }
     let mut sum = Complex64::ZERO;
     for point in 0..POINTS_BEYOND {

@@ -10,6 +10,10 @@ const MOST_ITERATIONS: usize = 60;
 /// Relative change of the approach that ends them.
 const CONVERGED: f64 = 1e-14;
 
+/// Forces below this part of the largest so far are no contact to speak of: faces that move alike touch with the rounding of the kernel.
+/// The force itself is not changed.
+const PRESSING: f64 = 1e-6;
+
 /// Above this product of stiffness, mobility and time step the force of a stiff contact alternates from step to step.
 const RESOLVED: f64 = 2.0;
 
@@ -249,13 +253,15 @@ struct ContactLog {
     now: Option<ContactInterval>,
     /// forces of the two steps before
     last: [f64; 2],
+    highest: f64,
 }
 
 impl ContactLog {
     fn enter(&mut self, march: &March<'_>, index: usize, before: f64, step: Step) {
         let time_step = march.time_step;
         let begin_of_step = index as f64 * time_step;
-        if step.force > 0.0 {
+        self.highest = self.highest.max(step.force);
+        if step.force > PRESSING * self.highest {
             let contact = self.now.get_or_insert_with(|| {
                 // where the gap closes on the way to what the approach would be
                 let closing = if before < 0.0 {
@@ -292,7 +298,8 @@ impl ContactLog {
             let end = match march.law {
                 ContactLaw::Rigid => {
                     // the zero between the last force and the pull that there would be
-                    begin_of_step + (last / (last - step.pull) - 0.5) * time_step
+                    let pull = step.pull.min(0.0);
+                    begin_of_step + (last / (last - pull) - 0.5) * time_step
                 }
                 _ => begin_of_step,
             };

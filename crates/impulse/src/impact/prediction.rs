@@ -2,14 +2,20 @@
 
 use std::fmt;
 
-use super::Discrete;
+use super::DiscreteImpact;
 use crate::balance::{Account, Balance};
 use crate::convolution::causal_convolution;
 use crate::unilateral::{ContactInterval, Marched};
 use crate::{ForceHistory, ForcePeak, ImpulseError};
 
-/// What a kernel may have ahead of the impulse, over its first weight.
+/// What a kernel may have ahead of the impulse, over the first weight of both.
 const ACAUSAL: f64 = 1e-3;
+
+/// A law is passive above minus this part of its magnitude (rounding).
+const ROUNDING: f64 = 1e-9;
+
+/// Part of the impulse from which a contact counts for the duration.
+const COUNTS: f64 = 1e-3;
 
 /// Inner energy below minus this part of the work is a body that makes energy.
 const ACTIVE: f64 = 1e-3;
@@ -41,8 +47,16 @@ pub enum PredictionFlag {
     Acausal {
         /// 0 or 1.
         body: usize,
-        /// The level found.
+        /// Root mean square ahead of the impulse, over what both faces answer in the first step.
         level: f64,
+    },
+    /// The real part of a mobility is negative on some line: [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not for measured
+    /// bodies.
+    Active {
+        /// 0 or 1.
+        body: usize,
+        /// The largest $`-\operatorname{Re} G/\lvert G\rvert`$.
+        activity: f64,
     },
     /// The time step is too long for the stiffness of the contact: its force alternates from step to step.
     UnresolvedContact {
@@ -69,7 +83,12 @@ impl fmt::Display for PredictionFlag {
             Self::StillInContact => write!(formatter, "the faces still press at the end"),
             Self::Acausal { body, level } => write!(
                 formatter,
-                "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of its first answer"
+                "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of the first answer"
+            ),
+            Self::Active { body, activity } => write!(
+                formatter,
+                "body {body} generates energy: the real part of its mobility comes down to {:.2e} of the magnitude",
+                -activity
             ),
             Self::UnresolvedContact { number } => write!(
                 formatter,
@@ -86,20 +105,16 @@ impl fmt::Display for PredictionFlag {
 }
 
 impl Prediction {
-    pub(super) fn new(
-        velocity: f64,
-        masses: [Option<f64>; 2],
-        discrete: &Discrete,
-        marched: Marched,
-    ) -> Result<Self, ImpulseError> {
-        let answer =
-            |body: usize| causal_convolution(discrete.kernels[body].weights(), &marched.force);
+    pub(super) fn new(discrete: &DiscreteImpact, marched: Marched) -> Result<Self, ImpulseError> {
+        let velocity = discrete.velocity();
+        let kernels = discrete.kernels();
+        let answer = |body: usize| causal_convolution(kernels[body].weights(), &marched.force);
         let first: Vec<f64> = answer(0).iter().map(|own| velocity - own).collect();
         let second = answer(1);
         let mut contact_work = marched.contact_work;
-        let grid = discrete.kernels[0].grid();
+        let grid = kernels[0].grid();
         // a spring at a face that is not part of the law has its work in the kernel
-        let springs = discrete.springs_in_kernel();
+        let springs = discrete.springs();
         if springs > 0.0 {
             let mut before = 0.0;
             for &force in &marched.force {
@@ -110,7 +125,7 @@ impl Prediction {
         let balance = Account {
             time_step: grid.time_step,
             velocity,
-            masses,
+            masses: discrete.masses(),
             force: &marched.force,
             faces: [&first, &second],
             contact_work,
@@ -125,11 +140,17 @@ impl Prediction {
         {
             flags.push(PredictionFlag::StillInContact);
         }
-        for (body, kernel) in discrete.kernels.iter().enumerate() {
-            if kernel.acausal() > ACAUSAL {
-                flags.push(PredictionFlag::Acausal {
+        for (body, kernel) in kernels.iter().enumerate() {
+            let level = kernel.acausal() / discrete.first_weight().abs();
+            if level > ACAUSAL {
+                flags.push(PredictionFlag::Acausal { body, level });
+            }
+        }
+        for (body, kernel) in kernels.iter().enumerate() {
+            if kernel.activity() > ROUNDING && !discrete.measured()[body] {
+                flags.push(PredictionFlag::Active {
                     body,
-                    level: kernel.acausal(),
+                    activity: kernel.activity(),
                 });
             }
         }
@@ -165,11 +186,20 @@ impl Prediction {
     }
 
     /// From the first touch to the last parting, or to the end of the history if the faces still press \[s\].
+    ///
+    /// Contacts that carry less than a thousandth of the impulse do not count: a jump within a step leaves some of one step where elastic
+    /// bodies part without a force. [`Prediction::contacts`] has them all.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let (Some(first), Some(last)) = (self.contacts.first(), self.contacts.last()) else {
+        let least = COUNTS * self.balance.impulse;
+        let mut counting = self
+            .contacts
+            .iter()
+            .filter(|contact| contact.impulse >= least);
+        let Some(first) = counting.next() else {
             return 0.0;
         };
+        let last = counting.next_back().unwrap_or(first);
         let samples = self.history.force().len();
         last.end
             .unwrap_or(self.history.time_at(samples.saturating_sub(1)))

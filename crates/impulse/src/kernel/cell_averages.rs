@@ -8,8 +8,9 @@ use super::{Front, TimeGrid, Weights};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
 /// Nyquist bands of the time step whose lines are added up. The averages fall as the square of the frequency and have a double
-/// zero at every even band, where they are cut: what is left out moves a kink of the averages, as at an echo, by 1 % of it, and nothing
-/// else.
+/// zero at every even band; from the middle of the bands to their end they are rolled off, which adds a zero of second order at
+/// either end. What is left out moves a kink of the averages, as at an echo, by 3 % of it, and falls with the fifth power of the
+/// distance from there.
 pub(super) const BANDS: usize = 8;
 
 /// aT_p on the line Re s = a: the weights of the next period come in with e^{-18} = 1.5e-8, and the rounding grows by e^9
@@ -45,6 +46,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         Domain::Lines { n_lines, .. } => n_lines.min(BANDS * n_points / 2 + 1),
         _ => BANDS * n_points / 2 + 1,
     };
+    let mut activity = 0.0_f64;
     let mut folded = vec![Complex64::ZERO; n_points / 2 + 1];
     for line in 0..n_lines {
         let s = Complex64::new(damping, TAU * line as f64 / period);
@@ -60,8 +62,11 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
                 s,
             });
         }
+        if mobility.re < 0.0 {
+            activity = activity.max(-mobility.re / mobility.norm());
+        }
         let remainder = mobility - front.conductance - s * front.compliance;
-        let value = remainder * average(s, time_step, line, n_points);
+        let value = remainder * average(s, time_step, line, n_points) * roll_off(line, n_points);
         fold(&mut folded, n_points, line, value);
     }
     let mut weights = fourier::to_samples(&folded, n_points);
@@ -77,6 +82,9 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         }
         _ => rms(weights.get(n_points / 2..).unwrap_or_default()),
     };
+    if body.domain() != Domain::RightHalfPlane {
+        mirror(&mut weights, n_steps);
+    }
     weights.truncate(n_steps);
     if let Some(mass) = rigid {
         let drift = time_step / mass;
@@ -84,14 +92,29 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
             *weight += if index == 0 { 0.5 * drift } else { drift };
         }
     }
-    let first = weights.first_mut().map_or(0.0, |first| {
+    if let Some(first) = weights.first_mut() {
         *first += front.conductance;
-        *first
-    });
+    }
     Ok(Weights {
         weights,
-        acausal: ahead / first.abs(),
+        acausal: ahead,
+        activity,
     })
+}
+
+/// Adds to every time what stands as far ahead of time 0.
+///
+/// This keeps the real part of every line, to which of all causal responses only one belongs: a step that the band limit has smeared about
+/// time 0 becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the kernel is passive. Dropping what stands ahead would
+/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz.
+fn mirror(weights: &mut [f64], n_steps: usize) {
+    let n_points = weights.len();
+    for step in 1..n_steps {
+        let ahead = weights.get(n_points - step).copied().unwrap_or(0.0);
+        if let Some(weight) = weights.get_mut(step) {
+            *weight += ahead;
+        }
+    }
 }
 
 /// Points of the period of a measured body: the whole number of steps that its period holds, which must be that to rounding.
@@ -133,6 +156,17 @@ fn average(s: Complex64, time_step: f64, line: usize, n_points: usize) -> Comple
     let (sin, cos) = (PI * turns as f64 / n_points as f64).sin_cos();
     let sine = Complex64::new(half.re.sinh() * cos, half.re.cosh() * sin);
     (sine / half).powu(2)
+}
+
+/// 1 over the lower half of the bands, then half a period of a cosine down to 0.
+fn roll_off(line: usize, n_points: usize) -> f64 {
+    let last = BANDS * n_points / 2;
+    if 2 * line <= last {
+        1.0
+    } else {
+        let fraction = 2.0 * line as f64 / last as f64 - 1.0;
+        0.5 + 0.5 * (PI * fraction).cos()
+    }
 }
 
 /// Adds a line and its conjugate to where they come to lie for `n_points` samples.
