@@ -108,12 +108,18 @@ mod tests {
             .map(|line| {
                 let s = Complex64::new(0.0, TAU * step_hz * line as f64);
                 // impedances add: F_g = (1/G + s m) v
-                if line == 0 { Complex64::ZERO } else { s / (1.0 / body(line) + s * head) }
+                if line == 0 {
+                    Complex64::ZERO
+                } else {
+                    s / (1.0 / body(line) + s * head)
+                }
             })
             .collect();
         let variance = vec![1e-6; 50];
         let corrected = ImpedanceHead::new(head).unwrap();
-        let face = corrected.face_mobility(&loaded, &variance, step_hz).unwrap();
+        let face = corrected
+            .face_mobility(&loaded, &variance, step_hz)
+            .unwrap();
         let step = 1e-6;
         let moved: Vec<Complex64> = loaded.iter().map(|a| a + step).collect();
         let moved = corrected.face_mobility(&moved, &variance, step_hz).unwrap();
@@ -122,7 +128,10 @@ mod tests {
             // the slope by a difference, to its second order
             let slope = (moved.mobility[line] - face.mobility[line]).norm() / step;
             let expected = slope * slope * 1e-6;
-            assert!((face.variance[line] / expected - 1.0).abs() < 1e-4, "{line}");
+            assert!(
+                (face.variance[line] / expected - 1.0).abs() < 1e-4,
+                "{line}"
+            );
         }
     }
 

@@ -113,7 +113,8 @@
 //! - A band limit rings at jumps of the force; a march smears them over the step that holds them.
 //! - Where elastic bodies part without a force, as rods of the same section do, a jump within a step leaves contacts of one step behind.
 //! - What a body keeps as vibration and what it turns into heat cannot be told apart by its mobility.
-//! - No uncertainty of the force is computed from that of the mobilities.
+//! - The errors of mobilities, velocity and masses are followed to the stick force and the end of the first contact
+//!   ([`StickUncertainty`]), not to contacts that close again.
 
 mod balance;
 mod body;
@@ -142,8 +143,8 @@ pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
-pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use impact::{DiscreteImpact, Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
     CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,

@@ -41,7 +41,10 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
             .simultaneous(&first.history, LEVEL, window.clone(), 1000, &mut random)
             .unwrap();
         let stated = error.standard_error()[contact];
-        assert!(stated < 0.02 * peak, "{name}: {stated} N of {peak} N say nothing");
+        assert!(
+            stated < 0.02 * peak,
+            "{name}: {stated} N of {peak} N say nothing"
+        );
         let largest = window
             .clone()
             .map(|n| (first.history.force()[n] - second.history.force()[n]).abs())
@@ -66,7 +69,10 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
                 assert_eq!(case, Case::ConeB, "only this face grazes zero");
             }
             // a straight line or nearly: three standard errors
-            _ => assert!((end.time - time).abs() < 3.0 * end.standard_error, "{name}: {end:?} {time}"),
+            _ => assert!(
+                (end.time - time).abs() < 3.0 * end.standard_error,
+                "{name}: {end:?} {time}"
+            ),
         }
     }
 }

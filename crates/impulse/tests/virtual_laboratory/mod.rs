@@ -145,7 +145,8 @@ impl Case {
     /// The mobility of the bare face, predicted on the lines of the measurement; line 0 is not to be read.
     pub(crate) fn predicted(self) -> Outcome<Vec<Complex64>> {
         let body = self.of(Chain::from_impact_face())?;
-        let lines = (1..N_LINES).map(|line| Ok(body.mobility(TAU * frequency_step_hz() * line as f64)?));
+        let lines =
+            (1..N_LINES).map(|line| Ok(body.mobility(TAU * frequency_step_hz() * line as f64)?));
         std::iter::once(Ok(Complex64::ZERO)).chain(lines).collect()
     }
 
@@ -189,11 +190,9 @@ impl Case {
             .spring(hammer.stiffness)
             .rod(&steel, Circle::of_diameter(hammer.diameter), hammer.length)
             .end(Termination::Free)?;
-        let target: Chain<LaplaceVariable> = self.of(
-            AnalyticChain::analytic_from_impact_face()
-                .mass(ABOVE_GAUGE)
-                .mass(BELOW_GAUGE),
-        )?;
+        let target: Chain<LaplaceVariable> = self.of(AnalyticChain::analytic_from_impact_face()
+            .mass(ABOVE_GAUGE)
+            .mass(BELOW_GAUGE))?;
         let swing = hammer.swing_degrees.to_radians();
         let interval = SAMPLE_PERIOD / FINER as f64;
         let blow = ImpactOfTwoBodies {
@@ -214,7 +213,12 @@ impl Case {
             let spread: f64 = random.sample(StandardNormal);
             let strength = 1.0 + 0.05 * spread;
             let samples = Array2::from_shape_fn((2, FINER * N_SAMPLES), |(channel, n)| {
-                strength * if channel == 0 { force[n] } else { acceleration[n] }
+                strength
+                    * if channel == 0 {
+                        force[n]
+                    } else {
+                        acceleration[n]
+                    }
             });
             let channels = vec![
                 Channel::new("force", Quantity::Force)?,
@@ -248,8 +252,10 @@ impl Case {
 /// The predicted mobility of the long rod: it counts as endless.
 pub(crate) fn long_rod() -> Outcome<Vec<Complex64>> {
     let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
-    let rod = Chain::from_impact_face()
-        .end(Termination::semi_infinite(&steel, Circle::of_diameter(0.010)?))?;
+    let rod = Chain::from_impact_face().end(Termination::semi_infinite(
+        &steel,
+        Circle::of_diameter(0.010)?,
+    ))?;
     let lines = (1..N_LINES).map(|line| Ok(rod.mobility(TAU * frequency_step_hz() * line as f64)?));
     std::iter::once(Ok(Complex64::ZERO)).chain(lines).collect()
 }
@@ -278,5 +284,7 @@ fn nylon() -> Outcome<Medium<ConstantQ>> {
 
 /// Noise of this standard deviation up to half the sampling rate.
 fn white(deviation: f64) -> Outcome<NoiseSpectrum> {
-    Ok(NoiseSpectrum::white(deviation * deviation * 2.0 * SAMPLE_PERIOD)?)
+    Ok(NoiseSpectrum::white(
+        deviation * deviation * 2.0 * SAMPLE_PERIOD,
+    )?)
 }
