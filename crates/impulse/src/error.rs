@@ -84,6 +84,37 @@ pub enum ImpulseError {
         /// End of the support \[s\].
         to: f64,
     },
+    /// The force acts for longer than its dense equations are solved for.
+    #[error("the support holds {found} samples, expected at most {expected}")]
+    SupportTooLong {
+        /// Its length.
+        found: usize,
+        /// The largest length.
+        expected: usize,
+    },
+    /// The noise of some sensors is known, and not of this one: they cannot be weighed against each other.
+    #[error("the noise of sensor {index} is known and that of sensor 0 is not, or the reverse")]
+    MixedNoise {
+        /// Index of the sensor.
+        index: usize,
+    },
+    /// A regularisation parameter is to be found from the noise of the response.
+    #[error("the discrepancy principle needs the noise of the response, and it is not known")]
+    NoiseNotKnown,
+    /// Tension is forbidden all over the record.
+    #[error("a force without tension needs a support, and there is none")]
+    NoSupport,
+    /// Components are cut off that a force without tension cannot be without.
+    #[error(
+        "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"
+    )]
+    TruncatedWithoutTension,
+    /// The iteration for eigenvalues did not end.
+    #[error("the eigenvalues of the {size} equations of the support were not found")]
+    NoDecomposition {
+        /// Number of equations.
+        size: usize,
+    },
     /// A body of elements has no mobility there.
     #[error("mobility at s = {s} 1/s: {source}")]
     Body {

@@ -113,7 +113,8 @@
 //! - A band limit rings at jumps of the force; a march smears them over the step that holds them.
 //! - Where elastic bodies part without a force, as rods of the same section do, a jump within a step leaves contacts of one step behind.
 //! - What a body keeps as vibration and what it turns into heat cannot be told apart by its mobility.
-//! - No uncertainty of the force is computed from that of the mobilities.
+//! - The errors of mobilities, velocity and masses are followed to the stick force and the end of the first contact
+//!   ([`StickUncertainty`]), not to contacts that close again.
 
 mod balance;
 mod body;
@@ -121,12 +122,15 @@ mod contact;
 mod contact_law;
 mod convolution;
 mod error;
+mod force_error;
 mod fourier;
 mod history;
 mod impact;
+mod impedance_head;
 mod kernel;
 mod reconstruct;
 mod stick;
+mod uncertainty;
 mod unilateral;
 
 pub use balance::Balance;
@@ -137,12 +141,17 @@ pub use body::{
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
 pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
+pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
 pub use impact::{DiscreteImpact, Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    ExcludedLine, ExclusionReason, FrequencyBand, ReconstructedForce, Reconstruction,
-    Regularisation, ResponseEnd, TimeInterval,
+    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
+    ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
+    RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
+    ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
+pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
 pub use unilateral::ContactInterval;
