@@ -137,6 +137,20 @@ pub enum CmodError {
         /// The value found.
         variance: f64,
     },
+    /// Two spectra of a ratio have different numbers of tests.
+    #[error("numerator has {found} tests, expected {expected} as the denominator has")]
+    TestCount {
+        /// Tests of the numerator.
+        found: usize,
+        /// Tests of the denominator.
+        expected: usize,
+    },
+    /// The sections chosen have a ratio that does not depend on the material.
+    #[error("{what}, expected sections whose ratio depends on the material")]
+    NoInformation {
+        /// Why.
+        what: &'static str,
+    },
     /// A load history without segments.
     #[error("no load segment")]
     NoLoad,

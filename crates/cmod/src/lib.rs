@@ -97,12 +97,20 @@
 pub mod branch;
 mod error;
 pub mod estimate;
+pub mod free_end;
 pub mod multi_point;
+pub mod one_gauge;
+pub mod pulses;
 pub mod recovery;
+pub mod section_ratio;
 pub mod two_point;
 pub mod validity;
 
 pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};
+pub use free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 pub use multi_point::{GaugeSpectra, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
+pub use one_gauge::OneGauge;
+pub use pulses::{PulsedRod, SeparatePulses};
+pub use section_ratio::RatioOfSpectra;
 pub use two_point::{Solver, Specimen, TwoPoint};

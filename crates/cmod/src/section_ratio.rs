@@ -1,0 +1,332 @@
+//! The modulus from the ratio of two quantities of a rod, each a known function of γ up to one common amplitude.
+//!
+//! Where the boundary condition on one side of the sections is known, or the waves in the two directions have been
+//! separated, one complex amplitude a line is left, and drops out of the ratio of two measurements:
+//!
+//! ```text
+//! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
+//! ```
+//!
+//! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd), [`SeparatePulses`](crate::SeparatePulses) and
+//! [`OneGauge`](crate::OneGauge) differ in f₁ and f₂ only. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from what the
+//! lines before lead to expect of γ/ω, and the first lines from one wave speed that explains them together ([`start`]). It
+//! is γ itself that is followed, not the phase of Ψ, and lines that say little of γ have little weight.
+//!
+//! # Errors of the result
+//! An error δΨ moves γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|² these are
+//! circular too. The next order, δΨ = g'δγ + ½g''δγ², is by |g''|σ/(2|g'|) of the first, and a line is marked where this
+//! exceeds a tenth, as near a multiple of half a wave between two sections.
+
+mod jet;
+mod line;
+mod spectra;
+mod start;
+
+pub(crate) use jet::Jet;
+pub(crate) use line::RodOfRatio;
+pub use spectra::RatioOfSpectra;
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use num_complex::Complex64;
+
+use crate::branch::BranchDoubt;
+use crate::error::{CmodError, check_frequencies, check_length};
+use crate::estimate::{ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::validity::Violation;
+use line::SolvedRatio;
+
+/// Newton steps after which the iteration is ended.
+const MOST_STEPS: u32 = 50;
+/// Relative size of a Newton step below which the next one would be lost in rounding.
+const SMALLEST_STEP: f64 = 1e-12;
+/// Other starts, as advance of the phase, that are tried where the first leads a quarter wave away or nowhere.
+const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
+
+/// g(γ) = f₁/f₂ of one arrangement of sections.
+pub(crate) trait SectionRatio {
+    /// f₁ and f₂ with their first two derivatives by γ; common factors left out.
+    fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
+
+    /// Distance by which half waves are counted \[m\].
+    fn distance(&self) -> f64;
+
+    /// The root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
+    fn closed_form(&self, _ratio: Complex64, _expected: Complex64) -> Option<Complex64> {
+        None
+    }
+}
+
+/// A line that can be evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeasuredRatio {
+    pub(crate) index: usize,
+    pub(crate) frequency_hz: f64,
+    pub(crate) ratio: Complex64,
+    /// E|δΨ|².
+    pub(crate) variance: f64,
+}
+
+impl MeasuredRatio {
+    fn omega(&self) -> f64 {
+        TAU * self.frequency_hz
+    }
+}
+
+/// Solves all lines.
+pub(crate) fn estimate(
+    equation: &impl SectionRatio,
+    rod: &RodOfRatio,
+    wave_speed: Option<f64>,
+    (frequency_hz, ratio, variance): (&[f64], &[Complex64], &[f64]),
+) -> Result<ModulusEstimate, CmodError> {
+    let (measured, mut refused) = usable(frequency_hz, ratio, variance)?;
+    let mut lines = Vec::with_capacity(measured.len());
+    if let Some(start) = start::wave_speed(equation, &measured, wave_speed) {
+        let mut expectation = Expectation {
+            slowness: start.slowness,
+            weight: 0.0,
+            distance: equation.distance(),
+            last_omega: measured.first().map_or(0.0, MeasuredRatio::omega),
+        };
+        for measured in &measured {
+            let solved = solve(equation, measured, &mut expectation, start.doubt);
+            match solved.and_then(|line| line.into_modulus(rod)) {
+                Ok(line) => lines.push(line),
+                Err(reason) => refused.push(RefusedLine {
+                    index: measured.index,
+                    frequency_hz: measured.frequency_hz,
+                    reason,
+                }),
+            }
+        }
+    } else {
+        refused.extend(measured.iter().map(|line| RefusedLine {
+            index: line.index,
+            frequency_hz: line.frequency_hz,
+            reason: Refusal::Undetermined,
+        }));
+    }
+    refused.sort_by_key(|line| line.index);
+    Ok(ModulusEstimate::new(lines, refused))
+}
+
+/// The lines that can be evaluated, and the others.
+fn usable(
+    frequency_hz: &[f64],
+    ratio: &[Complex64],
+    variance: &[f64],
+) -> Result<(Vec<MeasuredRatio>, Vec<RefusedLine>), CmodError> {
+    check_frequencies(frequency_hz)?;
+    let count = frequency_hz.len();
+    check_length("ratio", ratio.len(), count)?;
+    check_length("variance", variance.len(), count)?;
+    if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
+        return Err(CmodError::NegativeVariance { index, variance });
+    }
+    let mut refused = Vec::new();
+    let mut measured = Vec::with_capacity(count);
+    for (index, ((&frequency_hz, &ratio), &variance)) in
+        frequency_hz.iter().zip(ratio).zip(variance).enumerate()
+    {
+        let reason = if frequency_hz == 0.0 {
+            Refusal::ZeroFrequency
+        } else if !(ratio.is_finite() && variance.is_finite()) {
+            Refusal::NotFinite
+        } else {
+            measured.push(MeasuredRatio {
+                index,
+                frequency_hz,
+                ratio,
+                variance,
+            });
+            continue;
+        };
+        refused.push(RefusedLine {
+            index,
+            frequency_hz,
+            reason,
+        });
+    }
+    Ok((measured, refused))
+}
+
+fn solve(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    expectation: &mut Expectation,
+    start: Option<BranchDoubt>,
+) -> Result<SolvedRatio, Refusal> {
+    let omega = measured.omega();
+    let expected = expectation.gamma(omega);
+    let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
+    let gamma = root.gamma;
+    let doubt = expectation.doubt(omega, gamma);
+
+    let [first, second] = equation.jets(gamma, omega);
+    let ratio = first.over(&second);
+    let slope = ratio.first;
+    let sensitivity = slope.inv().norm();
+    let curvature = 0.5 * (ratio.second / slope).norm();
+    // Without noise, any: the same relative error of Ψ on every line.
+    let variance = if measured.variance > 0.0 {
+        measured.variance
+    } else {
+        1.0 + measured.ratio.norm_sqr()
+    };
+    let information = slope.norm_sqr() / variance;
+    if !(information.is_finite() && curvature.is_finite() && sensitivity.is_finite()) {
+        return Err(Refusal::Undetermined);
+    }
+    if root.termination.was_successful() && doubt.is_none() {
+        expectation.update(omega, gamma, information);
+    }
+    let mut violations = Vec::new();
+    violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
+    Ok(SolvedRatio {
+        index: measured.index,
+        frequency_hz: measured.frequency_hz,
+        gamma,
+        variance: measured.variance * sensitivity * sensitivity,
+        curvature,
+        amplification: sensitivity * measured.ratio.norm(),
+        termination: root.termination,
+        violations,
+        distance: equation.distance(),
+    })
+}
+
+/// A root of f₁ - Ψf₂ = 0.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    gamma: Complex64,
+    termination: Termination,
+}
+
+/// The root nearest to what is expected.
+fn root(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    expected: Complex64,
+) -> Option<Root> {
+    if let Some(gamma) = equation.closed_form(measured.ratio, expected) {
+        return (gamma.is_finite() && gamma != Complex64::ZERO).then_some(Root {
+            gamma,
+            termination: Termination::ClosedForm,
+        });
+    }
+    let distance = equation.distance();
+    let away = |root: &Root| (root.gamma - expected).norm() * distance;
+    let first = newton(equation, measured, expected);
+    if let Some(root) = first
+        && root.termination.was_successful()
+        && away(&root) < FRAC_PI_2
+    {
+        return Some(root);
+    }
+    let others = OTHER_STARTS
+        .iter()
+        .map(|phase| expected + Complex64::new(0.0, phase / distance))
+        .filter_map(|start| newton(equation, measured, start));
+    let worse = |root: &Root| (!root.termination.was_successful(), away(root));
+    others.chain(first).min_by(|a, b| {
+        let (a, b) = (worse(a), worse(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })
+}
+
+/// Newton's iteration; `None` if it runs to infinity or to γ = 0, where there is no modulus.
+fn newton(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    start: Complex64,
+) -> Option<Root> {
+    let omega = measured.omega();
+    let mut gamma = start;
+    let mut residual = f64::INFINITY;
+    for iterations in 1..=MOST_STEPS {
+        let [first, second] = equation.jets(gamma, omega);
+        let value = first.value - measured.ratio * second.value;
+        let size = first.value.norm() + (measured.ratio * second.value).norm();
+        let step = value / (first.first - measured.ratio * second.first);
+        residual = value.norm() / size;
+        if residual > 4.0 * f64::EPSILON {
+            gamma -= step;
+        }
+        if !gamma.is_finite() || gamma == Complex64::ZERO {
+            return None;
+        }
+        if residual <= 4.0 * f64::EPSILON || step.norm() <= SMALLEST_STEP * gamma.norm() {
+            // Of γ and -γ, where both are roots, the wave that travels forward.
+            return Some(Root {
+                gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
+                    -gamma
+                } else {
+                    gamma
+                },
+                termination: Termination::Converged {
+                    iterations,
+                    residual,
+                },
+            });
+        }
+    }
+    Some(Root {
+        gamma,
+        termination: Termination::LostPatience {
+            iterations: MOST_STEPS,
+            residual,
+        },
+    })
+}
+
+/// Whether g(-γ) = g(γ), but for rounding.
+fn is_even(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> bool {
+    let [a, b] = equation.jets(gamma, omega);
+    let [c, d] = equation.jets(-gamma, omega);
+    let (left, right) = (a.value * d.value, b.value * c.value);
+    (left - right).norm() <= 1e-9 * (left.norm() + right.norm())
+}
+
+/// What the lines so far lead to expect: their mean γ/ω, each weighted by its information and fading over a quarter wave.
+struct Expectation {
+    /// γ/ω [s/m].
+    slowness: Complex64,
+    weight: f64,
+    distance: f64,
+    last_omega: f64,
+}
+
+impl Expectation {
+    fn gamma(&self, omega: f64) -> Complex64 {
+        Complex64::new(self.slowness.re.max(0.0), self.slowness.im) * omega
+    }
+
+    fn advance(&self, omega: f64) -> f64 {
+        self.slowness.im * (omega - self.last_omega) * self.distance
+    }
+
+    fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
+        let advance = self.advance(omega);
+        let expected = self.gamma(omega).im * self.distance;
+        let found = gamma.im * self.distance;
+        if advance > PI {
+            Some(BranchDoubt::Gap { advance })
+        } else if (found - expected).abs() > FRAC_PI_2 {
+            Some(BranchDoubt::Leap { expected, found })
+        } else {
+            None
+        }
+    }
+
+    fn update(&mut self, omega: f64, gamma: Complex64, information: f64) {
+        let kept = self.weight * (-self.advance(omega) / FRAC_PI_2).exp();
+        let new = omega * omega * information;
+        let weight = kept + new;
+        if weight > 0.0 && weight.is_finite() {
+            self.slowness = (kept * self.slowness + new * (gamma / omega)) / weight;
+            self.weight = weight;
+            self.last_omega = omega;
+        }
+    }
+}
