@@ -17,6 +17,7 @@
 //! circular too. The next order, δΨ = g'δγ + ½g''δγ², is by |g''|σ/(2|g'|) of the first, and a line is marked where this
 //! exceeds a tenth, as near a multiple of half a wave between two sections.
 
+mod expectation;
 mod jet;
 mod line;
 mod spectra;
@@ -34,6 +35,7 @@ use crate::branch::BranchDoubt;
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::{ModulusEstimate, Refusal, RefusedLine, Termination};
 use crate::validity::Violation;
+use expectation::Expectation;
 use line::SolvedRatio;
 
 /// Newton steps after which the iteration is ended.
@@ -83,12 +85,8 @@ pub(crate) fn estimate(
     let (measured, mut refused) = usable(frequency_hz, ratio, variance)?;
     let mut lines = Vec::with_capacity(measured.len());
     if let Some(start) = start::wave_speed(equation, &measured, wave_speed) {
-        let mut expectation = Expectation {
-            slowness: start.slowness,
-            weight: 0.0,
-            distance: equation.distance(),
-            last_omega: measured.first().map_or(0.0, MeasuredRatio::omega),
-        };
+        let first = measured.first().map_or(0.0, MeasuredRatio::omega);
+        let mut expectation = Expectation::new(start.slowness, equation.distance(), first);
         for measured in &measured {
             let solved = solve(equation, measured, &mut expectation, start.doubt);
             match solved.and_then(|line| line.into_modulus(rod)) {
@@ -168,11 +166,11 @@ fn solve(
     let slope = ratio.first;
     let sensitivity = slope.inv().norm();
     let curvature = 0.5 * (ratio.second / slope).norm();
-    // Without noise, any: the same relative error of Ψ on every line.
+    // Without noise, any small part of Ψ; a node in the numerator is no better than its neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
-        1.0 + measured.ratio.norm_sqr()
+        1e-6 * (measured.ratio.norm_sqr() + (slope / equation.distance()).norm_sqr())
     };
     let information = slope.norm_sqr() / variance;
     if !(information.is_finite() && curvature.is_finite() && sensitivity.is_finite()) {
@@ -217,29 +215,82 @@ fn root(
     }
     let distance = equation.distance();
     let away = |root: &Root| (root.gamma - expected).norm() * distance;
-    let first = newton(equation, measured, expected);
-    if let Some(root) = first
-        && root.termination.was_successful()
-        && away(&root) < FRAC_PI_2
-    {
-        return Some(root);
+    let better = |a: Option<Root>, b: Option<Root>| {
+        let rank = |root: &Root| (!root.termination.was_successful(), away(root));
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                let (first, second) = (rank(&a), rank(&b));
+                let order = first.0.cmp(&second.0).then(first.1.total_cmp(&second.1));
+                Some(if order.is_le() { a } else { b })
+            }
+            (a, b) => a.or(b),
+        }
+    };
+    // Near g' = 0 there is a second root beside the first, and the iteration may have gone to either.
+    let with_beside = |root: Root| {
+        let [upper, lower] = equation.jets(root.gamma, measured.omega());
+        let ratio = upper.over(&lower);
+        let beside = root.gamma - 2.0 * ratio.first / ratio.second;
+        let is_near = (beside - expected).norm() * distance < FRAC_PI_2;
+        let other = is_near
+            .then(|| newton(equation, measured, beside))
+            .flatten();
+        better(Some(root), other)
+    };
+    let first = newton(equation, measured, expected).and_then(with_beside);
+    if first.is_some_and(|root| root.termination.was_successful() && away(&root) < FRAC_PI_2) {
+        return first;
     }
-    let others = OTHER_STARTS
+    OTHER_STARTS
         .iter()
         .map(|phase| expected + Complex64::new(0.0, phase / distance))
-        .filter_map(|start| newton(equation, measured, start));
-    let worse = |root: &Root| (!root.termination.was_successful(), away(root));
-    others.chain(first).min_by(|a, b| {
-        let (a, b) = (worse(a), worse(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    })
+        .map(|start| newton(equation, measured, start).and_then(with_beside))
+        .fold(first, better)
 }
 
 /// Newton's iteration; `None` if it runs to infinity or to γ = 0, where there is no modulus.
+///
+/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as those of sections on a grid do, a root that has nothing to do
+/// with Ψ. If the iteration falls into it, it is repeated on f₁/f₂ - Ψ, which has no such root.
 fn newton(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio,
     start: Complex64,
+) -> Option<Root> {
+    iterate(equation, measured, start, Form::Entire)
+        .filter(|root| is_root_of_ratio(equation, measured, root.gamma))
+        .or_else(|| {
+            iterate(equation, measured, start, Form::Quotient)
+                .filter(|root| is_root_of_ratio(equation, measured, root.gamma))
+        })
+}
+
+/// Whether g(γ) = Ψ, coarsely, and not 0/0.
+fn is_root_of_ratio(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    gamma: Complex64,
+) -> bool {
+    let [first, second] = equation.jets(gamma, measured.omega());
+    let size = (first.first.norm() + measured.ratio.norm() * second.first.norm()) * gamma.norm();
+    let values = first.value.norm() + measured.ratio.norm() * second.value.norm();
+    values > 1e-9 * size
+}
+
+/// What Newton's iteration solves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// f₁ - Ψf₂ = 0.
+    Entire,
+    /// f₁/f₂ - Ψ = 0.
+    Quotient,
+}
+
+fn iterate(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    start: Complex64,
+    form: Form,
 ) -> Option<Root> {
     let omega = measured.omega();
     let mut gamma = start;
@@ -248,7 +299,11 @@ fn newton(
         let [first, second] = equation.jets(gamma, omega);
         let value = first.value - measured.ratio * second.value;
         let size = first.value.norm() + (measured.ratio * second.value).norm();
-        let step = value / (first.first - measured.ratio * second.first);
+        let ratio = match form {
+            Form::Entire => measured.ratio,
+            Form::Quotient => first.value / second.value,
+        };
+        let step = value / (first.first - ratio * second.first);
         residual = value.norm() / size;
         if residual > 4.0 * f64::EPSILON {
             gamma -= step;
@@ -257,6 +312,9 @@ fn newton(
             return None;
         }
         if residual <= 4.0 * f64::EPSILON || step.norm() <= SMALLEST_STEP * gamma.norm() {
+            let [first, second] = equation.jets(gamma, omega);
+            let (upper, lower) = (first.value, measured.ratio * second.value);
+            let residual = (upper - lower).norm() / (upper.norm() + lower.norm());
             // Of γ and -γ, where both are roots, the wave that travels forward.
             return Some(Root {
                 gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
@@ -286,47 +344,4 @@ fn is_even(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> bool {
     let [c, d] = equation.jets(-gamma, omega);
     let (left, right) = (a.value * d.value, b.value * c.value);
     (left - right).norm() <= 1e-9 * (left.norm() + right.norm())
-}
-
-/// What the lines so far lead to expect: their mean γ/ω, each weighted by its information and fading over a quarter wave.
-struct Expectation {
-    /// γ/ω [s/m].
-    slowness: Complex64,
-    weight: f64,
-    distance: f64,
-    last_omega: f64,
-}
-
-impl Expectation {
-    fn gamma(&self, omega: f64) -> Complex64 {
-        Complex64::new(self.slowness.re.max(0.0), self.slowness.im) * omega
-    }
-
-    fn advance(&self, omega: f64) -> f64 {
-        self.slowness.im * (omega - self.last_omega) * self.distance
-    }
-
-    fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
-        let advance = self.advance(omega);
-        let expected = self.gamma(omega).im * self.distance;
-        let found = gamma.im * self.distance;
-        if advance > PI {
-            Some(BranchDoubt::Gap { advance })
-        } else if (found - expected).abs() > FRAC_PI_2 {
-            Some(BranchDoubt::Leap { expected, found })
-        } else {
-            None
-        }
-    }
-
-    fn update(&mut self, omega: f64, gamma: Complex64, information: f64) {
-        let kept = self.weight * (-self.advance(omega) / FRAC_PI_2).exp();
-        let new = omega * omega * information;
-        let weight = kept + new;
-        if weight > 0.0 && weight.is_finite() {
-            self.slowness = (kept * self.slowness + new * (gamma / omega)) / weight;
-            self.weight = weight;
-            self.last_omega = omega;
-        }
-    }
 }

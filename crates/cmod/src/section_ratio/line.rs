@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
-use crate::error::{CmodError, check_positive};
 use crate::estimate::{ModulusLine, Refusal, StandardError, Termination};
 use crate::validity::{Validity, Violation, conditions};
 
@@ -21,14 +20,6 @@ pub(crate) struct RodOfRatio {
     pub(crate) density: f64,
     /// The length of condition (ii) \[m\]: the longest way between what is compared.
     pub(crate) length: f64,
-}
-
-impl RodOfRatio {
-    pub(crate) fn check(&self) -> Result<(), CmodError> {
-        check_positive("diameter [m]", self.diameter)?;
-        check_positive("density [kg/m^3]", self.density)?;
-        Ok(())
-    }
 }
 
 /// γ of one line and all that goes with it.

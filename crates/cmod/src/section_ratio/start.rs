@@ -41,9 +41,10 @@ pub(super) fn wave_speed(
     measured: &[MeasuredRatio],
     guess: Option<f64>,
 ) -> Option<Start> {
-    let (slowest, fastest) = guess.map_or((SLOWEST, FASTEST), |speed| {
-        (speed / GUESS_FACTOR, speed * GUESS_FACTOR)
-    });
+    let (slowest, fastest) = match guess {
+        Some(speed) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
+        None => (slowest_to_follow(measured, equation.distance()), FASTEST),
+    };
     let mut misfits = Vec::with_capacity(LINES);
     let mut tried: Vec<(f64, Complex64)> = Vec::new();
     let mut speed = slowest;
@@ -89,6 +90,19 @@ pub(super) fn wave_speed(
         slowness: chosen.1,
         doubt,
     })
+}
+
+/// The speed at which half a wave is added between neighbouring lines, or [`SLOWEST`]. Below, every speed has the same
+/// ratios on equidistant lines as another.
+fn slowest_to_follow(measured: &[MeasuredRatio], distance: f64) -> f64 {
+    let mut steps: Vec<f64> = measured
+        .iter()
+        .zip(measured.iter().skip(1))
+        .map(|(line, next)| next.frequency_hz - line.frequency_hz)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    let median = steps.get(steps.len() / 2).copied().unwrap_or_default();
+    SLOWEST.max(2.0 * median * distance)
 }
 
 /// Mean log of the misfit, by noise and [`MODEL_ERROR`], of the better two thirds of the lines.
