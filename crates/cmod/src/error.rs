@@ -151,6 +151,34 @@ pub enum CmodError {
         /// Why.
         what: &'static str,
     },
+    /// Without noise there is no floor to compare with.
+    #[error("{what} is 0 at line {index}, expected noise to compare with")]
+    NoNoise {
+        /// What is 0.
+        what: &'static str,
+        /// Position of the line, from 0.
+        index: usize,
+    },
+    /// A history is too short for what is asked of it.
+    #[error("{what} has {found} samples, expected at least {expected}")]
+    TooFewSamples {
+        /// Which stretch of which history.
+        what: &'static str,
+        /// Samples there.
+        found: usize,
+        /// Samples needed.
+        expected: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("sample {index} of channel {channel} is {value}, expected a finite value")]
+    NonFiniteSample {
+        /// Which channel, from 0.
+        channel: usize,
+        /// Which sample, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
     /// A load history without segments.
     #[error("no load segment")]
     NoLoad,

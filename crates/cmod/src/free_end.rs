@@ -195,17 +195,39 @@ impl FreeEnd {
 
     /// û or ε̂ of a section by û(0), with the powers of iω and -γ that the two sections do not share.
     fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
-        let end = Jet::linear(0.0, self.rod.length_of_end_mass(), gamma);
-        let cosh = Jet::cosh(section.distance, gamma);
-        let sinh = Jet::sinh(section.distance, gamma);
+        let shape = FreeEndShape {
+            quantity: section.quantity,
+            length_of_end_mass: self.rod.length_of_end_mass(),
+        }
+        .at(section.distance, gamma);
         let (in_space, in_time) = section.quantity.derivatives();
         if in_space == 0 {
-            let rate = Complex64::new(0.0, omega).powi(in_time);
-            (cosh + end * sinh) * Jet::constant(rate)
+            shape * Jet::constant(Complex64::new(0.0, omega).powi(in_time))
         } else if self.first.quantity == self.second.quantity {
+            shape
+        } else {
+            shape * Jet::linear(0.0, -1.0, gamma)
+        }
+    }
+}
+
+/// How a quantity varies with the distance from a free end, but for the factor that all distances share.
+pub(crate) struct FreeEndShape {
+    pub(crate) quantity: Quantity,
+    /// l = m/(ρA) \[m\].
+    pub(crate) length_of_end_mass: f64,
+}
+
+impl FreeEndShape {
+    /// cosh γd + lγ sinh γd, of a strain sinh γd + lγ cosh γd.
+    pub(crate) fn at(&self, distance: f64, gamma: Complex64) -> Jet {
+        let end = Jet::linear(0.0, self.length_of_end_mass, gamma);
+        let cosh = Jet::cosh(distance, gamma);
+        let sinh = Jet::sinh(distance, gamma);
+        if self.quantity == Quantity::Strain {
             sinh + end * cosh
         } else {
-            (sinh + end * cosh) * Jet::linear(0.0, -1.0, gamma)
+            cosh + end * sinh
         }
     }
 }

@@ -95,6 +95,7 @@
 //!   first half wavelength; a long gap or heavy noise is marked as doubt, not repaired.
 
 pub mod branch;
+pub mod checks;
 mod error;
 pub mod estimate;
 pub mod free_end;
@@ -102,6 +103,7 @@ pub mod multi_point;
 pub mod one_gauge;
 pub mod pulses;
 pub mod recovery;
+pub mod resonance;
 pub mod section_ratio;
 pub mod two_point;
 pub mod validity;
@@ -112,5 +114,6 @@ pub use free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 pub use multi_point::{GaugeSpectra, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
 pub use one_gauge::OneGauge;
 pub use pulses::{PulsedRod, SeparatePulses};
+pub use resonance::Resonances;
 pub use section_ratio::RatioOfSpectra;
 pub use two_point::{Solver, Specimen, TwoPoint};

@@ -110,7 +110,7 @@ pub(crate) fn estimate(
 }
 
 /// The lines that can be evaluated, and the others.
-fn usable(
+pub(crate) fn usable(
     frequency_hz: &[f64],
     ratio: &[Complex64],
     variance: &[f64],
@@ -158,51 +158,64 @@ fn solve(
     let omega = measured.omega();
     let expected = expectation.gamma(omega);
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
-    let gamma = root.gamma;
-    let doubt = expectation.doubt(omega, gamma);
-
-    let [first, second] = equation.jets(gamma, omega);
-    let ratio = first.over(&second);
-    let slope = ratio.first;
-    let sensitivity = slope.inv().norm();
-    let curvature = 0.5 * (ratio.second / slope).norm();
+    let doubt = expectation.doubt(omega, root.gamma);
+    let slope = slope(equation, root.gamma, omega);
     // Without noise, any small part of Ψ; a node in the numerator is no better than its neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
-        1e-6 * (measured.ratio.norm_sqr() + (slope / equation.distance()).norm_sqr())
+        1e-6 * (measured.ratio.norm_sqr() + (slope.first / equation.distance()).norm_sqr())
     };
-    let information = slope.norm_sqr() / variance;
-    if !(information.is_finite() && curvature.is_finite() && sensitivity.is_finite()) {
-        return Err(Refusal::Undetermined);
-    }
     if root.termination.was_successful() && doubt.is_none() {
-        expectation.update(omega, gamma, information);
+        let information = slope.first.norm_sqr() / variance;
+        expectation.update(omega, root.gamma, information);
     }
-    let mut violations = Vec::new();
-    violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
-    Ok(SolvedRatio {
+    let doubts = start.or(doubt).map(Violation::BranchAmbiguous);
+    Ok(solved(
+        equation,
+        measured,
+        root,
+        doubts.into_iter().collect(),
+    ))
+}
+
+/// g with its derivatives.
+fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
+    let [first, second] = equation.jets(gamma, omega);
+    first.over(&second)
+}
+
+/// The line of a root, with its errors.
+pub(crate) fn solved(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    root: Root,
+    violations: Vec<Violation>,
+) -> SolvedRatio {
+    let ratio = slope(equation, root.gamma, measured.omega());
+    let sensitivity = ratio.first.inv().norm();
+    SolvedRatio {
         index: measured.index,
         frequency_hz: measured.frequency_hz,
-        gamma,
+        gamma: root.gamma,
         variance: measured.variance * sensitivity * sensitivity,
-        curvature,
+        curvature: 0.5 * (ratio.second / ratio.first).norm(),
         amplification: sensitivity * measured.ratio.norm(),
         termination: root.termination,
         violations,
         distance: equation.distance(),
-    })
+    }
 }
 
 /// A root of f₁ - Ψf₂ = 0.
 #[derive(Debug, Clone, Copy)]
-struct Root {
+pub(crate) struct Root {
     gamma: Complex64,
     termination: Termination,
 }
 
 /// The root nearest to what is expected.
-fn root(
+pub(crate) fn root(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio,
     expected: Complex64,

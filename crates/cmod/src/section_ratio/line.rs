@@ -23,24 +23,24 @@ pub(crate) struct RodOfRatio {
 }
 
 /// γ of one line and all that goes with it.
-pub(super) struct SolvedRatio {
-    pub(super) index: usize,
-    pub(super) frequency_hz: f64,
-    pub(super) gamma: Complex64,
+pub(crate) struct SolvedRatio {
+    pub(crate) index: usize,
+    pub(crate) frequency_hz: f64,
+    pub(crate) gamma: Complex64,
     /// E|δγ|² [1/m²].
-    pub(super) variance: f64,
+    pub(crate) variance: f64,
     /// Second order of the error of γ by |δγ|² \[m\].
-    pub(super) curvature: f64,
+    pub(crate) curvature: f64,
     /// |dγ| by |dΨ/Ψ| [1/m].
-    pub(super) amplification: f64,
-    pub(super) termination: Termination,
-    pub(super) violations: Vec<Violation>,
+    pub(crate) amplification: f64,
+    pub(crate) termination: Termination,
+    pub(crate) violations: Vec<Violation>,
     /// Distance by which half waves are counted \[m\].
-    pub(super) distance: f64,
+    pub(crate) distance: f64,
 }
 
 impl SolvedRatio {
-    pub(super) fn into_modulus(self, rod: &RodOfRatio) -> Result<ModulusLine, Refusal> {
+    pub(crate) fn into_modulus(self, rod: &RodOfRatio) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
         let omega = TAU * self.frequency_hz;
         let modulus =
