@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cmod::estimate::ModulusEstimate;
 use cmod::multi_point::Quantity;
 use cmod::validity::Violation;
-use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, SeparatePulses};
+use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, Resonances, SeparatePulses};
 use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
@@ -187,5 +187,46 @@ fn two_accelerations_are_the_two_point_method() {
         let errors = [one, other].map(|line| line.standard_error.loss_modulus);
         assert!((errors[0] / errors[1] - 1.0).abs() < 1e-9);
         assert!((one.error_amplification / other.error_amplification - 1.0).abs() < 1e-9);
+    }
+}
+
+/// At every resonance of the band, and at no other frequency, whatever the mass on the end.
+#[test]
+fn resonances_are_those_of_the_chain() {
+    let medium = polypropylene();
+    let frequency_hz = lines(1500, 5.0);
+    let ends = [
+        at(crate::rod::LENGTH, Quantity::Acceleration),
+        at(0.0, Quantity::Acceleration),
+    ];
+    for end_mass in [0.0, 2.9e-3, 0.016] {
+        let rod = VirtualRod::new(&medium, end_mass);
+        let ratio_at = |f: f64| rod.at(ends[0], TAU * f) / rod.at(ends[1], TAU * f);
+        let ratio: Vec<Complex64> = frequency_hz.iter().map(|f| ratio_at(*f)).collect();
+        let method = Resonances::new(with_end_mass(end_mass), crate::rod::LENGTH).unwrap();
+        let estimate = method
+            .estimate(&frequency_hz, &ratio, &vec![0.0; 1500])
+            .unwrap();
+        let changes = ratio
+            .windows(2)
+            .filter(|pair| pair[0].re * pair[1].re < 0.0)
+            .count();
+        assert_eq!(estimate.lines().len(), changes, "{end_mass} kg");
+        for (n, line) in (1..).zip(estimate.lines()) {
+            assert!(
+                ratio_at(line.frequency_hz).re.abs() < 1e-3,
+                "{} Hz",
+                line.frequency_hz
+            );
+            let exact = medium.modulus(TAU * line.frequency_hz);
+            let error = (line.modulus - exact).norm() / exact.norm();
+            // The remainder of a polynomial of third degree over 0.3 rad of kL: 0.3⁴/192 = 4.2e-5, times 2/kL, for a massless
+            // end. The mass μ puts 1 + μ(4 + kL) on the fourth derivative and takes as much off by the first.
+            assert!(
+                error < 6e-5 / f64::from(n),
+                "{end_mass} kg, {} Hz: {error:e}",
+                line.frequency_hz
+            );
+        }
     }
 }
