@@ -30,9 +30,12 @@ use num_complex::Complex64;
 
 use crate::branch::FreeEndRoot;
 use crate::error::{CmodError, check_not_negative, check_positive};
-use crate::estimate::ModulusEstimate;
+use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{Jet, RodOfRatio, SectionRatio, estimate};
+use crate::section_ratio::{
+    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+};
+use crate::validity::AcceptanceLimits;
 
 /// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
 const EQUAL: f64 = 1e-12;
@@ -53,6 +56,41 @@ impl RodWithFreeEnd {
     #[must_use]
     pub fn length_of_end_mass(&self) -> f64 {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
+    }
+
+    /// With each uncertain quantity that the length of the end mass depends on larger and smaller.
+    pub(crate) fn changed(
+        &self,
+        uncertainty: &SectionUncertainty,
+    ) -> Vec<(ErrorSource, [Self; 2])> {
+        type Of = fn(&mut RodWithFreeEnd) -> &mut f64;
+        let quantities: [(ErrorSource, Of, f64); 3] = [
+            (
+                ErrorSource::Diameter,
+                |rod| &mut rod.diameter,
+                uncertainty.diameter,
+            ),
+            (
+                ErrorSource::Density,
+                |rod| &mut rod.density,
+                uncertainty.density,
+            ),
+            (
+                ErrorSource::AccelerometerMass,
+                |rod| &mut rod.end_mass,
+                uncertainty.end_mass,
+            ),
+        ];
+        let change = |of: Of, by: f64| {
+            let mut rod = *self;
+            *of(&mut rod) += by;
+            rod
+        };
+        quantities
+            .into_iter()
+            .filter(|(_, _, uncertainty)| *uncertainty > 0.0)
+            .map(|(source, of, by)| (source, [change(of, by), change(of, -by)]))
+            .collect()
     }
 
     pub(crate) fn check(&self) -> Result<(), CmodError> {
@@ -113,7 +151,7 @@ pub struct FreeEnd {
     rod: RodWithFreeEnd,
     first: EndSection,
     second: EndSection,
-    wave_speed: Option<f64>,
+    settings: Settings,
 }
 
 impl FreeEnd {
@@ -150,7 +188,7 @@ impl FreeEnd {
             rod,
             first,
             second,
-            wave_speed: None,
+            settings: Settings::default(),
         })
     }
 
@@ -160,7 +198,26 @@ impl FreeEnd {
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
     pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
+        self.settings = self.settings.with_wave_speed(wave_speed)?;
+        Ok(self)
+    }
+
+    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
@@ -185,12 +242,7 @@ impl FreeEnd {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        let rod = RodOfRatio {
-            diameter: self.rod.diameter,
-            density: self.rod.density,
-            length: self.distance(),
-        };
-        estimate(self, &rod, self.wave_speed, (frequency_hz, ratio, variance))
+        estimate(self, frequency_hz, ratio, variance)
     }
 
     /// û or ε̂ of a section by û(0), with the powers of iω and -γ that the two sections do not share.
@@ -241,9 +293,58 @@ impl SectionRatio for FreeEnd {
         self.first.distance.max(self.second.distance)
     }
 
+    fn rod(&self) -> RodOfRatio {
+        RodOfRatio {
+            diameter: self.rod.diameter,
+            density: self.rod.density,
+        }
+    }
+
+    fn method(&self) -> Method {
+        Method::FreeEnd(*self)
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn changed(&self) -> Vec<Changed<Self>> {
+        let rods = self.rod.changed(self.settings.uncertainty());
+        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
+            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
+            Changed {
+                source,
+                larger,
+                smaller,
+            }
+        };
+        let moved = |index: usize, by: f64| {
+            let mut sections = [self.first, self.second];
+            if let Some(section) = sections.get_mut(index) {
+                section.distance += by;
+            }
+            let [first, second] = sections;
+            Self {
+                first,
+                second,
+                ..*self
+            }
+        };
+        let distance = self.settings.uncertainty().distance;
+        let sections = [self.first, self.second].into_iter().enumerate();
+        let sections = sections
+            .filter(|(_, section)| section.distance > 0.0 && distance > 0.0)
+            .map(|(index, _)| Changed {
+                source: ErrorSource::Section(index),
+                larger: moved(index, distance),
+                smaller: moved(index, -distance),
+            });
+        rods.into_iter().map(with_rod).chain(sections).collect()
+    }
+
     fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {
         let (first, second) = (self.first, self.second);
-        if self.rod.end_mass > 0.0 || first.quantity != second.quantity {
+        if self.rod.end_mass != 0.0 || first.quantity != second.quantity {
             return None;
         }
         let (cosh, distance) = if first.quantity == Quantity::Strain {

@@ -25,11 +25,14 @@
 use num_complex::Complex64;
 
 use crate::error::{CmodError, check_positive};
-use crate::estimate::ModulusEstimate;
+use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::free_end::{EndSection, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::pulses::nearest_logarithm;
-use crate::section_ratio::{Jet, RodOfRatio, SectionRatio, estimate};
+use crate::section_ratio::{
+    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+};
+use crate::validity::AcceptanceLimits;
 
 /// The modulus from the incident and the reflected pulse at one section.
 ///
@@ -55,7 +58,7 @@ use crate::section_ratio::{Jet, RodOfRatio, SectionRatio, estimate};
 pub struct OneGauge {
     rod: RodWithFreeEnd,
     section: EndSection,
-    wave_speed: Option<f64>,
+    settings: Settings,
 }
 
 impl OneGauge {
@@ -69,7 +72,7 @@ impl OneGauge {
         Ok(Self {
             rod,
             section,
-            wave_speed: None,
+            settings: Settings::default(),
         })
     }
 
@@ -79,7 +82,26 @@ impl OneGauge {
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
     pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
+        self.settings = self.settings.with_wave_speed(wave_speed)?;
+        Ok(self)
+    }
+
+    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
@@ -97,12 +119,7 @@ impl OneGauge {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        let rod = RodOfRatio {
-            diameter: self.rod.diameter,
-            density: self.rod.density,
-            length: self.distance(),
-        };
-        estimate(self, &rod, self.wave_speed, (frequency_hz, ratio, variance))
+        estimate(self, frequency_hz, ratio, variance)
     }
 
     /// Reflection of the quantity at a free end without mass.
@@ -128,6 +145,45 @@ impl SectionRatio for OneGauge {
 
     fn distance(&self) -> f64 {
         2.0 * self.section.distance
+    }
+
+    fn rod(&self) -> RodOfRatio {
+        RodOfRatio {
+            diameter: self.rod.diameter,
+            density: self.rod.density,
+        }
+    }
+
+    fn method(&self) -> Method {
+        Method::OneGauge(*self)
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn changed(&self) -> Vec<Changed<Self>> {
+        let rods = self.rod.changed(self.settings.uncertainty());
+        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
+            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
+            Changed {
+                source,
+                larger,
+                smaller,
+            }
+        };
+        let distance = self.settings.uncertainty().distance;
+        let moved = |by: f64| {
+            let mut changed = *self;
+            changed.section.distance += by;
+            changed
+        };
+        let section = (distance > 0.0).then(|| Changed {
+            source: ErrorSource::Section(0),
+            larger: moved(distance),
+            smaller: moved(-distance),
+        });
+        rods.into_iter().map(with_rod).chain(section).collect()
     }
 
     fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {

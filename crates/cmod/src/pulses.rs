@@ -27,8 +27,11 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::error::{CmodError, check_positive};
-use crate::estimate::ModulusEstimate;
-use crate::section_ratio::{Jet, RodOfRatio, SectionRatio, estimate};
+use crate::estimate::{ErrorSource, Method, ModulusEstimate};
+use crate::section_ratio::{
+    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+};
+use crate::validity::AcceptanceLimits;
 
 /// A round rod with two sections that a pulse passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +65,7 @@ pub struct PulsedRod {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeparatePulses {
     rod: PulsedRod,
-    wave_speed: Option<f64>,
+    settings: Settings,
 }
 
 impl SeparatePulses {
@@ -76,7 +79,7 @@ impl SeparatePulses {
         check_positive("density [kg/m^3]", rod.density)?;
         Ok(Self {
             rod,
-            wave_speed: None,
+            settings: Settings::default(),
         })
     }
 
@@ -86,7 +89,26 @@ impl SeparatePulses {
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
     pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
+        self.settings = self.settings.with_wave_speed(wave_speed)?;
+        Ok(self)
+    }
+
+    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
@@ -102,12 +124,7 @@ impl SeparatePulses {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        let rod = RodOfRatio {
-            diameter: self.rod.diameter,
-            density: self.rod.density,
-            length: self.rod.distance,
-        };
-        estimate(self, &rod, self.wave_speed, (frequency_hz, ratio, variance))
+        estimate(self, frequency_hz, ratio, variance)
     }
 }
 
@@ -121,6 +138,36 @@ impl SectionRatio for SeparatePulses {
 
     fn distance(&self) -> f64 {
         self.rod.distance
+    }
+
+    fn rod(&self) -> RodOfRatio {
+        RodOfRatio {
+            diameter: self.rod.diameter,
+            density: self.rod.density,
+        }
+    }
+
+    fn method(&self) -> Method {
+        Method::SeparatePulses(*self)
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn changed(&self) -> Vec<Changed<Self>> {
+        let distance = self.settings.uncertainty().distance;
+        let moved = |by: f64| {
+            let mut changed = *self;
+            changed.rod.distance += by;
+            changed
+        };
+        let section = (distance > 0.0).then(|| Changed {
+            source: ErrorSource::Section(0),
+            larger: moved(distance),
+            smaller: moved(-distance),
+        });
+        section.into_iter().collect()
     }
 
     fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {

@@ -22,15 +22,17 @@ use num_complex::Complex64;
 
 use crate::branch::resolve;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{ModulusEstimate, Refusal, RefusedLine};
+use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{self, MeasuredRatio, RodOfRatio};
-use crate::validity::Violation;
+use crate::section_ratio::{self, MeasuredRatio, Root, SectionUncertainty, Settings};
+use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use local_polynomial::LocalPolynomial;
 
 /// Lines within this distance of a resonance take part, in rad of kL.
 const HALF_WIDTH: f64 = 0.3;
+/// Steps in which the mass on the end is put on.
+const MASS_STEPS: u32 = 10;
 /// So many lines at least: four coefficients, and some noise to average.
 const FEWEST_LINES: usize = 7;
 
@@ -55,6 +57,7 @@ const FEWEST_LINES: usize = 7;
 pub struct Resonances {
     rod: RodWithFreeEnd,
     length: f64,
+    settings: Settings,
 }
 
 impl Resonances {
@@ -65,7 +68,30 @@ impl Resonances {
     pub fn new(rod: RodWithFreeEnd, length: f64) -> Result<Self, CmodError> {
         rod.check()?;
         check_positive("length [m]", length)?;
-        Ok(Self { rod, length })
+        Ok(Self {
+            rod,
+            length,
+            settings: Settings::default(),
+        })
+    }
+
+    /// The same with standard uncertainties of the rod, with its length as distance: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
+        Ok(self)
     }
 
     /// The complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂, driven end by free end, and
@@ -90,24 +116,14 @@ impl Resonances {
     ) -> Result<ModulusEstimate, CmodError> {
         let (measured, _) = section_ratio::usable(frequency_hz, acceleration_ratio, variance)?;
         let (mut lines, mut refused) = (Vec::new(), Vec::new());
-        let rod = RodOfRatio {
-            diameter: self.rod.diameter,
-            density: self.rod.density,
-            length: self.length,
-        };
-        let ends = [self.length, 0.0].map(|distance| EndSection {
-            distance,
-            quantity: Quantity::Acceleration,
-        });
-        let equation = FreeEnd::new(self.rod, ends[0], ends[1])?;
+        let acceptance = Acceptance::new(*self.settings.limits(), None)?;
+        let equation = self.equation(self.rod)?;
         for crossing in crossings(&measured)? {
             let at_resonance = crossing.read(&measured);
             let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
-                let expected = self.expected(&crossing, resonance.ratio.im);
-                let root = section_ratio::root(&equation, &resonance, expected);
+                let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
                 let doubts = crossing.doubt.into_iter().collect();
-                section_ratio::solved(&equation, &resonance, root.ok_or(Refusal::NoRoot)?, doubts)
-                    .into_modulus(&rod)
+                section_ratio::solved(&equation, &resonance, root, doubts)?.into_line(&acceptance)
             });
             match line {
                 Ok(line) => lines.push(line),
@@ -118,19 +134,50 @@ impl Resonances {
                 }),
             }
         }
-        Ok(ModulusEstimate::new(lines, refused))
+        Ok(ModulusEstimate::new(
+            Method::Resonances(*self),
+            lines,
+            refused,
+        ))
     }
 
-    /// γ of the resonance without end mass, less what the mass takes off to first order.
-    fn expected(&self, crossing: &Crossing, amplitude: f64) -> Complex64 {
+    /// The ratio of the accelerations of the ends, of which the far one is an uncertain distance away.
+    fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
+        let [first, second] = [self.length, 0.0].map(|distance| EndSection {
+            distance,
+            quantity: Quantity::Acceleration,
+        });
+        FreeEnd::new(rod, first, second)?.with_uncertainty(*self.settings.uncertainty())
+    }
+
+    /// From the closed form without mass, the mass put on in steps.
+    fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio) -> Option<Root> {
         let sign = if crossing.order.is_multiple_of(2) {
             -1.0
         } else {
             1.0
         };
-        let free_end = Complex64::new((sign * amplitude).asinh(), crossing.phase());
-        let mass_ratio = self.rod.length_of_end_mass() / self.length;
-        free_end / (self.length * (1.0 + mass_ratio))
+        let free_end = Complex64::new((sign * resonance.ratio.im).asinh(), crossing.phase());
+        let mut root = Root {
+            gamma: free_end / self.length,
+            termination: Termination::ClosedForm,
+        };
+        let steps = if self.rod.end_mass > 0.0 {
+            MASS_STEPS
+        } else {
+            0
+        };
+        for step in 1..=steps {
+            let end_mass = self.rod.end_mass * f64::from(step) / f64::from(MASS_STEPS);
+            let lighter = self
+                .equation(RodWithFreeEnd {
+                    end_mass,
+                    ..self.rod
+                })
+                .ok()?;
+            root = section_ratio::root(&lighter, resonance, root.gamma)?;
+        }
+        Some(root)
     }
 }
 

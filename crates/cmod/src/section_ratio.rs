@@ -14,17 +14,19 @@
 //!
 //! # Errors of the result
 //! An error δΨ moves γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|² these are
-//! circular too. The next order, δΨ = g'δγ + ½g''δγ², is by |g''|σ/(2|g'|) of the first, and a line is marked where this
-//! exceeds a tenth, as near a multiple of half a wave between two sections.
+//! circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is marked where this
+//! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections
+//! is the systematic part, [`SectionUncertainty`].
 
 mod expectation;
 mod jet;
-mod line;
+mod settings;
 mod spectra;
 mod start;
 
 pub(crate) use jet::Jet;
-pub(crate) use line::RodOfRatio;
+pub use settings::SectionUncertainty;
+pub(crate) use settings::{Changed, Settings};
 pub use spectra::RatioOfSpectra;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -33,10 +35,12 @@ use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
 use crate::error::{CmodError, check_frequencies, check_length};
-use crate::estimate::{ModulusEstimate, Refusal, RefusedLine, Termination};
-use crate::validity::Violation;
+use crate::estimate::{
+    ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, Termination,
+};
+use crate::validity::{Acceptance, Violation, conditions};
 use expectation::Expectation;
-use line::SolvedRatio;
+use rodwave::medium::modulus_from_propagation;
 
 /// Newton steps after which the iteration is ended.
 const MOST_STEPS: u32 = 50;
@@ -46,17 +50,38 @@ const SMALLEST_STEP: f64 = 1e-12;
 const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
 /// g(γ) = f₁/f₂ of one arrangement of sections.
-pub(crate) trait SectionRatio {
+pub(crate) trait SectionRatio: Sized {
     /// f₁ and f₂ with their first two derivatives by γ; common factors left out.
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
 
-    /// Distance by which half waves are counted \[m\].
+    /// Distance by which half waves are counted \[m\], and the length of condition (ii).
     fn distance(&self) -> f64;
+
+    /// What of the rod is not in the ratio.
+    fn rod(&self) -> RodOfRatio;
+
+    /// The method and all its settings, for the result.
+    fn method(&self) -> Method;
+
+    /// Guess, uncertainties and limits.
+    fn settings(&self) -> &Settings;
+
+    /// The same with each uncertain quantity that is in the ratio larger and smaller.
+    fn changed(&self) -> Vec<Changed<Self>>;
 
     /// The root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
     fn closed_form(&self, _ratio: Complex64, _expected: Complex64) -> Option<Complex64> {
         None
     }
+}
+
+/// What of a rod its ratios need not know, but the modulus and its validity do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RodOfRatio {
+    /// D \[m\].
+    pub(crate) diameter: f64,
+    /// ρ [kg/m³].
+    pub(crate) density: f64,
 }
 
 /// A line that can be evaluated.
@@ -78,18 +103,19 @@ impl MeasuredRatio {
 /// Solves all lines.
 pub(crate) fn estimate(
     equation: &impl SectionRatio,
-    rod: &RodOfRatio,
-    wave_speed: Option<f64>,
-    (frequency_hz, ratio, variance): (&[f64], &[Complex64], &[f64]),
+    frequency_hz: &[f64],
+    ratio: &[Complex64],
+    variance: &[f64],
 ) -> Result<ModulusEstimate, CmodError> {
+    let acceptance = Acceptance::new(*equation.settings().limits(), None)?;
     let (measured, mut refused) = usable(frequency_hz, ratio, variance)?;
     let mut lines = Vec::with_capacity(measured.len());
-    if let Some(start) = start::wave_speed(equation, &measured, wave_speed) {
+    if let Some(start) = start::wave_speed(equation, &measured, equation.settings().wave_speed()) {
         let first = measured.first().map_or(0.0, MeasuredRatio::omega);
         let mut expectation = Expectation::new(start.slowness, equation.distance(), first);
         for measured in &measured {
             let solved = solve(equation, measured, &mut expectation, start.doubt);
-            match solved.and_then(|line| line.into_modulus(rod)) {
+            match solved.and_then(|line| line.into_line(&acceptance)) {
                 Ok(line) => lines.push(line),
                 Err(reason) => refused.push(RefusedLine {
                     index: measured.index,
@@ -106,7 +132,7 @@ pub(crate) fn estimate(
         }));
     }
     refused.sort_by_key(|line| line.index);
-    Ok(ModulusEstimate::new(lines, refused))
+    Ok(ModulusEstimate::new(equation.method(), lines, refused))
 }
 
 /// The lines that can be evaluated, and the others.
@@ -154,7 +180,7 @@ fn solve(
     measured: &MeasuredRatio,
     expectation: &mut Expectation,
     start: Option<BranchDoubt>,
-) -> Result<SolvedRatio, Refusal> {
+) -> Result<Solution, Refusal> {
     let omega = measured.omega();
     let expected = expectation.gamma(omega);
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
@@ -171,12 +197,7 @@ fn solve(
         expectation.update(omega, root.gamma, information);
     }
     let doubts = start.or(doubt).map(Violation::BranchAmbiguous);
-    Ok(solved(
-        equation,
-        measured,
-        root,
-        doubts.into_iter().collect(),
-    ))
+    solved(equation, measured, root, doubts.into_iter().collect())
 }
 
 /// g with its derivatives.
@@ -191,27 +212,38 @@ pub(crate) fn solved(
     measured: &MeasuredRatio,
     root: Root,
     violations: Vec<Violation>,
-) -> SolvedRatio {
-    let ratio = slope(equation, root.gamma, measured.omega());
-    let sensitivity = ratio.first.inv().norm();
-    SolvedRatio {
+) -> Result<Solution, Refusal> {
+    let (gamma, omega) = (root.gamma, measured.omega());
+    let RodOfRatio { diameter, density } = equation.rod();
+    let modulus = modulus_from_propagation(gamma, omega, density).map_err(|_| Refusal::NoRoot)?;
+    let ratio = slope(equation, gamma, omega);
+    let by_ratio = ratio.first.inv();
+    let distance = equation.distance();
+    let mut all = conditions(gamma, diameter, distance);
+    all.extend(violations);
+    let relative_density = equation.settings().uncertainty().density / density;
+    let bend = 0.5 * (ratio.second * by_ratio * by_ratio + 3.0 * by_ratio / gamma).norm();
+    Ok(Solution {
         index: measured.index,
         frequency_hz: measured.frequency_hz,
-        gamma: root.gamma,
-        variance: measured.variance * sensitivity * sensitivity,
-        curvature: 0.5 * (ratio.second / ratio.first).norm(),
-        amplification: sensitivity * measured.ratio.norm(),
+        gamma,
+        density,
+        random: ComplexCovariance::circular(measured.variance * by_ratio.norm_sqr()),
+        systematic: settings::shifts(equation, (gamma, modulus), omega, relative_density),
+        error_amplification: 2.0 * (by_ratio * measured.ratio / gamma).norm(),
+        second_order: bend * measured.variance.sqrt(),
+        distance,
+        closed_form: None,
         termination: root.termination,
-        violations,
-        distance: equation.distance(),
-    }
+        violations: all,
+    })
 }
 
 /// A root of f₁ - Ψf₂ = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Root {
-    gamma: Complex64,
-    termination: Termination,
+    pub(crate) gamma: Complex64,
+    pub(crate) termination: Termination,
 }
 
 /// The root nearest to what is expected.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use cmod::estimate::ModulusEstimate;
 use cmod::multi_point::Quantity;
+use cmod::validity::AcceptanceLimits;
 use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, RatioOfSpectra, SeparatePulses};
 use num_complex::Complex64;
 
@@ -35,14 +36,20 @@ fn methods(frequency_hz: &[f64]) -> Vec<(&'static str, Pair)> {
         section(0.5, Quantity::Strain),
         section(0.22, Quantity::Strain),
     ];
-    let free_end = FreeEnd::new(with_end_mass(END_MASS), strains[0], strains[1]).unwrap();
-    let one_gauge = OneGauge::new(with_end_mass(END_MASS), GAUGE).unwrap();
+    let free_end = FreeEnd::new(with_end_mass(END_MASS), strains[0], strains[1])
+        .unwrap()
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap();
+    let one_gauge = OneGauge::new(with_end_mass(END_MASS), GAUGE)
+        .unwrap()
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap();
     let pulses = SeparatePulses::new(PulsedRod {
         distance: 0.4,
         diameter: DIAMETER,
         density: DENSITY,
     });
-    let pulses = pulses.unwrap();
+    let pulses = pulses.unwrap().with_limits(AcceptanceLimits::NONE).unwrap();
     vec![
         (
             "free end",
