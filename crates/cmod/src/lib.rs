@@ -28,6 +28,10 @@
 //! at any positions, [`MultiPoint`], by least squares over one test or several. Each line also gives the two waves
 //! ([`multi_point`]).
 //!
+//! Neighbours, for comparison on one rod: two sections and a free end ([`FreeEnd`]), separate pulses ([`SeparatePulses`], [`OneGauge`]),
+//! resonances ([`Resonances`]). All give one kind of result ([`estimate`]), from which [`LateralInertia`] can be taken out, and
+//! [`checks`] need no truth to say that a record cannot be right.
+//!
 //! Apart from it stands paper C: the loss factor after a creep load, the model that explains it, and the fit of its parameters
 //! ([`recovery`]).
 //!
@@ -87,7 +91,7 @@
 //!
 //! # What this does not do
 //! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance, or at the spectra of gauges and their noise.
-//! - No correction for lateral inertia: lines with λ <= 5D are marked. [`rodwave::slenderness`] corrects a modulus afterwards.
+//! - The methods know no lateral inertia: lines with λ <= 5D are marked. [`lateral_inertia`] corrects an estimate afterwards.
 //! - The errors are of first order. Where the amplification is large, near kL = nπ at low losses, the distribution of E''
 //!   is not normal and can be half on the wrong side of 0.
 //! - The uncertainty of length, density, masses and positions of gauges is not part of the errors.
@@ -115,7 +119,7 @@ pub use free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 pub use lateral_inertia::LateralInertia;
 pub use multi_point::{GaugeSpectra, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
 pub use one_gauge::OneGauge;
-pub use pulses::{PulsedRod, SeparatePulses};
+pub use pulses::{PulsedRod, SeparatePulses, noise_of_cut_pulse};
 pub use resonance::Resonances;
 pub use section_ratio::{RatioOfSpectra, SectionUncertainty};
 pub use two_point::{Solver, Specimen, TwoPoint};

@@ -20,13 +20,15 @@
 //! independent of k: the relative error of E falls as 1/(kL). For equal noise and a first section that stays where it is,
 //! it is least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
-//! What the window cuts off the tail of a pulse, or leaves of another, is not in the errors.
+//! A window that cuts a tail off, or begins on the tail of another pulse, errs by about the value at the cut by ω, the first term
+//! of the integral over what is missing. [`noise_of_cut_pulse`] adds this to the noise of a spectrum; it is the larger part at low
+//! frequency in materials with losses, whose pulses have long tails.
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::section_ratio::{
     Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
@@ -128,6 +130,41 @@ impl SeparatePulses {
     }
 }
 
+/// Root mean square error of the spectrum of a pulse that a rectangular window has cut out of a record: the `noise` of the
+/// spectrum \[q s\] and what is cut at its two `edges` \[q\], the values of the record there without noise,
+///
+/// ```text
+/// σ² = noise² + Σ |q(edge)|²/ω²
+/// ```
+///
+/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second part is no random error, but has
+/// its size and an unknown phase. It is the same in all blows and does not average out: give it to the mean spectrum of the blows,
+/// not to each.
+///
+/// # Errors
+/// [`CmodError::Frequency`] and [`CmodError::FrequencyOrder`], [`CmodError::NonPhysical`] for a noise that is not finite or
+/// negative, a frequency of 0, or an edge that is not finite.
+pub fn noise_of_cut_pulse(
+    noise: f64,
+    edges: [f64; 2],
+    frequency_hz: &[f64],
+) -> Result<Vec<f64>, CmodError> {
+    check_frequencies(frequency_hz)?;
+    check_not_negative("noise of a spectrum", noise)?;
+    for edge in edges {
+        check_not_negative(
+            "magnitude of the record at the edge of a window",
+            edge.abs(),
+        )?;
+    }
+    if let Some(&lowest) = frequency_hz.first() {
+        check_positive("frequency [Hz]", lowest)?;
+    }
+    let cut = edges[0].hypot(edges[1]);
+    let at = |f: &f64| noise.hypot(cut / (TAU * f));
+    Ok(frequency_hz.iter().map(at).collect())
+}
+
 impl SectionRatio for SeparatePulses {
     fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
         [
@@ -206,6 +243,26 @@ mod tests {
         assert_eq!(
             guess.unwrap_err().to_string(),
             "wave speed [m/s] is NaN, expected a finite value above 0"
+        );
+    }
+
+    /// The spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), against its first term, q(T)/ω.
+    #[test]
+    fn a_cut_tail_errs_by_its_value_over_omega() {
+        let (rate, cut): (f64, f64) = (800.0, 1e-3);
+        let edge = (-rate * cut).exp();
+        let frequency_hz = [1e3, 3e3, 1e4];
+        let noise = noise_of_cut_pulse(0.0, [0.0, edge], &frequency_hz).unwrap();
+        for (f, noise) in frequency_hz.iter().zip(noise) {
+            let missing = edge / Complex64::new(rate, TAU * f).norm();
+            // |a + iω|/ω = 1 + (a/ω)²/2 and less than 1 % here.
+            assert!(missing <= noise && missing > 0.99 * noise, "{f} Hz");
+        }
+        assert_eq!(
+            noise_of_cut_pulse(0.0, [0.0, 1.0], &[0.0, 1.0])
+                .unwrap_err()
+                .to_string(),
+            "frequency [Hz] is 0, expected a finite value above 0"
         );
     }
 
