@@ -212,7 +212,6 @@ impl VirtualTest {
 fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     let test = VirtualTest::new(label, bits);
     let coverage = test.coverage(seeds, AcceptanceLimits::default());
-    println!("{}: {coverage}", test.name);
     let lines = coverage.lines;
     let least = least_valid * usize::try_from(seeds).unwrap();
     assert!(
@@ -259,7 +258,6 @@ fn large_errors_are_stated() {
         ..AcceptanceLimits::NONE
     };
     let coverage = test.coverage(SEEDS / 4, limits);
-    println!("{}, no limits: {coverage}", test.name);
     coverage.check(&test.name);
     assert!(coverage.worst_loss_factor > 0.1, "{coverage}");
 }
@@ -288,7 +286,6 @@ fn instruments_without_noise_are_exact() {
         for line in estimate.valid() {
             coverage.add_with(line, test.material.modulus(line.frequency_hz), [1.0, 2.0]);
         }
-        println!("{}, no noise: {coverage}", test.name);
         assert!(coverage.worst_storage < 1e-3, "{}: {coverage}", test.name);
         assert!(
             coverage.worst_loss_factor < 5e-3,

@@ -181,14 +181,12 @@ fn structures_i_and_ii() {
     for (coverage, structure) in of_structures.iter().zip(["I", "II"]) {
         for (coverage, method) in coverage.iter().zip(methods) {
             let name = format!("structure {structure}, {method}");
-            println!("{name}: {coverage}");
             coverage.check_errors(&name);
             coverage.check(&name);
         }
     }
     for (coverage, method) in of_difference.iter().zip(methods) {
         let name = format!("difference of the structures, {method}");
-        println!("{name}: {coverage}");
         coverage.check(&name);
     }
 }
