@@ -40,6 +40,8 @@ pub struct EndMassRoot {
     pub gamma_length: Complex64,
     /// How the iteration ended.
     pub termination: Termination,
+    /// Steps in the mass ratio: more than one where another root is near.
+    pub steps: u32,
     /// Mass ratio at which the continuation came so near to a double root that it may have left its branch.
     pub lost_at: Option<f64>,
 }
@@ -49,6 +51,7 @@ impl EndMassRoot {
         Self {
             gamma_length,
             termination: Termination::ClosedForm,
+            steps: 0,
             lost_at: None,
         }
     }
@@ -177,6 +180,7 @@ impl EndMassEquation {
             EndMassRoot {
                 gamma_length: at.x,
                 termination: termination(iterations, residual),
+                steps: 1,
                 lost_at: None,
             }
         };
@@ -220,8 +224,10 @@ impl EndMassEquation {
         let mut at = Hyperbolic::of(free_end);
         let mut reached = 0.0;
         let mut iterations = 0;
+        let mut steps = 0;
         let mut lost_at = None;
         loop {
+            steps += 1;
             let mut next = self.mass_ratio;
             // written so that a NaN takes the way out, too
             while !(at.kantorovich_squared(self, next) <= SURE_CONVERGENCE * SURE_CONVERGENCE) {
@@ -234,6 +240,7 @@ impl EndMassEquation {
             }
             if next >= self.mass_ratio {
                 return EndMassRoot {
+                    steps,
                     lost_at,
                     ..self.newton_after(at.x, iterations)
                 };
