@@ -13,3 +13,5 @@ mod errors;
 mod exactness;
 #[path = "neighbours/rod.rs"]
 mod rod;
+#[path = "neighbours/systematic.rs"]
+mod systematic;
