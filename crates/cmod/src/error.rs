@@ -152,11 +152,11 @@ pub enum CmodError {
         what: &'static str,
     },
     /// Without noise there is no floor to compare with.
-    #[error("{what} is 0 at line {index}, expected noise to compare with")]
+    #[error("{what} {index} is 0, expected noise to compare with")]
     NoNoise {
-        /// What is 0.
+        /// What is 0, as `the noise of line`.
         what: &'static str,
-        /// Position of the line, from 0.
+        /// Position of the line or channel, from 0.
         index: usize,
     },
     /// A history is too short for what is asked of it.

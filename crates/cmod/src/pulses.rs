@@ -267,6 +267,61 @@ mod tests {
     }
 
     #[test]
+    fn arrays_that_do_not_fit_are_refused() {
+        let method = SeparatePulses::new(ROD).unwrap();
+        let ratio = [Complex64::ONE; 2];
+        let text = |f: &[f64], r: &[Complex64], v: &[f64]| {
+            method.estimate(f, r, v).unwrap_err().to_string()
+        };
+        assert_eq!(text(&[], &[], &[]), "no line to evaluate");
+        assert_eq!(
+            text(&[1.0, 2.0, 3.0], &ratio, &[0.0; 3]),
+            "ratio has 2 lines, expected 3 as the frequencies have"
+        );
+        assert_eq!(
+            text(&[1.0, 2.0], &ratio, &[0.0]),
+            "variance has 1 lines, expected 2 as the frequencies have"
+        );
+        assert_eq!(
+            text(&[2.0, 1.0], &ratio, &[0.0; 2]),
+            "frequency of line 1 is 1 Hz, expected more than 2 Hz of the line before"
+        );
+        assert_eq!(
+            text(&[1.0, 2.0], &ratio, &[0.0, -1.0]),
+            "variance of line 1 is -1, expected 0 or above"
+        );
+        let wrong = SectionUncertainty {
+            distance: -1.0,
+            ..SectionUncertainty::default()
+        };
+        assert_eq!(
+            method.with_uncertainty(wrong).unwrap_err().to_string(),
+            "uncertainty of a distance [m] is -1, expected a finite value, 0 or above"
+        );
+    }
+
+    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is about known.
+    #[test]
+    fn few_lines_need_a_guess_of_the_speed() {
+        let frequency_hz = [9000.0, 9500.0, 10000.0, 10500.0];
+        let gamma = |f: f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
+        let ratio = frequency_hz.map(|f| (-0.4 * gamma(f)).exp());
+        let method = SeparatePulses::new(ROD).unwrap();
+        let alone = method.estimate(&frequency_hz, &ratio, &[1e-8; 4]).unwrap();
+        assert_eq!(alone.valid().count(), 0);
+        let reason = alone.lines()[0].validity.to_string();
+        assert_eq!(
+            reason,
+            "branch: 4 lines are too few to find the wave speed, expected 8 or a guess of it"
+        );
+        let guided = method.with_wave_speed(1600.0).unwrap();
+        let guided = guided.estimate(&frequency_hz, &ratio, &[1e-8; 4]).unwrap();
+        assert_eq!(guided.valid().count(), 4);
+        // A rounding of e^{-γL} by γL.
+        assert!((guided.lines()[0].propagation_coefficient - gamma(9000.0)).norm() < 1e-13 * 40.0);
+    }
+
+    #[test]
     fn a_line_without_a_pulse_is_refused_alone() {
         use crate::estimate::Refusal;
 

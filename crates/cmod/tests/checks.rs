@@ -287,6 +287,12 @@ fn a_gauge_the_wrong_way_round_is_named() {
     let outcome = polarity(&histories);
     assert_eq!((outcome.check, outcome.worst), (Check::Polarity, Some(1)));
     assert!(outcome.has_failed(), "{outcome}");
+    // The free end sees it, too, but cannot say what it is.
+    let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
+    for value in &mut spectra.strains[2] {
+        *value = -*value;
+    }
+    assert!(spectra.free_end_null(USUAL_LEVEL).has_failed());
     // An early or a late wave is another matter.
     assert!(!causality(&histories, USUAL_LEVEL).has_failed());
     // A wave below the noise says nothing.
@@ -473,7 +479,7 @@ fn records_that_cannot_be_checked_are_refused() {
     let silent = Arrivals::new(vec![channel(&quiet), channel(&quiet)], 1e-6, 50).unwrap();
     assert_eq!(
         silent.causality(2000.0, 0.01).unwrap_err().to_string(),
-        "the record of a channel before the blow is 0 at line 0, expected noise to compare with"
+        "the record before the blow of channel 0 is 0, expected noise to compare with"
     );
     assert_eq!(
         FreeEndNull::new(rod(), vec![0.1, 0.2], Quantity::Strain)

@@ -235,7 +235,7 @@ impl<'a> Arrivals<'a> {
         let power: f64 = quiet.iter().map(|value| (value - mean).powi(2)).sum();
         if power <= 0.0 {
             return Err(CmodError::NoNoise {
-                what: "the record of a channel before the blow",
+                what: "the record before the blow of channel",
                 index,
             });
         }

@@ -114,7 +114,7 @@ impl FreeEndNull {
             let mut noises = spectra.noise.iter().filter_map(|noise| noise.get(index));
             if noises.any(|noise| *noise == 0.0) {
                 return Err(CmodError::NoNoise {
-                    what: "noise of a sensor",
+                    what: "noise of a sensor at line",
                     index,
                 });
             }

@@ -31,7 +31,7 @@ pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOut
         let error = error.storage_modulus.hypot(error.loss_modulus);
         if error <= 0.0 {
             return Err(CmodError::NoNoise {
-                what: "standard error of the modulus",
+                what: "standard error of the modulus at line",
                 index: line.index,
             });
         }

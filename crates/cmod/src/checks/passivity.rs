@@ -28,7 +28,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
         let error = line.standard_error.loss_modulus / size;
         if error <= 0.0 {
             return Err(CmodError::NoNoise {
-                what: "standard error of E''",
+                what: "standard error of E'' at line",
                 index: line.index,
             });
         }

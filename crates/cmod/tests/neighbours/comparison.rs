@@ -5,6 +5,7 @@
 //! impedances, pulses are cut out of them with rectangular windows.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use cmod::multi_point::{GaugeSpectra, GaugedRod, Quantity};
 use cmod::validity::AcceptanceLimits;
@@ -24,6 +25,7 @@ const ACCELEROMETER: f64 = 2.9e-3;
 const INTERVAL: f64 = 4e-6;
 /// The first mode decays by e^{-13}.
 const DURATION: f64 = 60e-3;
+const SAMPLES: usize = 15_000;
 const HITS: usize = 10;
 /// Standard deviation of the noise by the peak of each channel.
 const NOISE: f64 = 1e-3;
@@ -60,10 +62,8 @@ impl Channel {
         }
     }
 
-    /// Of the samples between two times [s].
-    fn spectra(&self, frequency_hz: &[f64], window: [f64; 2]) -> Spectra {
-        let sample = |time: f64| (time / INTERVAL).round() as usize;
-        let range = sample(window[0])..sample(window[1]).min(self.hits[0].len());
+    /// Of the samples of a window.
+    fn spectra(&self, frequency_hz: &[f64], range: Range<usize>) -> Spectra {
         let of_hit = |hit: &Vec<f64>| {
             let at = |f: &f64| {
                 let turn = Complex64::from_polar(1.0, -TAU * f * INTERVAL);
@@ -87,22 +87,22 @@ impl Channel {
 }
 
 impl Channel {
-    /// Of a pulse between two times [s], with what the window cuts off as part of the noise.
-    fn pulse(&self, frequency_hz: &[f64], window: [f64; 2]) -> Spectra {
-        let edge = |time: f64| {
-            let middle = ((time / INTERVAL).round() as usize).max(5);
+    /// Of a pulse in a window, with what that cuts off as part of the noise.
+    fn pulse(&self, frequency_hz: &[f64], window: Range<usize>) -> Spectra {
+        let edge = |middle: usize| {
             let around = self
                 .hits
                 .iter()
                 .flat_map(|hit| &hit[middle - 5..middle + 5]);
             around.sum::<f64>() / (10 * HITS) as f64
         };
+        let edges = [window.start, window.end];
         let whole = self.spectra(frequency_hz, window);
         // What is cut is the same in all blows, and does not average out: one mean spectrum goes on.
         let mean =
             |line: usize| whole.hits.iter().map(|hit| hit[line]).sum::<Complex64>() / HITS as f64;
         // nothing is cut at the beginning of the record
-        let edges = window.map(|time| if time > 0.0 { edge(time) } else { 0.0 });
+        let edges = edges.map(|sample| if sample > 0 { edge(sample) } else { 0.0 });
         let noise = whole.noise[0] / (HITS as f64).sqrt();
         Spectra {
             hits: vec![(0..frequency_hz.len()).map(mean).collect()],
@@ -205,10 +205,6 @@ fn root_mean_square_of_deviations(name: &str, least_count: usize, valid: &[&Modu
         .fold(0.0_f64, |largest, z| largest.max(z.abs()));
     // Once in 1e5 for a normal variable.
     assert!(largest < 4.4, "{name}: {largest}");
-    println!(
-        "{name}: {} lines, root mean square {root_mean_square:.3}, largest {largest:.2}",
-        valid.len()
-    );
     root_mean_square
 }
 
@@ -222,7 +218,7 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
         .map(|history| Channel::noisy(history, &mut random))
         .collect();
     let frequency_hz = lines(80, 100.0);
-    let whole = [0.0, DURATION];
+    let whole = || 0..SAMPLES;
     let rod = with_end_mass(ACCELEROMETER);
     let strain = |gauge: usize| EndSection {
         distance: GAUGES[gauge],
@@ -230,9 +226,9 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
     };
     let all: Vec<Spectra> = gauges
         .iter()
-        .map(|gauge| gauge.spectra(&frequency_hz, whole))
+        .map(|gauge| gauge.spectra(&frequency_hz, whole()))
         .collect();
-    let ends = [&struck, &free].map(|end| end.spectra(&frequency_hz, whole));
+    let ends = [&struck, &free].map(|end| end.spectra(&frequency_hz, whole()));
 
     let psi = ratio(&ends[0], &ends[1]);
     let estimate = TwoPoint::new(Specimen {
@@ -277,8 +273,8 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
     // The wave reaches the gauge 0.35 m from the end after 0.26 ms, comes back after 0.67 ms and again after 1.2 ms; at
     // 20 kHz it is 6 % faster. The windows hold one period and more above 2 kHz.
     let high_hz: Vec<f64> = frequency_hz.iter().copied().filter(|f| *f >= 2e3).collect();
-    let incident = gauges[2].pulse(&high_hz, [0.0, 0.60e-3]);
-    let reflected = gauges[2].pulse(&high_hz, [0.60e-3, 1.10e-3]);
+    let incident = gauges[2].pulse(&high_hz, 0..150);
+    let reflected = gauges[2].pulse(&high_hz, 150..275);
     let psi = ratio(&reflected, &incident);
     let estimate = OneGauge::new(rod, strain(2))
         .unwrap()
@@ -290,8 +286,8 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
         .unwrap();
     assert_not_beyond_stated_errors("one gauge", 50, &estimate.valid().collect::<Vec<_>>());
 
-    let first = gauges[0].pulse(&high_hz, [0.0, 0.79e-3]);
-    let second = gauges[2].pulse(&high_hz, [0.0, 0.60e-3]);
+    let first = gauges[0].pulse(&high_hz, 0..200);
+    let second = gauges[2].pulse(&high_hz, 0..150);
     let psi = ratio(&second, &first);
     let estimate = SeparatePulses::new(PulsedRod {
         distance: GAUGES[0] - GAUGES[2],
@@ -345,7 +341,7 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
     assert!(ThreePoint::new(positions(&[0, 1, 3])).is_err());
 
     let dense = lines(350, 10.0);
-    let [struck, free] = [&struck, &free].map(|end| end.spectra(&dense, whole));
+    let [struck, free] = [&struck, &free].map(|end| end.spectra(&dense, whole()));
     let psi = ratio(&struck, &free);
     let method = Resonances::new(rod, LENGTH)
         .unwrap()
