@@ -58,7 +58,7 @@
 //!     let impacted_end = (accelerometer * rod).inverse().transfer(free_end);
 //!     acceleration_ratio.push(impacted_end.velocity / free_end.velocity);
 //! }
-//! let variance = vec![1e-6; frequency_hz.len()]; // 0.1 %
+//! let variance = vec![1e-8; frequency_hz.len()]; // 0.01 %
 //!
 //! let estimate = TwoPoint::new(specimen)?.estimate(&frequency_hz, &acceleration_ratio, &variance)?;
 //! for line in estimate.valid() {
