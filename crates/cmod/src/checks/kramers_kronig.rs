@@ -11,7 +11,7 @@ use crate::estimate::ModulusEstimate;
 /// Whether the modulus of an `estimate` can be that of a relaxing material, with a false alarm at most with the probability
 /// `level`.
 ///
-/// The nearest relaxing material is sought in units of the standard errors of the lines
+/// The nearest relaxing material is sought in units of the random errors of the lines
 /// ([`KramersKronig::of_measured_modulus`]). The statistic is the root mean square of what is left, and noise alone gives 1: with
 /// n lines, n times its square is at most half of a chi-square variable with 2n degrees of freedom, because the truth is one
 /// of the materials among which the nearest was chosen. For the same reason false alarms are rarer than the level. What the grid of
@@ -27,7 +27,7 @@ pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOut
     let (mut omega, mut modulus, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     let mut index = Vec::new();
     for line in telling(estimate) {
-        let error = line.standard_error;
+        let error = line.random_error();
         let error = error.storage_modulus.hypot(error.loss_modulus);
         if error <= 0.0 {
             return Err(CmodError::NoNoise {

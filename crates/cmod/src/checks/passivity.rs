@@ -6,12 +6,13 @@ use super::{
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
 
-/// Whether E'' of an `estimate` is nowhere below 0 by more than its standard errors allow, with a false alarm at most with the
+/// Whether E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with a false alarm at most with the
 /// probability `level`.
 ///
-/// Two questions are asked, each at half of the level. Is the loss factor negative on the whole? With z = E''/σ of each
-/// line it is judged by Σ(E''/E'σ²)/√Σ(1/σ²), σ being here that of E''/|E|. Is it negative on a single line? That is judged by
-/// the least z of all lines. The statistic is the more extreme of both, in standard errors below 0.
+/// Two questions are asked, each at half of the level, of the relative loss l = E''/|E| and its random error σ. Is it negative on
+/// the whole? That is judged by Σ(l/σ²)/√Σ(1/σ²). Is it negative on a single line? That is judged by the least l/σ of all lines.
+/// The statistic is the more extreme of both, in standard errors below 0. What is uncertain about the specimen is no noise: a
+/// position that makes E'' negative is to be found out.
 ///
 /// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value is that of
 /// a material without losses; for one with losses a false alarm is rarer.
@@ -25,7 +26,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
     let mut least = (f64::INFINITY, None);
     for line in telling(estimate) {
         let size = line.modulus.norm();
-        let error = line.standard_error.loss_modulus / size;
+        let error = line.random_error().loss_modulus / size;
         if error <= 0.0 {
             return Err(CmodError::NoNoise {
                 what: "standard error of E'' at line",
