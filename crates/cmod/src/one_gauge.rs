@@ -47,7 +47,7 @@ use crate::validity::AcceptanceLimits;
 /// let ratio: Vec<Complex64> = frequency_hz.iter().map(|&f| -(-0.6 * gamma(f)).exp()).collect();
 /// let rod = RodWithFreeEnd { diameter: 0.0106, density: 903.0, end_mass: 0.0 };
 /// let gauge = EndSection { distance: 0.3, quantity: Quantity::Strain };
-/// let estimate = OneGauge::new(rod, gauge)?.estimate(&frequency_hz, &ratio, &[1e-4; 100])?;
+/// let estimate = OneGauge::new(rod, gauge)?.estimate(&frequency_hz, &ratio, &[1e-8; 100])?;
 /// for line in estimate.valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-9);
 /// }

@@ -57,7 +57,7 @@ pub struct PulsedRod {
 /// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
 /// let ratio: Vec<Complex64> = frequency_hz.iter().map(|&f| (-0.4 * gamma(f)).exp()).collect();
 /// let rod = PulsedRod { distance: 0.4, diameter: 0.0106, density: 903.0 };
-/// let estimate = SeparatePulses::new(rod)?.estimate(&frequency_hz, &ratio, &[1e-4; 100])?;
+/// let estimate = SeparatePulses::new(rod)?.estimate(&frequency_hz, &ratio, &[1e-8; 100])?;
 /// for line in estimate.valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-9);
 /// }

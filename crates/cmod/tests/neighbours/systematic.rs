@@ -96,6 +96,7 @@ fn methods() -> Vec<(&'static str, Method)> {
                 let sections = [0.5 + belief.moved[0], 0.22 + belief.moved[1]].map(strain);
                 let method = FreeEnd::new(belief.rod(), sections[0], sections[1]).unwrap();
                 let method = method.with_uncertainty(UNCERTAINTY).unwrap();
+                let method = method.with_wave_speed(1700.0).unwrap();
                 method.estimate(&f1, &strains, &v).unwrap()
             }),
         ),
@@ -104,6 +105,7 @@ fn methods() -> Vec<(&'static str, Method)> {
             Box::new(move |belief| {
                 let method = OneGauge::new(belief.rod(), strain(0.3 + belief.moved[0])).unwrap();
                 let method = method.with_uncertainty(UNCERTAINTY).unwrap();
+                let method = method.with_wave_speed(1700.0).unwrap();
                 method.estimate(&f2, &reflected, &v2).unwrap()
             }),
         ),
@@ -117,6 +119,7 @@ fn methods() -> Vec<(&'static str, Method)> {
                 };
                 let method = SeparatePulses::new(rod).unwrap();
                 let method = method.with_uncertainty(UNCERTAINTY).unwrap();
+                let method = method.with_wave_speed(1700.0).unwrap();
                 method.estimate(&f3, &passing, &v3).unwrap()
             }),
         ),
@@ -133,7 +136,7 @@ fn methods() -> Vec<(&'static str, Method)> {
 
 #[test]
 fn systematic_errors_are_those_of_wrong_descriptions() {
-    let repetitions = 1000;
+    let repetitions = 500;
     for (name, method) in methods() {
         let right = method(&RIGHT);
         let mut random = Noise::seeded(1978);
@@ -154,9 +157,9 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
             let expected = [stated.storage_modulus, stated.loss_modulus];
             for (sum, expected) in squares.into_iter().zip(expected) {
                 let found = (sum / f64::from(repetitions)).sqrt();
-                // Scatter of 1000 draws, 2.2 %, four of them; the second order of errors of some per mille is less.
+                // Scatter of 500 draws, 3.2 %, four of them; the second order of errors of some per mille is less.
                 assert!(
-                    (found / expected - 1.0).abs() < 0.09,
+                    (found / expected - 1.0).abs() < 0.128,
                     "{name}, {} Hz: {found:e} instead of {expected:e}",
                     line.frequency_hz
                 );
