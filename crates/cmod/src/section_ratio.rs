@@ -9,7 +9,7 @@
 //!
 //! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd), [`SeparatePulses`](crate::SeparatePulses) and
 //! [`OneGauge`](crate::OneGauge) differ in f₁ and f₂ only. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from what the
-//! lines before lead to expect of γ/ω, and the first lines from one wave speed that explains them together ([`start`]). It
+//! lines before lead to expect of γ/ω, and the first lines from one wave speed that explains them together. It
 //! is γ itself that is followed, not the phase of Ψ, and lines that say little of γ have little weight.
 //!
 //! # Errors of the result
