@@ -195,6 +195,27 @@ pub enum CmodError {
         "no parameters found to start from, expected a loss factor that is raised after the load"
     )]
     NoStart,
+    /// A modulus, or its error, cannot be.
+    #[error("{quantity} of point {index} is {value}, expected {expected}")]
+    ModulusPoint {
+        /// Position of the point, from 0.
+        index: usize,
+        /// Name and unit of the quantity.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// No parameters of a law have a finite sum of squares.
+    #[error("no {law} law found to start from, expected moduli within its range")]
+    NoLaw {
+        /// Which law.
+        law: String,
+    },
+    /// A law of the crate `rodwave` refuses its parameters.
+    #[error(transparent)]
+    Rodwave(#[from] rodwave::RodwaveError),
 }
 
 /// Accepts a finite value above zero.

@@ -99,6 +99,7 @@ mod error;
 pub mod estimate;
 pub mod multi_point;
 pub mod recovery;
+pub mod rheology;
 pub mod two_point;
 pub mod validity;
 

@@ -1,0 +1,530 @@
+//! A law fitted to moduli, with the errors of its parameters and what the residuals say of it.
+
+use std::fmt;
+use std::ops::Range;
+
+use num_complex::Complex64;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+use super::data::ModulusData;
+use super::information::Information;
+use super::law::{FittedLaw, Law};
+use super::least_squares::{Ending, Minimum, count, minimise};
+use super::model::{self, Model};
+use super::order::PronyFit;
+use super::parameter::{Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict};
+use super::power_law::PowerLawModel;
+use super::profile::{End, end};
+use super::start::{self, Shape};
+use super::whiteness::Whiteness;
+use crate::error::{CmodError, check_positive};
+pub use crate::recovery::fit::ErrorScale;
+
+/// By what laws, and orders of a Prony series, are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Criterion {
+    /// χ² + p ln n (Schwarz): finds the true order where there is one.
+    #[default]
+    Bic,
+    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): best prediction, rather too many branches than too few.
+    Aicc,
+}
+
+/// Settings of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct FitOptions {
+    /// What the standard errors rest on.
+    pub error_scale: ErrorScale,
+    /// Level of the confidence intervals, between 0 and 1.
+    pub confidence: f64,
+    /// By what the order of a Prony series is chosen.
+    pub criterion: Criterion,
+    /// Whether profiles are computed where the linearised interval is not to be believed. Without them such a parameter counts as
+    /// not identifiable.
+    pub profiles: bool,
+}
+
+impl Default for FitOptions {
+    /// Stated errors, 95 %, BIC, with profiles.
+    fn default() -> Self {
+        Self {
+            error_scale: ErrorScale::Stated,
+            confidence: 0.95,
+            criterion: Criterion::Bic,
+            profiles: true,
+        }
+    }
+}
+
+impl FitOptions {
+    /// With another foundation of the standard errors.
+    #[must_use]
+    pub fn with_error_scale(self, error_scale: ErrorScale) -> Self {
+        Self {
+            error_scale,
+            ..self
+        }
+    }
+
+    /// With another level of the confidence intervals.
+    #[must_use]
+    pub fn with_confidence(self, confidence: f64) -> Self {
+        Self { confidence, ..self }
+    }
+
+    /// With another criterion.
+    #[must_use]
+    pub fn with_criterion(self, criterion: Criterion) -> Self {
+        Self { criterion, ..self }
+    }
+
+    /// With or without profiles.
+    #[must_use]
+    pub fn with_profiles(self, profiles: bool) -> Self {
+        Self { profiles, ..self }
+    }
+
+    pub(super) fn checked(self) -> Result<Self, CmodError> {
+        if self.confidence > 0.0 && self.confidence < 1.0 {
+            Ok(self)
+        } else {
+            Err(CmodError::NonPhysical {
+                quantity: "level of confidence",
+                value: self.confidence,
+                expected: "a value between 0 and 1",
+            })
+        }
+    }
+
+    /// Quantile by which a standard error is multiplied.
+    fn quantile(&self, degrees_of_freedom: usize) -> f64 {
+        let probability = 0.5 * (1.0 + self.confidence);
+        match self.error_scale {
+            ErrorScale::FromResidual => StudentsT::new(0.0, 1.0, count(degrees_of_freedom))
+                .map_or(f64::NAN, |student| student.inverse_cdf(probability)),
+            _ => Normal::standard().inverse_cdf(probability),
+        }
+    }
+}
+
+/// How χ² and the number of parameters weigh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scores {
+    pub(super) aicc: f64,
+    pub(super) bic: f64,
+}
+
+impl Scores {
+    /// With errors from the residual the scatter is one parameter more, and -2 ln L is n ln(χ²/n).
+    pub(super) fn of(
+        scale: ErrorScale,
+        chi_squared: f64,
+        values: usize,
+        parameters: usize,
+    ) -> Self {
+        let n = count(values);
+        let (deviance, p) = match scale {
+            ErrorScale::FromResidual => (n * (chi_squared / n).ln(), count(parameters + 1)),
+            _ => (chi_squared, count(parameters)),
+        };
+        let left = n - p - 1.0;
+        Self {
+            aicc: if left > 0.0 {
+                deviance + 2.0 * p + 2.0 * p * (p + 1.0) / left
+            } else {
+                f64::INFINITY
+            },
+            bic: deviance + p * n.ln(),
+        }
+    }
+
+    pub(super) fn by(&self, criterion: Criterion) -> f64 {
+        match criterion {
+            Criterion::Bic => self.bic,
+            Criterion::Aicc => self.aicc,
+        }
+    }
+}
+
+/// A law fitted by weighted least squares.
+///
+/// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the covariance of the line, is
+/// minimised in coordinates that keep every parameter in its range, with exact derivatives. Errors are of first order
+/// at the minimum; where they are large, intervals and verdicts come from profiles of χ².
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct RheologicalFit {
+    /// The law at the minimum.
+    pub law: FittedLaw,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Covariance of the parameters, each on its [`Scale`](super::Scale), by rows; `None` if a combination of them is not
+    /// determined at all.
+    pub covariance: Option<Vec<Vec<f64>>>,
+    /// Singular values of the whitened Jacobian, descending: by how many standard errors of the data the law changes along each
+    /// of the `directions`.
+    pub signal_to_noise: Vec<f64>,
+    /// Unit vectors in the scales of the parameters, one for each singular value.
+    pub directions: Vec<Vec<f64>>,
+    /// χ² with the stated errors.
+    pub chi_squared: f64,
+    /// Two for each line, less the number of singular values above 0.
+    pub degrees_of_freedom: usize,
+    /// What the standard errors rest on.
+    pub error_scale: ErrorScale,
+    /// By what the variances are multiplied: 1, or χ²/ν for errors from the residual.
+    pub variance_factor: f64,
+    /// Corrected Akaike information criterion, up to a constant of the data.
+    pub aicc: f64,
+    /// Bayesian information criterion, up to the same constant.
+    pub bic: f64,
+    /// Whitened residuals, law minus measured: two for each line.
+    pub residuals: Vec<f64>,
+    /// Whether they are noise.
+    pub whiteness: Whiteness,
+    /// Why the iteration ended.
+    pub ending: Ending,
+    pub(super) information: Information,
+    pub(super) coordinates: Vec<f64>,
+}
+
+impl RheologicalFit {
+    /// Fits `law` to `data`; the starts are the best points of a grid.
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewReadings`] for fewer values (two a line) than parameters, or no more where the residual shall tell the
+    /// errors; [`CmodError::NonPhysical`] for a density or a level of confidence out of its range; [`CmodError::NoLaw`] if
+    /// no start has a finite χ².
+    pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
+        match law {
+            Law::KelvinVoigt => {
+                let model = model::kelvin_voigt()?;
+                let starts = vec![start::of_kelvin_voigt(data)];
+                let wrap = |at: &[f64]| Ok(FittedLaw::KelvinVoigt(model.law_at(at)?));
+                best_of(&model, data, &starts, options, law, wrap)
+            }
+            Law::Zener => {
+                let model = model::zener()?;
+                let starts = start::of_one_relaxation(data, Shape::Zener);
+                let wrap = |at: &[f64]| Ok(FittedLaw::Zener(model.law_at(at)?));
+                best_of(&model, data, &starts, options, law, wrap)
+            }
+            Law::FractionalZener => {
+                let model = model::fractional_zener()?;
+                let starts = start::of_one_relaxation(data, Shape::FractionalZener);
+                let wrap = |at: &[f64]| Ok(FittedLaw::FractionalZener(model.law_at(at)?));
+                best_of(&model, data, &starts[..2], options, law, wrap)
+            }
+            Law::HavriliakNegami => {
+                let model = model::havriliak_negami()?;
+                let starts = start::of_one_relaxation(data, Shape::HavriliakNegami);
+                let wrap = |at: &[f64]| Ok(FittedLaw::HavriliakNegami(model.law_at(at)?));
+                best_of(&model, data, &starts[..3], options, law, wrap)
+            }
+            Law::GeneralisedMaxwell => Ok(PronyFit::new(data, options)?.fit),
+            Law::PowerLaw { density } => {
+                let model = PowerLawModel::new(check_positive("density [kg/m^3]", density)?);
+                let starts: Vec<_> = start::of_power_law(data, &model).into_iter().collect();
+                let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
+                best_of(&model, data, &starts, options, law, wrap)
+            }
+        }
+    }
+
+    /// The parameter of this name.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// Probability of no smaller χ², if the law is true and the stated errors are right.
+    #[must_use]
+    pub fn p_value(&self) -> f64 {
+        ChiSquared::new(count(self.degrees_of_freedom))
+            .map_or(f64::NAN, |distribution| distribution.sf(self.chi_squared))
+    }
+
+    /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0.
+    pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
+        let omega = check_positive("angular frequency [rad/s]", omega)?;
+        let model = self.law.model()?;
+        let parameters = model.kinds().len();
+        let mut modulus = [Complex64::ZERO];
+        let mut gradient = vec![Complex64::ZERO; parameters];
+        let at = &self.coordinates[..parameters];
+        model.evaluate(at, &[omega], &mut modulus, &mut gradient);
+        let covariance = self
+            .information
+            .of_modulus(&gradient)
+            .map(|row| row.map(|entry| self.variance_factor * entry));
+        Ok(PredictedModulus {
+            modulus: modulus[0],
+            covariance,
+        })
+    }
+}
+
+/// Modulus that a fitted law predicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct PredictedModulus {
+    /// Complex modulus \[Pa\].
+    pub modulus: Complex64,
+    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where the data leave it open. Of the law, if it is true: a wrong law is
+    /// no more certain by it.
+    pub covariance: [[f64; 2]; 2],
+}
+
+/// Minimises from all starts and judges the best.
+fn best_of<M: Model>(
+    model: &M,
+    data: &ModulusData,
+    starts: &[Vec<f64>],
+    options: &FitOptions,
+    law: Law,
+    wrap: impl Fn(&[f64]) -> Result<FittedLaw, CmodError>,
+) -> Result<RheologicalFit, CmodError> {
+    let options = options.checked()?;
+    enough(data, model.kinds().len(), options.error_scale)?;
+    let best = starts
+        .iter()
+        .filter_map(|start| minimise(model, data, start, None))
+        .min_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared))
+        .ok_or_else(|| CmodError::NoLaw {
+            law: law.to_string(),
+        })?;
+    let sequence = 0..data.len();
+    let scene = Scene {
+        model,
+        data,
+        band: data.band(),
+        sequences: std::slice::from_ref(&sequence),
+        options,
+    };
+    scene.judge(best, law, wrap)
+}
+
+pub(super) fn enough(
+    data: &ModulusData,
+    parameters: usize,
+    scale: ErrorScale,
+) -> Result<(), CmodError> {
+    let spare = usize::from(scale == ErrorScale::FromResidual);
+    if 2 * data.len() < parameters + spare {
+        return Err(CmodError::TooFewReadings {
+            found: 2 * data.len(),
+            expected: parameters + spare,
+        });
+    }
+    Ok(())
+}
+
+/// All that a minimum is judged by.
+pub(super) struct Scene<'a, M: ?Sized> {
+    pub(super) model: &'a M,
+    pub(super) data: &'a ModulusData,
+    /// Lowest and highest angular frequency at which the law is seen [rad/s].
+    pub(super) band: (f64, f64),
+    pub(super) sequences: &'a [Range<usize>],
+    pub(super) options: FitOptions,
+}
+
+impl<M: Model + ?Sized> Scene<'_, M> {
+    /// Errors, intervals, verdicts. A profile that finds a lower minimum begins the judgement anew from there.
+    pub(super) fn judge(
+        &self,
+        mut minimum: Minimum,
+        law: Law,
+        wrap: impl Fn(&[f64]) -> Result<FittedLaw, CmodError>,
+    ) -> Result<RheologicalFit, CmodError> {
+        let no_law = || CmodError::NoLaw {
+            law: law.to_string(),
+        };
+        let values = 2 * self.data.len();
+        for _ in 0..5 {
+            let parameters = minimum.at.len();
+            let information =
+                Information::of(&minimum.linearised, parameters).ok_or_else(no_law)?;
+            let degrees_of_freedom = values.saturating_sub(information.rank());
+            let variance_factor = match self.options.error_scale {
+                ErrorScale::FromResidual => minimum.chi_squared / count(degrees_of_freedom.max(1)),
+                _ => 1.0,
+            };
+            let judged =
+                self.parameters(&minimum, &information, variance_factor, degrees_of_freedom);
+            match judged {
+                Ok(parameters) => {
+                    let scores = Scores::of(
+                        self.options.error_scale,
+                        minimum.chi_squared,
+                        values,
+                        minimum.at.len(),
+                    );
+                    let scaled = |row: &Vec<f64>| row.iter().map(|c| variance_factor * c).collect();
+                    return Ok(RheologicalFit {
+                        law: wrap(&minimum.at)?,
+                        parameters,
+                        covariance: information
+                            .matrix()
+                            .map(|matrix| matrix.iter().map(scaled).collect()),
+                        signal_to_noise: information.singular_values.clone(),
+                        directions: information.directions.clone(),
+                        chi_squared: minimum.chi_squared,
+                        degrees_of_freedom,
+                        error_scale: self.options.error_scale,
+                        variance_factor,
+                        aicc: scores.aicc,
+                        bic: scores.bic,
+                        whiteness: Whiteness::of(&minimum.linearised.residual, self.sequences),
+                        residuals: minimum.linearised.residual,
+                        ending: minimum.ending,
+                        information,
+                        coordinates: minimum.at,
+                    });
+                }
+                Err(lower) => {
+                    minimum = minimise(self.model, self.data, &lower, None).ok_or_else(no_law)?;
+                }
+            }
+        }
+        Err(no_law())
+    }
+
+    /// The parameters, or the coordinates of a lower minimum.
+    fn parameters(
+        &self,
+        minimum: &Minimum,
+        information: &Information,
+        variance_factor: f64,
+        degrees_of_freedom: usize,
+    ) -> Result<Vec<Parameter>, Vec<f64>> {
+        let quantile = self.options.quantile(degrees_of_freedom);
+        let threshold = variance_factor * quantile * quantile;
+        let kinds = self.model.kinds();
+        let mut parameters = Vec::with_capacity(kinds.len());
+        for (index, kind) in kinds.iter().enumerate() {
+            let here = minimum.at[index];
+            let standard_error = (variance_factor * information.variance(index)).sqrt();
+            let value = |coordinate: f64| kind.scale.value(coordinate);
+            let (interval, verdict) = if standard_error <= LINEAR_BELOW {
+                let interval = Interval {
+                    lower: value(here - quantile * standard_error),
+                    upper: value(here + quantile * standard_error),
+                    method: IntervalMethod::Linear,
+                };
+                (interval, Verdict::Identified)
+            } else {
+                let ends = [-1.0, 1.0].map(|direction: f64| {
+                    if !self.options.profiles {
+                        return End::Open;
+                    }
+                    let first = direction * (0.5 * quantile * standard_error).min(0.7);
+                    let (at, chi) = (&minimum.at, minimum.chi_squared);
+                    end(self.model, self.data, at, chi, index, first, threshold)
+                });
+                let ends = match ends {
+                    [End::LowerMinimum(at), _] | [_, End::LowerMinimum(at)] => return Err(at),
+                    [End::At(lower), End::At(upper)] => [Some(lower), Some(upper)],
+                    [End::At(lower), End::Open] => [Some(lower), None],
+                    [End::Open, End::At(upper)] => [None, Some(upper)],
+                    [End::Open, End::Open] => [None, None],
+                };
+                let interval = Interval {
+                    lower: value(ends[0].unwrap_or(f64::NEG_INFINITY)),
+                    upper: value(ends[1].unwrap_or(f64::INFINITY)),
+                    method: IntervalMethod::Profile,
+                };
+                let reason = || self.reason(minimum, information, index, standard_error);
+                let verdict = match ends {
+                    [Some(_), Some(_)] => Verdict::Identified,
+                    [Some(_), None] => Verdict::BoundedBelow(reason()),
+                    [None, Some(_)] => Verdict::BoundedAbove(reason()),
+                    [None, None] => Verdict::NotIdentifiable(reason()),
+                };
+                (interval, verdict)
+            };
+            parameters.push(Parameter {
+                name: kind.name.clone(),
+                unit: kind.unit,
+                value: value(here),
+                scale: kind.scale,
+                standard_error,
+                interval,
+                verdict,
+            });
+        }
+        Ok(parameters)
+    }
+
+    fn reason(
+        &self,
+        minimum: &Minimum,
+        information: &Information,
+        index: usize,
+        standard_error: f64,
+    ) -> Reason {
+        let kinds = self.model.kinds();
+        let parameters = kinds.len();
+        let (lowest, highest) = self.band;
+        if let Some(time) = kinds[index].relaxation_time {
+            let relaxation_time = minimum.at[time].exp();
+            if relaxation_time * highest < 1.0 || relaxation_time * lowest > 1.0 {
+                return Reason::OutsideBand {
+                    relaxation_time,
+                    shortest: highest.recip(),
+                    longest: lowest.recip(),
+                };
+            }
+        }
+        let column: f64 = minimum
+            .linearised
+            .jacobian
+            .iter()
+            .skip(index)
+            .step_by(parameters)
+            .map(|entry| entry * entry)
+            .sum();
+        if column.sqrt() <= 1e-6 {
+            return Reason::NoInfluence;
+        }
+        match information.partner(index) {
+            Some((partner, correlation)) if correlation.abs() > 0.9 => Reason::Correlated {
+                with: kinds[partner].name.clone(),
+                correlation,
+            },
+            _ => Reason::Noise { standard_error },
+        }
+    }
+}
+
+impl fmt::Display for RheologicalFit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}: chi-squared {:.1} of {} degrees of freedom, BIC {:.1}",
+            self.law.law(),
+            self.chi_squared,
+            self.degrees_of_freedom,
+            self.bic
+        )?;
+        for parameter in &self.parameters {
+            writeln!(
+                f,
+                "{:<22} {:>11.4e} {:<6} [{:.3e}, {:.3e}] {}",
+                parameter.name,
+                parameter.value,
+                parameter.unit,
+                parameter.interval.lower,
+                parameter.interval.upper,
+                parameter.verdict
+            )?;
+        }
+        write!(f, "residuals: {}", self.whiteness)
+    }
+}

@@ -1,0 +1,15 @@
+//! Fits of laws to moduli with known truth and noise of known covariance.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::cast_precision_loss,
+    missing_docs,
+    reason = "a test that fails stops"
+)]
+
+mod laws;
+mod measured;
+mod order;
+mod refusals;
+mod verdicts;

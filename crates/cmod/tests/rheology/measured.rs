@@ -1,0 +1,77 @@
+//! Moduli of a law with Gaussian noise of a stated covariance.
+
+use std::f64::consts::TAU;
+
+use cmod::rheology::{ModulusData, ModulusPoint};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Frequencies at equal ratios.
+pub fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
+    let step = (to / from).ln() / f64::from(lines - 1);
+    (0..lines)
+        .map(|j| from * (step * f64::from(j)).exp())
+        .collect()
+}
+
+/// Noise of E' and of E'', in shares of |E|, and their correlation.
+#[derive(Debug, Clone, Copy)]
+pub struct Noise {
+    pub storage: f64,
+    pub loss: f64,
+    pub correlation: f64,
+}
+
+impl Noise {
+    pub const fn circular(share: f64) -> Self {
+        Self {
+            storage: share,
+            loss: share,
+            correlation: 0.0,
+        }
+    }
+
+    pub const CORRELATED: Self = Self {
+        storage: 0.01,
+        loss: 0.004,
+        correlation: 0.6,
+    };
+}
+
+pub fn points(
+    law: impl Fn(f64) -> Complex64,
+    frequency_hz: &[f64],
+    noise: Noise,
+    seed: u64,
+) -> Vec<ModulusPoint> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    frequency_hz
+        .iter()
+        .map(|&frequency_hz| {
+            let modulus = law(TAU * frequency_hz);
+            let (a, b) = (noise.storage * modulus.norm(), noise.loss * modulus.norm());
+            let x: f64 = StandardNormal.sample(&mut random);
+            let y: f64 = StandardNormal.sample(&mut random);
+            let r = noise.correlation;
+            let error = Complex64::new(a * x, b * (r * x + (1.0 - r * r).sqrt() * y));
+            ModulusPoint {
+                frequency_hz,
+                modulus: modulus + error,
+                storage_variance: a * a,
+                loss_variance: b * b,
+                covariance: r * a * b,
+            }
+        })
+        .collect()
+}
+
+pub fn measured(
+    law: impl Fn(f64) -> Complex64,
+    frequency_hz: &[f64],
+    noise: Noise,
+    seed: u64,
+) -> ModulusData {
+    ModulusData::new(&points(law, frequency_hz, noise, seed)).unwrap()
+}
