@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::error::{CmodError, check_positive};
-use crate::estimate::ModulusEstimate;
+use crate::estimate::{ComplexCovariance, ModulusEstimate};
 
 /// A measured complex modulus at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,25 +12,18 @@ pub struct ModulusPoint {
     pub frequency_hz: f64,
     /// Complex modulus E = E' + iE'' \[Pa\].
     pub modulus: Complex64,
-    /// Variance of E' \[Pa²\], above 0.
-    pub storage_variance: f64,
-    /// Variance of E'' \[Pa²\], above 0.
-    pub loss_variance: f64,
-    /// Covariance of E' and E'' \[Pa²\].
-    pub covariance: f64,
+    /// Covariance of E' and E'' \[Pa²\], positive definite, of errors that are independent from point to point.
+    pub covariance: ComplexCovariance,
 }
 
 impl ModulusPoint {
     /// A point whose error is circular: `standard_error` \[Pa\] of E' and of E'' each, without correlation.
     #[must_use]
     pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
-        let variance = standard_error * standard_error;
         Self {
             frequency_hz,
             modulus,
-            storage_variance: variance,
-            loss_variance: variance,
-            covariance: 0.0,
+            covariance: ComplexCovariance::circular(2.0 * standard_error * standard_error),
         }
     }
 }
@@ -56,11 +49,14 @@ pub(super) struct Whitening {
 
 impl Whitening {
     fn of(point: &ModulusPoint) -> Self {
-        let storage = point.storage_variance.sqrt().recip();
-        let slope = point.covariance / point.storage_variance;
-        let loss = (point.loss_variance - slope * point.covariance)
-            .sqrt()
-            .recip();
+        let ComplexCovariance {
+            real,
+            imaginary,
+            mixed,
+        } = point.covariance;
+        let storage = real.sqrt().recip();
+        let slope = mixed / real;
+        let loss = (imaginary - slope * mixed).sqrt().recip();
         Self {
             storage,
             mixed: -slope * loss,
@@ -119,22 +115,21 @@ impl ModulusData {
         })
     }
 
-    /// The valid lines of an estimate, with their standard errors.
+    /// The valid lines of an estimate, with the covariance of their random errors.
     ///
-    /// A line that repeats the frequency of the line before is an error, as in [`Self::new`]; lines without an error, or with
-    /// one of 0, have infinite weight and are refused.
+    /// What is uncertain of the specimen errs alike on all lines: it is no weight, and it is not part of the errors of a fit.
+    /// A density that is wrong by 1 % makes every modulus of every law wrong by 1 %.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`CmodError::NoLines`] if no line is valid.
+    /// As [`Self::new`]; [`CmodError::NoLines`] if no line is valid. Lines without a random error would have infinite weight
+    /// and are refused.
     pub fn from_estimate(estimate: &ModulusEstimate) -> Result<Self, CmodError> {
         let points: Vec<_> = estimate
             .valid()
             .map(|line| ModulusPoint {
                 frequency_hz: line.frequency_hz,
                 modulus: line.modulus,
-                storage_variance: line.standard_error.storage_modulus.powi(2),
-                loss_variance: line.standard_error.loss_modulus.powi(2),
-                covariance: 0.0,
+                covariance: line.uncertainty.random.modulus,
             })
             .collect();
         Self::new(&points)
@@ -212,19 +207,21 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
             return refused(quantity, value, "a finite value");
         }
     }
+    let ComplexCovariance {
+        real,
+        imaginary,
+        mixed,
+    } = point.covariance;
     for (quantity, value) in [
-        (
-            "variance of the storage modulus [Pa^2]",
-            point.storage_variance,
-        ),
-        ("variance of the loss modulus [Pa^2]", point.loss_variance),
+        ("variance of the storage modulus [Pa^2]", real),
+        ("variance of the loss modulus [Pa^2]", imaginary),
     ] {
         // the reciprocal of a root is the weight
         if !(value.is_finite() && value > 0.0 && value.sqrt().recip().is_finite()) {
             return refused(quantity, value, "a finite value above 0");
         }
     }
-    let correlation = point.covariance / point.storage_variance.sqrt() / point.loss_variance.sqrt();
+    let correlation = mixed / real.sqrt() / imaginary.sqrt();
     if !(correlation.is_finite() && correlation.abs() < 1.0) {
         return refused(
             "correlation of storage and loss modulus",

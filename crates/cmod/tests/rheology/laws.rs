@@ -171,9 +171,7 @@ fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     let optimistic: Vec<_> = points
         .iter()
         .map(|point| cmod::rheology::ModulusPoint {
-            storage_variance: point.storage_variance / 25.0,
-            loss_variance: point.loss_variance / 25.0,
-            covariance: point.covariance / 25.0,
+            covariance: point.covariance.through(0.2.into()),
             ..*point
         })
         .collect();

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use cmod::estimate::ComplexCovariance;
 use cmod::rheology::{ModulusData, ModulusPoint};
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -59,9 +60,11 @@ pub fn points(
             ModulusPoint {
                 frequency_hz,
                 modulus: modulus + error,
-                storage_variance: a * a,
-                loss_variance: b * b,
-                covariance: r * a * b,
+                covariance: ComplexCovariance {
+                    real: a * a,
+                    imaginary: b * b,
+                    mixed: r * a * b,
+                },
             }
         })
         .collect()

@@ -25,9 +25,9 @@ fn points_that_cannot_be() {
         refused(&|p| p.frequency_hz = 100.0),
         refused(&|p| p.modulus.re = f64::INFINITY),
         refused(&|p| p.modulus.im = f64::NAN),
-        refused(&|p| p.storage_variance = -1.0),
-        refused(&|p| p.loss_variance = 0.0),
-        refused(&|p| p.covariance = 1.5e14),
+        refused(&|p| p.covariance.real = -1.0),
+        refused(&|p| p.covariance.imaginary = 0.0),
+        refused(&|p| p.covariance.mixed = 1.5e14),
     ];
     assert_eq!(
         texts,
