@@ -15,6 +15,7 @@ use super::order::PronyFit;
 use super::parameter::{Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict};
 use super::power_law::PowerLawModel;
 use super::profile::{End, end};
+use super::prony::Prony;
 use super::start::{self, Shape};
 use super::whiteness::Whiteness;
 use crate::error::{CmodError, check_positive};
@@ -230,6 +231,88 @@ impl RheologicalFit {
                 let starts: Vec<_> = start::of_power_law(data, &model).into_iter().collect();
                 let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
                 best_of(&model, data, &starts, options, law, wrap)
+            }
+        }
+    }
+
+    /// Fits the law that `start` is, with its number of branches if it is a Prony series, from its parameters.
+    ///
+    /// One minimisation, without a search for others: for data like those fitted before.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_start(
+        data: &ModulusData,
+        start: &FittedLaw,
+        options: &FitOptions,
+    ) -> Result<Self, CmodError> {
+        let law = start.law();
+        match start {
+            FittedLaw::KelvinVoigt(own) => {
+                let model = model::kelvin_voigt()?;
+                let wrap = |at: &[f64]| Ok(FittedLaw::KelvinVoigt(model.law_at(at)?));
+                best_of(
+                    &model,
+                    data,
+                    &[model.coordinates_of(own)],
+                    options,
+                    law,
+                    wrap,
+                )
+            }
+            FittedLaw::Zener(own) => {
+                let model = model::zener()?;
+                let wrap = |at: &[f64]| Ok(FittedLaw::Zener(model.law_at(at)?));
+                best_of(
+                    &model,
+                    data,
+                    &[model.coordinates_of(own)],
+                    options,
+                    law,
+                    wrap,
+                )
+            }
+            FittedLaw::FractionalZener(own) => {
+                let model = model::fractional_zener()?;
+                let wrap = |at: &[f64]| Ok(FittedLaw::FractionalZener(model.law_at(at)?));
+                best_of(
+                    &model,
+                    data,
+                    &[model.coordinates_of(own)],
+                    options,
+                    law,
+                    wrap,
+                )
+            }
+            FittedLaw::HavriliakNegami(own) => {
+                let model = model::havriliak_negami()?;
+                let wrap = |at: &[f64]| Ok(FittedLaw::HavriliakNegami(model.law_at(at)?));
+                best_of(
+                    &model,
+                    data,
+                    &[model.coordinates_of(own)],
+                    options,
+                    law,
+                    wrap,
+                )
+            }
+            FittedLaw::GeneralisedMaxwell(own) => {
+                let solid = own.equilibrium_modulus() > 0.0;
+                let model = Prony::new(solid, own.branches().len());
+                let at = Prony::coordinates(own.equilibrium_modulus(), own.branches());
+                let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
+                best_of(&model, data, &[at], options, law, wrap)
+            }
+            FittedLaw::PowerLaw(own) => {
+                let model = PowerLawModel::new(own.density);
+                let at = vec![
+                    own.damping_factor.ln(),
+                    own.damping_exponent,
+                    own.wave_number_factor.ln(),
+                    own.wave_number_exponent,
+                ];
+                let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
+                best_of(&model, data, &[at], options, law, wrap)
             }
         }
     }

@@ -84,6 +84,20 @@ impl Link {
         }
     }
 
+    /// The inverse of [`Self::parameters`].
+    fn coordinates(self, mut parameters: Vec<f64>) -> Vec<f64> {
+        let log_odds = |p: f64| (p / (1.0 - p)).ln();
+        match (self, parameters.as_mut_slice()) {
+            (Self::Exponent, [.., alpha]) => *alpha = log_odds(*alpha),
+            (Self::TwoExponents, [.., alpha, beta]) => {
+                *beta = log_odds(*alpha * *beta);
+                *alpha = log_odds(*alpha);
+            }
+            _ => {}
+        }
+        parameters
+    }
+
     /// Turns derivatives by parameters to derivatives by coordinates.
     fn chain(self, parameters: &[f64], row: &mut [Complex64]) {
         match (self, parameters, row) {
@@ -133,6 +147,11 @@ impl<L: DifferentiableModulus> Linked<L> {
         let mut parameters = Vec::with_capacity(at.len());
         self.link.parameters(at, &mut parameters);
         self.law.with_parameters(&parameters)
+    }
+
+    /// The coordinates of a law.
+    pub(super) fn coordinates_of(&self, law: &L) -> Vec<f64> {
+        self.link.coordinates(law.parameters())
     }
 }
 

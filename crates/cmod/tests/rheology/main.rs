@@ -8,8 +8,11 @@
     reason = "a test that fails stops"
 )]
 
+mod cards;
+mod comparison;
 mod laws;
 mod measured;
 mod order;
 mod refusals;
+mod sweep;
 mod verdicts;

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Frequencies at equal ratios.
-pub fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
+pub(crate) fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
     let step = (to / from).ln() / f64::from(lines - 1);
     (0..lines)
         .map(|j| from * (step * f64::from(j)).exp())
@@ -19,14 +19,14 @@ pub fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
 
 /// Noise of E' and of E'', in shares of |E|, and their correlation.
 #[derive(Debug, Clone, Copy)]
-pub struct Noise {
-    pub storage: f64,
-    pub loss: f64,
-    pub correlation: f64,
+pub(crate) struct Noise {
+    pub(crate) storage: f64,
+    pub(crate) loss: f64,
+    pub(crate) correlation: f64,
 }
 
 impl Noise {
-    pub const fn circular(share: f64) -> Self {
+    pub(crate) const fn circular(share: f64) -> Self {
         Self {
             storage: share,
             loss: share,
@@ -34,14 +34,14 @@ impl Noise {
         }
     }
 
-    pub const CORRELATED: Self = Self {
+    pub(crate) const CORRELATED: Self = Self {
         storage: 0.01,
         loss: 0.004,
         correlation: 0.6,
     };
 }
 
-pub fn points(
+pub(crate) fn points(
     law: impl Fn(f64) -> Complex64,
     frequency_hz: &[f64],
     noise: Noise,
@@ -70,7 +70,7 @@ pub fn points(
         .collect()
 }
 
-pub fn measured(
+pub(crate) fn measured(
     law: impl Fn(f64) -> Complex64,
     frequency_hz: &[f64],
     noise: Noise,
