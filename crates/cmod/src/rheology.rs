@@ -81,7 +81,9 @@ pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
 pub use master_curve::{MasterCurve, MasterPoint, Shift};
 pub use order::{Order, PronyFit};
-pub use parameter::{Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict};
+pub use parameter::{
+    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
+};
 pub use power_law::PowerLaw;
 pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;

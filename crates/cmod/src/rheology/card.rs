@@ -238,8 +238,12 @@ fn number(value: f64) -> String {
     format!("{value:e}")
 }
 
-/// As many digits as ten columns hold.
+/// All digits if ten columns hold them, or as many as they do.
 fn column(value: f64) -> String {
+    let all = number(value);
+    if all.len() <= 10 {
+        return format!("{all:>10}");
+    }
     (0..=8)
         .rev()
         .map(|digits| format!("{value:.digits$e}"))

@@ -56,10 +56,7 @@ impl Comparison {
                 Err(error) => refused.push((*law, error)),
             }
         }
-        let score = |row: &ComparisonRow| match options.criterion {
-            Criterion::Bic => row.fit.bic,
-            Criterion::Aicc => row.fit.aicc,
-        };
+        let score = |row: &ComparisonRow| options.criterion.of(row.fit.aicc, row.fit.bic);
         rows.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let least = rows.first().map_or(0.0, score);
         for row in &mut rows {
@@ -97,10 +94,7 @@ impl fmt::Display for Comparison {
         )?;
         for row in &self.rows {
             let fit = &row.fit;
-            let score = match self.criterion {
-                Criterion::Bic => fit.bic,
-                Criterion::Aicc => fit.aicc,
-            };
+            let score = self.criterion.of(fit.aicc, fit.bic);
             write!(
                 f,
                 "\n{:<20} {:>10} {:>10.1} {:>5} {:>11.1} {:>9.1} {:>8.3} {:>9}",

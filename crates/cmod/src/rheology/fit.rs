@@ -12,7 +12,9 @@ use super::law::{FittedLaw, Law};
 use super::least_squares::{Ending, Minimum, count, minimise};
 use super::model::{self, Model};
 use super::order::PronyFit;
-use super::parameter::{Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict};
+use super::parameter::{
+    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
+};
 use super::power_law::PowerLawModel;
 use super::profile::{End, end};
 use super::prony::Prony;
@@ -20,6 +22,9 @@ use super::start::{self, Shape};
 use super::whiteness::Whiteness;
 use crate::error::{CmodError, check_positive};
 pub use crate::recovery::fit::ErrorScale;
+
+/// Correlation from which on a parameter shares the fate of one with a large error.
+const ASSOCIATED: f64 = 0.3;
 
 /// By what laws, and orders of a Prony series, are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,6 +35,15 @@ pub enum Criterion {
     Bic,
     /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): best prediction, rather too many branches than too few.
     Aicc,
+}
+
+impl Criterion {
+    pub(super) fn of(self, aicc: f64, bic: f64) -> f64 {
+        match self {
+            Self::Bic => bic,
+            Self::Aicc => aicc,
+        }
+    }
 }
 
 /// Settings of a fit.
@@ -138,13 +152,6 @@ impl Scores {
                 f64::INFINITY
             },
             bic: deviance + p * n.ln(),
-        }
-    }
-
-    pub(super) fn by(&self, criterion: Criterion) -> f64 {
-        match criterion {
-            Criterion::Bic => self.bic,
-            Criterion::Aicc => self.aicc,
         }
     }
 }
@@ -491,11 +498,22 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         let threshold = variance_factor * quantile * quantile;
         let kinds = self.model.kinds();
         let mut parameters = Vec::with_capacity(kinds.len());
+        let standard_errors: Vec<f64> = (0..kinds.len())
+            .map(|index| (variance_factor * information.variance(index)).sqrt())
+            .collect();
+        // what goes with a parameter of large error has no linear error either
+        let is_linear = |index: usize| {
+            (0..kinds.len()).all(|other| {
+                // a comparison with NaN is false
+                standard_errors[other] <= LINEAR_BELOW
+                    || other != index && information.correlation(index, other).abs() < ASSOCIATED
+            })
+        };
         for (index, kind) in kinds.iter().enumerate() {
             let here = minimum.at[index];
-            let standard_error = (variance_factor * information.variance(index)).sqrt();
+            let standard_error = standard_errors[index];
             let value = |coordinate: f64| kind.scale.value(coordinate);
-            let (interval, verdict) = if standard_error <= LINEAR_BELOW {
+            let (interval, verdict) = if is_linear(index) {
                 let interval = Interval {
                     lower: value(here - quantile * standard_error),
                     upper: value(here + quantile * standard_error),
@@ -525,7 +543,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 };
                 let reason = || self.reason(minimum, information, index, standard_error);
                 let verdict = match ends {
-                    [Some(_), Some(_)] => Verdict::Identified,
+                    [Some(lower), Some(upper)] if upper - lower <= WIDEST => Verdict::Identified,
+                    [Some(_), Some(_)] => Verdict::PoorlyDetermined(reason()),
                     [Some(_), None] => Verdict::BoundedBelow(reason()),
                     [None, Some(_)] => Verdict::BoundedAbove(reason()),
                     [None, None] => Verdict::NotIdentifiable(reason()),

@@ -123,15 +123,20 @@ impl Information {
         let partner = (0..direction.len())
             .filter(|other| *other != index)
             .max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))?;
+        let correlation = self.correlation(index, partner);
+        correlation.is_finite().then_some((partner, correlation))
+    }
+
+    /// Coefficient of correlation of two coordinates; singular values that are rounding count as the least that is not.
+    pub(super) fn correlation(&self, i: usize, j: usize) -> f64 {
+        let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let sum = |i: usize, j: usize| -> f64 {
-            (0..self.directions.len())
-                .map(|k| {
-                    let s = self.singular_values[k].max(floor);
-                    self.directions[k][i] * self.directions[k][j] / (s * s)
-                })
+            self.singular_values
+                .iter()
+                .zip(&self.directions)
+                .map(|(s, direction)| direction[i] * direction[j] / s.max(floor).powi(2))
                 .sum()
         };
-        let correlation = sum(index, partner) / (sum(index, index) * sum(partner, partner)).sqrt();
-        correlation.is_finite().then_some((partner, correlation))
+        sum(i, j) / (sum(i, i) * sum(j, j)).sqrt()
     }
 }

@@ -13,8 +13,14 @@ pub use crate::recovery::fit::Ending;
 const MOST_ITERATIONS: usize = 300;
 /// No coordinate changes by more in one iteration: a logarithm by 1.5 is a factor of 4.5.
 const LONGEST_STEP: f64 = 1.5;
+/// A component may be longer than its limit by this factor, so that it can follow another that is held there.
+const MOST_EXCESS: f64 = 1.3;
 /// Damping in units of χ² for each squared unit of a coordinate that the data do not see.
 const FLOOR: f64 = 1e-3;
+/// A step of this length or more that promises no more than [`IDLE`] is not worth it.
+const IDLE_STEP: f64 = 0.1;
+/// Of what one standard deviation changes in χ²: a parameter is then within 0.06 of its standard error.
+const IDLE: f64 = 3e-3;
 const LEAST_DAMPING: f64 = 1e-8;
 
 /// Where an iteration ended.
@@ -100,7 +106,9 @@ pub(super) fn minimise<M: Model + ?Sized>(
             continue;
         };
         let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
-        if promised <= negligible || longest < 1e-11 {
+        // far along a valley that is flat: a relaxation runs out of the band without changing what is seen
+        let idle = longest >= IDLE_STEP && promised <= IDLE * (chi_squared / freedom).min(1.0);
+        if promised <= negligible || longest < 1e-11 || idle {
             if rejected > 0 {
                 ending = Ending::NoDescent;
                 break;
@@ -154,7 +162,10 @@ struct Normal {
     /// Jᵀr.
     gradient: Vec<f64>,
     factor: Vec<f64>,
+    target: Vec<f64>,
     step: Vec<f64>,
+    /// Components of the step at their limit.
+    held: Vec<bool>,
 }
 
 impl Normal {
@@ -164,7 +175,9 @@ impl Normal {
             matrix: vec![0.0; parameters * parameters],
             gradient: vec![0.0; parameters],
             factor: vec![0.0; parameters * parameters],
+            target: vec![0.0; parameters],
             step: vec![0.0; parameters],
+            held: vec![false; parameters],
         }
     }
 
@@ -195,18 +208,53 @@ impl Normal {
 
     /// Finds the step for `damping` and returns the reduction of χ² that the linear model promises of it; `None` if rounding
     /// makes the matrix indefinite.
+    ///
+    /// A component that would be too long is held at its limit and all others are found anew: cut alone, it would take the
+    /// others from the bottom of a valley.
     fn step(&mut self, damping: f64) -> Option<f64> {
+        self.held.fill(false);
+        loop {
+            self.solve(damping)?;
+            let longest = (0..self.parameters)
+                .filter(|i| !self.held[*i])
+                .max_by(|a, b| self.step[*a].abs().total_cmp(&self.step[*b].abs()))
+                .filter(|i| self.step[*i].abs() > MOST_EXCESS * LONGEST_STEP);
+            let Some(longest) = longest else {
+                break;
+            };
+            self.held[longest] = true;
+            self.step[longest] = LONGEST_STEP.copysign(self.step[longest]);
+        }
+        let mut promised = 0.0;
+        for i in 0..self.parameters {
+            let own = 0.5 * self.entry(i, i) * self.step[i];
+            let others = (i + 1..self.parameters).map(|j| self.entry(i, j) * self.step[j]);
+            let half: f64 = own + others.sum::<f64>();
+            promised -= 2.0 * self.step[i] * (self.gradient[i] + half);
+        }
+        Some(promised)
+    }
+
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        self.matrix[i.min(j) * self.parameters + i.max(j)]
+    }
+
+    /// The components of the step that are not held.
+    fn solve(&mut self, damping: f64) -> Option<()> {
         let p = self.parameters;
         for i in 0..p {
-            for j in i..p {
-                self.factor[j * p + i] = self.matrix[i * p + j];
+            for j in 0..i {
+                self.factor[i * p + j] = if self.held[i] || self.held[j] {
+                    0.0
+                } else {
+                    self.matrix[j * p + i]
+                };
             }
-            self.factor[i * p + i] += damping * (self.matrix[i * p + i] + FLOOR);
+            let own = self.matrix[i * p + i];
+            self.factor[i * p + i] = own + damping * (own + FLOOR);
         }
         for j in 0..p {
-            let (before, from) = self.factor.split_at_mut(j * p);
-            let _ = before;
-            let row: &mut [f64] = &mut from[..=j];
+            let row = &mut self.factor[j * p..=j * p + j];
             let sum: f64 = row[..j].iter().map(|l| l * l).sum();
             let pivot = row[j] - sum;
             if !(pivot > 0.0 && pivot.is_finite()) {
@@ -225,29 +273,29 @@ impl Normal {
             }
         }
         for i in 0..p {
-            let known: f64 = (0..i).map(|k| self.factor[i * p + k] * self.step[k]).sum();
-            self.step[i] = (-self.gradient[i] - known) / self.factor[i * p + i];
+            self.target[i] = if self.held[i] {
+                0.0
+            } else {
+                let held = (0..p).filter(|j| self.held[*j]);
+                -self.gradient[i] - held.map(|j| self.entry(i, j) * self.step[j]).sum::<f64>()
+            };
+        }
+        for i in 0..p {
+            let known: f64 = (0..i)
+                .map(|k| self.factor[i * p + k] * self.target[k])
+                .sum();
+            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
         }
         for i in (0..p).rev() {
             let known: f64 = (i + 1..p)
-                .map(|k| self.factor[k * p + i] * self.step[k])
+                .map(|k| self.factor[k * p + i] * self.target[k])
                 .sum();
-            self.step[i] = (self.step[i] - known) / self.factor[i * p + i];
-        }
-        for step in &mut self.step {
-            if !step.is_finite() {
-                return None;
+            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
+            if !self.held[i] {
+                self.step[i] = self.target[i];
             }
-            *step = step.clamp(-LONGEST_STEP, LONGEST_STEP);
         }
-        let mut promised = 0.0;
-        for i in 0..p {
-            let row = &self.matrix[i * p..(i + 1) * p];
-            let half: f64 = 0.5 * row[i] * self.step[i]
-                + (i + 1..p).map(|j| row[j] * self.step[j]).sum::<f64>();
-            promised -= 2.0 * self.step[i] * (self.gradient[i] + half);
-        }
-        Some(promised)
+        self.step.iter().all(|step| step.is_finite()).then_some(())
     }
 }
 

@@ -216,15 +216,21 @@ impl MasterCurve {
             .iter()
             .filter(|shift| shift.temperature.total_cmp(&reference).is_ne())
             .collect();
-        let first = self.fit.parameters.len() - others.len();
-        let covariance: Vec<Vec<f64>> = self
-            .fit
-            .covariance
-            .as_ref()
-            .ok_or(CmodError::ShiftsUndetermined)?
+        let parameters = self.fit.parameters.len();
+        let first = parameters - others.len();
+        let unit = |k: usize| {
+            let mut unit = vec![0.0; parameters];
+            unit[first + k] = 1.0;
+            unit
+        };
+        let units: Vec<Vec<f64>> = (0..others.len()).map(unit).collect();
+        let information = &self.fit.information;
+        let covariance: Vec<Vec<f64>> = units
             .iter()
-            .skip(first)
-            .map(|row| row.iter().skip(first).copied().collect())
+            .map(|a| {
+                let row = units.iter().map(|b| information.covariance(a, b));
+                row.map(|entry| self.fit.variance_factor * entry).collect()
+            })
             .collect();
         let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();
         let log_shifts: Vec<f64> = others.iter().map(|s| s.log_shift).collect();

@@ -84,6 +84,11 @@ impl PronyFit {
             let longer = here.series.split(data);
             here = Refined::of(data, longer).ok_or_else(no_law)?;
         }
+        if let Some(stiffened) = here.with_spring(data)
+            && score(&stiffened, data, &options) < score(&here, data, &options)
+        {
+            here = stiffened;
+        }
         let order = here.order(data, &options);
         let chosen = Chosen {
             best: here,
@@ -111,6 +116,12 @@ impl PronyFit {
     }
 }
 
+/// Value of the criterion.
+fn score(refined: &Refined, data: &ModulusData, options: &FitOptions) -> f64 {
+    let order = refined.order(data, options);
+    options.criterion.of(order.aicc, order.bic)
+}
+
 fn no_law() -> CmodError {
     CmodError::NoLaw {
         law: Law::GeneralisedMaxwell.to_string(),
@@ -124,10 +135,6 @@ pub(super) struct Chosen {
 }
 
 pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen, CmodError> {
-    let score = |order: &Order| match options.criterion {
-        super::fit::Criterion::Bic => order.bic,
-        super::fit::Criterion::Aicc => order.aicc,
-    };
     let here = Refined::of(data, Series::best(data)).ok_or_else(no_law)?;
     let mut here = here.with_further_lines(data, options);
     let mut orders: Vec<Order> = Vec::new();
@@ -136,10 +143,11 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
     loop {
         let mut candidates = vec![here.clone()];
         candidates.extend(here.without_spring(data));
+        candidates.extend(here.with_spring(data));
         let mut of_level = f64::INFINITY;
         for candidate in candidates {
             let order = candidate.order(data, options);
-            let value = score(&order);
+            let value = options.criterion.of(order.aicc, order.bic);
             of_level = of_level.min(value);
             orders.push(order);
             if best.as_ref().is_none_or(|(least, _)| value < *least) {
@@ -383,6 +391,14 @@ impl Refined {
                 candidates.push(joined.with_best_moduli(data));
             }
         }
+        if self.series.equilibrium <= 0.0 {
+            // what looks like a relaxation far below the band may be a spring
+            let mut stiffened = self.series.clone();
+            if let Some(slowest) = stiffened.branches.pop() {
+                stiffened.equilibrium = slowest.modulus;
+                candidates.push(stiffened.with_best_moduli(data));
+            }
+        }
         candidates.retain(|(_, series)| !series.is_empty());
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
         candidates
@@ -390,6 +406,18 @@ impl Refined {
             .take(2)
             .filter_map(|(_, series)| Self::of(data, series))
             .min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
+    }
+
+    /// The series of a fluid with a spring, which carries half of its slowest branch at first.
+    fn with_spring(&self, data: &ModulusData) -> Option<Self> {
+        if self.series.equilibrium > 0.0 {
+            return None;
+        }
+        let mut solid = self.series.clone();
+        let slowest = solid.branches.last_mut()?;
+        slowest.modulus *= 0.5;
+        solid.equilibrium = slowest.modulus;
+        Self::of(data, solid)
     }
 
     /// The series without E∞, if that does not cost too much.

@@ -7,6 +7,9 @@ use std::fmt;
 /// their width.
 pub const LINEAR_BELOW: f64 = 0.25;
 
+/// Widest interval of a parameter that counts as identified, on its scale: a factor of ten.
+pub const WIDEST: f64 = std::f64::consts::LN_10;
+
 /// The scale on which a parameter is fitted and its error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -86,8 +89,10 @@ pub enum IntervalMethod {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
-    /// The interval has two ends.
+    /// The interval has two ends, no more than [`WIDEST`] apart.
     Identified,
+    /// It has two ends that are farther apart.
+    PoorlyDetermined(Reason),
     /// Only values above the upper end are excluded.
     BoundedAbove(Reason),
     /// Only values below the lower end are excluded.
@@ -108,7 +113,8 @@ impl Verdict {
     pub fn reason(&self) -> Option<&Reason> {
         match self {
             Self::Identified => None,
-            Self::BoundedAbove(reason)
+            Self::PoorlyDetermined(reason)
+            | Self::BoundedAbove(reason)
             | Self::BoundedBelow(reason)
             | Self::NotIdentifiable(reason) => Some(reason),
         }
@@ -171,6 +177,7 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Identified => f.write_str("identified"),
+            Self::PoorlyDetermined(reason) => write!(f, "poorly determined: {reason}"),
             Self::BoundedAbove(reason) => write!(f, "bounded above only: {reason}"),
             Self::BoundedBelow(reason) => write!(f, "bounded below only: {reason}"),
             Self::NotIdentifiable(reason) => write!(f, "not identifiable: {reason}"),

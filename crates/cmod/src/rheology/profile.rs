@@ -4,8 +4,8 @@ use super::data::ModulusData;
 use super::least_squares::minimise;
 use super::model::Model;
 
-/// A parameter is followed this far on its scale, a factor of 1e4 for a logarithm; without an end until there it has none.
-const RANGE: f64 = 9.2;
+/// A parameter is followed this far on its scale, a factor of 1e5 for a logarithm; without an end until there it has none.
+const RANGE: f64 = 11.5;
 
 /// What lies on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ pub(super) fn end<M: Model + ?Sized>(
         let Some((rise, point)) = rise_at(here + distance, &inside) else {
             break (here + distance, f64::INFINITY);
         };
-        if rise < -1e-3 * threshold {
+        if rise < -2e-2 * threshold {
             return End::LowerMinimum(point);
         }
         if rise > threshold {

@@ -254,12 +254,12 @@ TBDATA,1,2.5e-1,1e-4
 PP
 $ units: m, kg, s, Pa
 $#     mid        ro      bulk       pcf        ef      tref         a         b
-         3 9.12000e2 1.33333e9 0.00000e0 0.00000e0 0.00000e0 0.00000e0 0.00000e0
+         3    9.12e21.333333e9       0e0       0e0       0e0       0e0       0e0
 $#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk
          0         0         0         0         0         0         0         0
 $#      gi     betai        ki    betaki
- 5.71429e8 0.00000e0 0.00000e0 0.00000e0
- 2.28571e8 1.05000e4 0.00000e0 0.00000e0
+5.714286e8       0e0       0e0       0e0
+2.285714e8    1.05e4       0e0       0e0
 "
     );
 }

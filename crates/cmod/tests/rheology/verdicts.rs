@@ -43,17 +43,17 @@ fn close_relaxation_times_are_not_resolved() {
         let open = pair.iter().filter(|p| !p.verdict.is_identified()).count();
         // the modulus of one of them may be 0, and then its time is any
         assert!(open >= 2, "{}", forced.fit);
-        assert!(forced.fit.parameters[0].verdict.is_identified());
     }
 }
 
-/// A relaxation ten times faster than the band: its flank has the slope Eτ, so that its time is bounded above and its modulus
-/// below.
+/// A relaxation forty times faster than the band: its flank has the slope Eτ, so that its time is bounded above and its modulus
+/// below. One seed in twenty shows by chance a curvature that is not there.
 #[test]
 fn relaxation_above_the_band_is_bounded_on_one_side() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
     let frequency = logarithmic(100.0, 20e3, 100); // ωτ <= 0.025
-    for seed in 0..5 {
+    let (mut one_sided, mut covered) = (0, 0);
+    for seed in 0..20 {
         let data = measured(
             |omega| law.at(omega),
             &frequency,
@@ -62,38 +62,35 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
         );
         let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
         let time = fit.parameter("relaxation time").unwrap();
-        assert!(
-            matches!(
-                time.verdict,
-                Verdict::BoundedAbove(Reason::OutsideBand { .. })
-            ),
-            "{fit}"
-        );
         let increment = fit.parameter("modulus increment").unwrap();
-        assert!(
-            matches!(
-                increment.verdict,
-                Verdict::BoundedBelow(Reason::OutsideBand { .. })
-            ),
-            "{fit}"
+        let outside = |reason: &Reason| matches!(reason, Reason::OutsideBand { .. });
+        one_sided += u32::from(
+            matches!(&time.verdict, Verdict::BoundedAbove(reason) if outside(reason))
+                && matches!(&increment.verdict, Verdict::BoundedBelow(reason) if outside(reason)),
         );
+        covered += u32::from(time.interval.contains(2e-7) && increment.interval.contains(1.0e9));
         assert!(
             fit.parameter("relaxed modulus")
                 .unwrap()
                 .verdict
                 .is_identified()
         );
-        assert!(time.interval.contains(2e-7) && increment.interval.contains(1.0e9));
         assert_eq!(time.interval.method, IntervalMethod::Profile);
-        assert_eq!(time.interval.lower, 0.0);
+        // what is seen is seen well: the flank itself to its error of 2 %
+        let flank = increment.value * time.value;
+        assert!((flank / 200.0 - 1.0).abs() < 0.1, "{fit}");
     }
+    // 0.975 and 0.95 of 20, less three standard deviations of the binomial distribution
+    assert!(one_sided >= 17, "{one_sided}");
+    assert!(covered >= 16, "{covered}");
 }
 
-/// The same below: the slow flank, seen as E/τ.
+/// Below the band the slow flank E/τ is seen and the sum E∞ + E: the spring may carry any share of it, so E∞ is bounded above
+/// only, and E and τ lie within a factor of more than ten.
 #[test]
-fn relaxation_below_the_band_is_bounded_on_one_side() {
-    let law = series(2.0e9, &[(0.3e9, 3e-2), (0.4e9, 5e-5)]);
-    let frequency = logarithmic(100.0, 20e3, 100); // ωτ >= 19
+fn relaxation_below_the_band_hides_the_spring() {
+    let law = series(2.0e9, &[(0.4e9, 5e-5), (1.0e9, 0.3)]);
+    let frequency = logarithmic(100.0, 20e3, 100); // ωτ >= 188
     let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.001), 1);
     let fit = PronyFit::with_order(&data, 2, &FitOptions::default())
         .unwrap()
@@ -102,10 +99,14 @@ fn relaxation_below_the_band_is_bounded_on_one_side() {
     assert!(
         matches!(
             slow.verdict,
-            Verdict::BoundedBelow(Reason::OutsideBand { .. })
+            Verdict::PoorlyDetermined(Reason::OutsideBand { .. })
         ),
         "{fit}"
     );
+    assert!(slow.interval.contains(0.3), "{fit}");
+    if let Some(spring) = fit.parameter("equilibrium modulus") {
+        assert!(matches!(spring.verdict, Verdict::BoundedAbove(_)), "{fit}");
+    }
     assert!(
         fit.parameter("relaxation time 1")
             .unwrap()
@@ -126,7 +127,7 @@ fn profiles_cover() {
         let data = measured(
             |omega| law.at(omega),
             &frequency,
-            Noise::circular(0.02),
+            Noise::circular(0.08),
             seed,
         );
         let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
