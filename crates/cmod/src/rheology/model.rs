@@ -290,7 +290,7 @@ mod tests {
         let at = [21.0, 20.0, -8.0, log_odds(alpha), log_odds(product)];
         let law = havriliak_negami().unwrap().law_at(&at).unwrap();
         let e0 = 21.0_f64.exp();
-        let direct = rodwave::modulus::HavriliakNegami::new(
+        let direct = HavriliakNegami::new(
             e0,
             e0 + 20.0_f64.exp(),
             (-8.0_f64).exp(),

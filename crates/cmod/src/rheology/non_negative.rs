@@ -76,8 +76,8 @@ impl NonNegative {
             let Some((entering, gradient)) = steepest else {
                 break;
             };
-            // a comparison with NaN, of a column that is 0, is false
-            if !(gradient > enough.max(rounding)) {
+            // NaN is the gradient of a column that is 0
+            if gradient.is_nan() || gradient <= enough.max(rounding) {
                 break;
             }
             passive.push(entering);
@@ -142,7 +142,7 @@ impl NonNegative {
                 let known = dot(&factor[i * k..i * k + j], &factor[j * k..j * k + j]);
                 let value = self.gram[passive[i] * self.columns + passive[j]] - known;
                 if i == j {
-                    if !(value > LEAST_PIVOT) {
+                    if value.is_nan() || value <= LEAST_PIVOT {
                         return None;
                     }
                     factor[i * k + i] = value.sqrt();

@@ -254,7 +254,7 @@ impl Problem<'_> {
                     -(inverse[1][0] * gradient[0] + inverse[1][1] * gradient[1]),
                 ];
                 let promised = -(step[0] * gradient[0] + step[1] * gradient[1]);
-                if !(promised > 1e-12 + 1e-14 * value) {
+                if promised.is_nan() || promised <= 1e-12 + 1e-14 * value {
                     break;
                 }
                 let mut share = 1.0;

@@ -47,6 +47,7 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     let (first, last) = (-highest.ln() - decade, -lowest.ln() + decade);
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
     for &(alpha, product) in shape.exponents() {
+        let symmetric = product >= alpha;
         let mut best_of_shape: Option<(f64, Vec<f64>)> = None;
         let mut log_time = first;
         while log_time <= last {
@@ -59,7 +60,7 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
                     } else {
                         s_tau
                     };
-                    if product == alpha {
+                    if symmetric {
                         power / (1.0 + power)
                     } else {
                         1.0 - (1.0 + power).powf(-product / alpha)
@@ -135,11 +136,11 @@ fn two_moduli(data: &ModulusData, lines: &[usize], spread: &[Complex64]) -> (f64
     let least = 1e-3 * magnitude;
     let mut relaxed = (bb * ay - ab * by) / determinant;
     let mut increment = (aa * by - ab * ay) / determinant;
-    if !(increment > least) {
+    if increment.is_nan() || increment <= least {
         increment = least;
         relaxed = (ay - ab * increment) / aa;
     }
-    if !(relaxed > least) {
+    if relaxed.is_nan() || relaxed <= least {
         relaxed = least;
         increment = ((by - ab * relaxed) / bb).max(least);
     }

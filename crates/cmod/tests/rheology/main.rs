@@ -4,6 +4,9 @@
     clippy::expect_used,
     clippy::panic,
     clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
     missing_docs,
     reason = "a test that fails stops"
 )]
