@@ -58,7 +58,7 @@ use waves::LineOfWaves;
 /// let result = MultiPoint::new(rod)?.estimate(&GaugeSpectra {
 ///     frequency_hz: &frequency_hz,
 ///     tests: &[&spectra],
-///     noise: &vec![vec![1e-3; 200]; 4],
+///     noise: &vec![vec![1e-4; 200]; 4],
 /// })?;
 /// for line in result.modulus().valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);

@@ -12,6 +12,7 @@
 
 mod averages;
 mod end_mass;
+mod expected_root;
 mod specimen;
 
 pub use averages::{AveragedRatio, variance_from_coherence};
@@ -31,12 +32,14 @@ use crate::estimate::{
 };
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
+use expected_root::ExpectedRoot;
 
 /// How equation 1 is solved on a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. Follows the branch at low losses, too.
+    /// Continuation in the mass ratio. Follows the branch at low losses, too. Where two roots come near to each other, the one
+    /// next to what the lines before lead to expect is taken.
     #[default]
     Continuation,
     /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). Kept for comparison: at low
@@ -245,8 +248,9 @@ impl TwoPoint {
         }
 
         let mut lines = Vec::with_capacity(measured.len());
+        let mut expected = ExpectedRoot::default();
         for (line, free_end) in measured.iter().zip(resolve_branches(&measured)?) {
-            match self.line(line, free_end, acceptance) {
+            match self.line(line, free_end, &mut expected, acceptance) {
                 Ok(line) => lines.push(line),
                 Err(_) => refused.push(RefusedLine {
                     index: line.index,
@@ -268,6 +272,7 @@ impl TwoPoint {
         &self,
         measured: &MeasuredLine,
         free_end: ResolvedRoot,
+        expected: &mut ExpectedRoot,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
         let Specimen {
@@ -288,7 +293,12 @@ impl TwoPoint {
 
         let mut violations = Vec::new();
         let root = match self.solver {
-            Solver::Continuation => equation.continuation(free_end.gamma_length),
+            Solver::Continuation => {
+                let root = equation.continuation(free_end.gamma_length);
+                let root = expected.choose(&equation, root, measured.frequency_hz);
+                expected.update(&equation, &root, measured.frequency_hz);
+                root
+            }
             Solver::Newton => equation.newton(free_end.gamma_length),
             Solver::Series => {
                 let series = MassSeries::about(free_end.gamma_length);

@@ -35,7 +35,7 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 /// let estimate = ThreePoint::new(rod)?.estimate(&GaugeSpectra {
 ///     frequency_hz: &frequency_hz,
 ///     tests: &[&[at(0.0), at(0.2), at(0.4)]],
-///     noise: &vec![vec![1e-3; 100]; 3],
+///     noise: &vec![vec![1e-4; 100]; 3],
 /// })?;
 /// for line in estimate.valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);

@@ -40,6 +40,8 @@ pub struct EndMassRoot {
     pub gamma_length: Complex64,
     /// How the iteration ended.
     pub termination: Termination,
+    /// Steps in the mass ratio: more than one where another root is near.
+    pub steps: u32,
     /// Mass ratio at which the continuation came so near to a double root that it may have left its branch.
     pub lost_at: Option<f64>,
 }
@@ -49,6 +51,7 @@ impl EndMassRoot {
         Self {
             gamma_length,
             termination: Termination::ClosedForm,
+            steps: 0,
             lost_at: None,
         }
     }
@@ -104,11 +107,11 @@ impl Hyperbolic {
         self.cosh + mass_ratio * (2.0 * self.cosh + self.x * self.sinh)
     }
 
-    /// |f f''|²/|f'|⁴.
-    fn kantorovich_squared(&self, equation: &EndMassEquation, mass_ratio: f64) -> f64 {
+    /// Whether |f f''|/|f'|² is at most `limit`; not if it is NaN.
+    fn is_near_root(&self, equation: &EndMassEquation, mass_ratio: f64, limit: f64) -> bool {
         let first = self.first(mass_ratio).norm_sqr();
-        self.value(equation, mass_ratio).norm_sqr() * self.second(mass_ratio).norm_sqr()
-            / (first * first)
+        let second = self.second(mass_ratio).norm_sqr();
+        self.value(equation, mass_ratio).norm_sqr() * second <= (limit * first).powi(2)
     }
 
     /// The size of f that rounding alone can give.
@@ -177,6 +180,7 @@ impl EndMassEquation {
             EndMassRoot {
                 gamma_length: at.x,
                 termination: termination(iterations, residual),
+                steps: 1,
                 lost_at: None,
             }
         };
@@ -220,11 +224,12 @@ impl EndMassEquation {
         let mut at = Hyperbolic::of(free_end);
         let mut reached = 0.0;
         let mut iterations = 0;
+        let mut steps = 0;
         let mut lost_at = None;
         loop {
+            steps += 1;
             let mut next = self.mass_ratio;
-            // written so that a NaN takes the way out, too
-            while !(at.kantorovich_squared(self, next) <= SURE_CONVERGENCE * SURE_CONVERGENCE) {
+            while !at.is_near_root(self, next, SURE_CONVERGENCE) {
                 next = reached + 0.5 * (next - reached);
                 if next - reached < SMALLEST_PART * self.mass_ratio {
                     next = reached + SMALLEST_PART * self.mass_ratio;
@@ -234,6 +239,7 @@ impl EndMassEquation {
             }
             if next >= self.mass_ratio {
                 return EndMassRoot {
+                    steps,
                     lost_at,
                     ..self.newton_after(at.x, iterations)
                 };
@@ -241,7 +247,7 @@ impl EndMassEquation {
             for _ in 0..NEWTON_STEPS_EACH {
                 at = Hyperbolic::of(at.x - at.value(self, next) / at.first(next));
                 iterations += 1;
-                if at.kantorovich_squared(self, next) <= NEAR_ENOUGH * NEAR_ENOUGH {
+                if at.is_near_root(self, next, NEAR_ENOUGH) {
                     break;
                 }
             }
