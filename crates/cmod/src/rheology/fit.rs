@@ -9,7 +9,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 use super::data::ModulusData;
 use super::information::Information;
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Ending, Minimum, count, minimise};
+use super::least_squares::{Effort, Ending, Minimum, count, minimise};
 use super::model::{self, Model};
 use super::order::PronyFit;
 use super::parameter::{
@@ -384,7 +384,7 @@ fn best_of<M: Model>(
     enough(data, model.kinds().len(), options.error_scale)?;
     let best = starts
         .iter()
-        .filter_map(|start| minimise(model, data, start, None))
+        .filter_map(|start| minimise(model, data, start, None, Effort::Full))
         .min_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared))
         .ok_or_else(|| CmodError::NoLaw {
             law: law.to_string(),
@@ -479,7 +479,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                     });
                 }
                 Err(lower) => {
-                    minimum = minimise(self.model, self.data, &lower, None).ok_or_else(no_law)?;
+                    minimum = minimise(self.model, self.data, &lower, None, Effort::Full)
+                        .ok_or_else(no_law)?;
                 }
             }
         }

@@ -10,7 +10,40 @@ use super::data::ModulusData;
 use super::model::Model;
 pub use crate::recovery::fit::Ending;
 
-const MOST_ITERATIONS: usize = 300;
+/// How closely a minimum is approached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// As closely as rounding allows, for a result.
+    Full,
+    /// To 1e-2 in χ², for a comparison of values of χ² that differ by more.
+    Comparison,
+}
+
+impl Effort {
+    fn most_iterations(self) -> usize {
+        match self {
+            Self::Full => 300,
+            Self::Comparison => 60,
+        }
+    }
+
+    /// Part of what one standard deviation changes in χ² that is not worth a step.
+    fn negligible(self) -> f64 {
+        match self {
+            Self::Full => 1e-9,
+            Self::Comparison => 1e-2,
+        }
+    }
+
+    /// The same of a long step.
+    fn idle(self) -> f64 {
+        match self {
+            Self::Full => IDLE,
+            Self::Comparison => 3e-2,
+        }
+    }
+}
+
 /// No coordinate changes by more in one iteration: a logarithm by 1.5 is a factor of 4.5.
 const LONGEST_STEP: f64 = 1.5;
 /// A component may be longer than its limit by this factor, so that it can follow another that is held there.
@@ -84,6 +117,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
     data: &ModulusData,
     start: &[f64],
     held: Option<usize>,
+    effort: Effort,
 ) -> Option<Minimum> {
     let parameters = start.len();
     let mut here = Linearised::new(data.len(), parameters);
@@ -98,16 +132,17 @@ pub(super) fn minimise<M: Model + ?Sized>(
     let mut growth = 2.0;
     let mut rejected = 0;
     let mut ending = Ending::OutOfIterations;
-    for _ in 0..MOST_ITERATIONS {
-        // 1e-9 of what one standard deviation changes, or the rounding of the sum of squares
-        let negligible = (1e-9 * (chi_squared / freedom).min(1.0)).max(1e-13 * chi_squared);
+    for _ in 0..effort.most_iterations() {
+        // of what one standard deviation changes, or the rounding of the sum of squares
+        let scale = (chi_squared / freedom).min(1.0);
+        let negligible = (effort.negligible() * scale).max(1e-13 * chi_squared);
         let Some(promised) = normal.step(damping) else {
             damping = (damping * 10.0).max(LEAST_DAMPING);
             continue;
         };
         let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
         // far along a valley that is flat: a relaxation runs out of the band without changing what is seen
-        let idle = longest >= IDLE_STEP && promised <= IDLE * (chi_squared / freedom).min(1.0);
+        let idle = longest >= IDLE_STEP && promised <= effort.idle() * scale;
         if promised <= negligible || longest < 1e-11 || idle {
             if rejected > 0 {
                 ending = Ending::NoDescent;

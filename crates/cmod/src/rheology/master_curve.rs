@@ -8,7 +8,7 @@ use rodwave::modulus::GeneralisedMaxwell;
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, Scene, enough};
 use super::law::{FittedLaw, Law};
-use super::least_squares::minimise;
+use super::least_squares::{Effort, minimise};
 use super::order::{Order, choose};
 use super::overlap;
 use super::prony::Prony;
@@ -130,7 +130,8 @@ impl MasterCurve {
             );
             let mut start = chosen.best.minimum.at.clone();
             start.extend(others.iter().map(|step| log_shifts[*step]));
-            let minimum = minimise(&model, &joined, &start, None).ok_or_else(no_law)?;
+            let minimum =
+                minimise(&model, &joined, &start, None, Effort::Full).ok_or_else(no_law)?;
             let first = minimum.at.len() - others.len();
             for (step, found) in others.iter().zip(&minimum.at[first..]) {
                 log_shifts[*step] = *found;

@@ -31,6 +31,8 @@ pub(super) struct Optimum {
 
 /// A pivot of columns of length 1 below this is rounding.
 const LEAST_PIVOT: f64 = 1e-12;
+/// Of so few columns all are tried at once before the search.
+const FEW: usize = 40;
 
 impl NonNegative {
     /// `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
@@ -59,12 +61,37 @@ impl NonNegative {
         }
     }
 
+    /// The problem of some of the columns.
+    pub(super) fn of_columns(&self, chosen: &[usize]) -> Self {
+        let pick = |values: &[f64]| chosen.iter().map(|j| values[*j]).collect::<Vec<f64>>();
+        Self {
+            columns: chosen.len(),
+            values: self.values,
+            gram: chosen
+                .iter()
+                .flat_map(|i| chosen.iter().map(move |j| self.gram[i * self.columns + j]))
+                .collect(),
+            target: pick(&self.target),
+            lengths: pick(&self.lengths),
+            square: self.square,
+        }
+    }
+
     /// Ends where no single column promises to lower the square by 1e-4 of its share for each value (or of 1, if that is less).
     pub(super) fn solve(&self) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
         let mut passive: Vec<usize> = Vec::new();
         let mut refused = vec![false; n];
+        if n <= FEW {
+            let all: Vec<usize> = (0..n).collect();
+            if let Some(z) = self.least_squares(&all)
+                && z.iter().all(|z| *z > 0.0)
+            {
+                x = z;
+                passive = all;
+            }
+        }
         let rounding = 1e-13 * self.target.iter().fold(0.0, |l: f64, b| l.max(b.abs()));
         for _ in 0..4 * n {
             let rest = self.rest(&x, &passive);

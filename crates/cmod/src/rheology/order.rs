@@ -11,7 +11,7 @@ use rodwave::modulus::MaxwellBranch;
 use super::data::ModulusData;
 use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scene, Scores, enough};
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Minimum, count, minimise};
+use super::least_squares::{Effort, Minimum, count, minimise};
 use super::non_negative::{NonNegative, dot};
 use super::prony::{Prony, share};
 use crate::error::CmodError;
@@ -22,6 +22,9 @@ const TIMES_A_DECADE: f64 = 6.0;
 const DECADES_BEYOND: f64 = 1.5;
 /// A further branch is added while it promises to lower χ² by this; a criterion asks for 4 or more.
 const WORTHWHILE: f64 = 1.0;
+/// Branches whose removal costs less than this in χ², moduli refitted, go without a look at the orders between: no criterion
+/// would keep them.
+const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
 /// Orders are no longer tried when the criterion is worse than its best by this, twice in a row.
 const HOPELESS: f64 = 30.0;
@@ -78,7 +81,8 @@ impl PronyFit {
         enough(data, 1 + 2 * branches, options.error_scale)?;
         let mut here = Refined::of(data, Series::best(data)).ok_or_else(no_law)?;
         while here.series.branches.len() > branches {
-            here = here.shorter(data).ok_or_else(no_law)?;
+            let most = here.series.branches.len() - branches;
+            here = here.shorter(data, most).ok_or_else(no_law)?;
         }
         while here.series.branches.len() < branches {
             let longer = here.series.split(data);
@@ -89,6 +93,7 @@ impl PronyFit {
         {
             here = stiffened;
         }
+        let here = here.settled(data).ok_or_else(no_law)?;
         let order = here.order(data, &options);
         let chosen = Chosen {
             best: here,
@@ -161,7 +166,7 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
             0
         };
         let next = if hopeless < 2 {
-            here.shorter(data)
+            here.shorter(data, usize::MAX)
         } else {
             None
         };
@@ -171,6 +176,7 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
         }
     }
     let (_, best) = best.ok_or_else(no_law)?;
+    let best = best.settled(data).ok_or_else(no_law)?;
     Ok(Chosen { best, orders })
 }
 
@@ -300,18 +306,27 @@ pub(super) struct Refined {
 impl Refined {
     /// Refines `series` in all its parameters.
     fn of(data: &ModulusData, series: Series) -> Option<Self> {
+        Self::with_effort(data, series, Effort::Comparison)
+    }
+
+    /// At the minimum itself.
+    fn settled(self, data: &ModulusData) -> Option<Self> {
+        Self::with_effort(data, self.series, Effort::Full)
+    }
+
+    fn with_effort(data: &ModulusData, series: Series, effort: Effort) -> Option<Self> {
         if series.is_empty() {
             return None;
         }
         let solid = series.equilibrium > 0.0;
         let model = Prony::new(solid, series.branches.len());
-        let mut minimum = minimise(&model, data, &series.coordinates(), None)?;
+        let mut minimum = minimise(&model, data, &series.coordinates(), None, effort)?;
         let mut series = Series::of_coordinates(&minimum.at, solid);
         let by_time =
             |a: &MaxwellBranch, b: &MaxwellBranch| a.relaxation_time.total_cmp(&b.relaxation_time);
         if !series.branches.is_sorted_by(|a, b| by_time(a, b).is_le()) {
             series.branches.sort_by(by_time);
-            minimum = minimise(&model, data, &series.coordinates(), None)?;
+            minimum = minimise(&model, data, &series.coordinates(), None, effort)?;
             series = Series::of_coordinates(&minimum.at, solid);
         }
         Some(Self { series, minimum })
@@ -376,36 +391,31 @@ impl Refined {
     }
 
     /// The best series with one branch less: the two best of all mergers and removals, by their χ² with the best moduli,
-    /// are refined.
-    fn shorter(&self, data: &ModulusData) -> Option<Self> {
-        let branches = &self.series.branches;
-        let mut candidates: Vec<(f64, Series)> = Vec::with_capacity(2 * branches.len());
-        for i in 0..branches.len() {
-            let mut removed = self.series.clone();
-            removed.branches.remove(i);
-            candidates.push(removed.with_best_moduli(data));
-            if i > 0 {
-                let mut joined = self.series.clone();
-                joined.branches[i] = merged(&branches[i - 1], &branches[i]);
-                joined.branches.remove(i - 1);
-                candidates.push(joined.with_best_moduli(data));
-            }
+    /// are refined. As long as one costs next to nothing, up to `most` branches go at once.
+    fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
+        let mut series = self.series.clone();
+        let start = self.minimum.chi_squared;
+        let freedom = count(2 * data.len());
+        let free = FREE_OF_COST * (start / freedom).min(1.0);
+        let mut gone = 0;
+        let mut candidates = shorter_by_one(&series, data);
+        while gone < most
+            && let Some((chi_squared, best)) = candidates.first()
+            && *chi_squared <= start + free
+            && !best.branches.is_empty()
+        {
+            series = best.clone();
+            gone += 1;
+            candidates = shorter_by_one(&series, data);
         }
-        if self.series.equilibrium <= 0.0 {
-            // what looks like a relaxation far below the band may be a spring
-            let mut stiffened = self.series.clone();
-            if let Some(slowest) = stiffened.branches.pop() {
-                stiffened.equilibrium = slowest.modulus;
-                candidates.push(stiffened.with_best_moduli(data));
-            }
+        if gone > 0 {
+            return Self::of(data, series);
         }
-        candidates.retain(|(_, series)| !series.is_empty());
-        candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-        candidates
+        let refined = candidates
             .into_iter()
             .take(2)
-            .filter_map(|(_, series)| Self::of(data, series))
-            .min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
+            .filter_map(|(_, series)| Self::of(data, series));
+        refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
 
     /// The series of a fluid with a spring, which carries half of its slowest branch at first.
@@ -430,9 +440,85 @@ impl Refined {
         // what the spring carried, the slowest branch can carry
         let slowest = fluid.branches.last_mut()?;
         slowest.modulus += self.series.equilibrium;
+        let mut carried = fluid.clone();
+        carried.branches.last_mut()?.relaxation_time = 100.0 / data.band().0;
+        let least = fluid
+            .clone()
+            .with_best_moduli(data)
+            .0
+            .min(carried.with_best_moduli(data).0);
+        if least > self.minimum.chi_squared + 10.0 * HOPELESS {
+            return None;
+        }
         let refined = Self::of(data, fluid)?;
         (refined.minimum.chi_squared < self.minimum.chi_squared + HOPELESS).then_some(refined)
     }
+}
+
+/// All series with a branch less, by merger or removal, with their best moduli and χ², the best first.
+fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
+    let branches = &series.branches;
+    let n = branches.len();
+    let solid = series.equilibrium > 0.0;
+    let joined: Vec<MaxwellBranch> = branches
+        .windows(2)
+        .filter_map(|pair| match pair {
+            [a, b] => Some(merged(a, b)),
+            _ => None,
+        })
+        .collect();
+    // the spring, the branches, the mergers
+    let mut columns = vec![constant(data)];
+    columns.extend(
+        branches
+            .iter()
+            .chain(&joined)
+            .map(|b| column(data, b.relaxation_time)),
+    );
+    let problem = NonNegative::new(&columns, &target(data));
+    let evaluate = |chosen: Vec<usize>| {
+        let optimum = problem.of_columns(&chosen).solve();
+        let mut found = Series {
+            equilibrium: 0.0,
+            branches: Vec::with_capacity(n),
+        };
+        for (place, modulus) in chosen.iter().zip(optimum.coefficients) {
+            let branch = place
+                .checked_sub(1)
+                .and_then(|i| branches.iter().chain(&joined).nth(i));
+            match branch {
+                None => found.equilibrium = modulus,
+                Some(branch) if modulus > 0.0 => found.branches.push(MaxwellBranch {
+                    modulus,
+                    relaxation_time: branch.relaxation_time,
+                }),
+                Some(_) => {}
+            }
+        }
+        (optimum.square, found)
+    };
+    let spring = if solid { vec![0] } else { Vec::new() };
+    let mut candidates = Vec::with_capacity(2 * n);
+    for i in 0..n {
+        let rest = (0..n).filter(|other| *other != i);
+        candidates.push(evaluate(
+            spring.iter().copied().chain(rest.map(|k| k + 1)).collect(),
+        ));
+        if i > 0 {
+            // the merger in place of the two, in the order of times
+            let merger = (0..n)
+                .filter(|k| *k != i)
+                .map(|k| if k + 1 == i { n + i } else { k + 1 });
+            candidates.push(evaluate(spring.iter().copied().chain(merger).collect()));
+        }
+    }
+    if !solid && n > 0 {
+        // what looks like a relaxation far below the band may be a spring
+        candidates.push(evaluate((0..n).collect()));
+    }
+    candidates.retain(|(_, series)| !series.is_empty());
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    candidates
 }
 
 /// Relaxation times of the band and [`DECADES_BEYOND`].

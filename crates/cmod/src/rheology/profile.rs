@@ -1,7 +1,7 @@
 //! The profile of χ²: how far a parameter can go if all others follow.
 
 use super::data::ModulusData;
-use super::least_squares::minimise;
+use super::least_squares::{Effort, minimise};
 use super::model::Model;
 
 /// A parameter is followed this far on its scale, a factor of 1e5 for a logarithm; without an end until there it has none.
@@ -35,7 +35,7 @@ pub(super) fn end<M: Model + ?Sized>(
     let rise_at = |coordinate: f64, start: &[f64]| {
         let mut start = start.to_vec();
         start[index] = coordinate;
-        minimise(model, data, &start, Some(index))
+        minimise(model, data, &start, Some(index), Effort::Comparison)
             .map(|minimum| (minimum.chi_squared - chi_squared, minimum.at))
     };
     let mut distance: f64 = 0.0;
