@@ -17,6 +17,8 @@ pub(super) enum Effort {
     Full,
     /// To 1e-2 in χ², for a comparison of values of χ² that differ by more.
     Comparison,
+    /// The same in few iterations: what is slower than that lies in a flat valley.
+    Search,
 }
 
 impl Effort {
@@ -24,6 +26,7 @@ impl Effort {
         match self {
             Self::Full => 300,
             Self::Comparison => 60,
+            Self::Search => 25,
         }
     }
 
@@ -31,7 +34,7 @@ impl Effort {
     fn negligible(self) -> f64 {
         match self {
             Self::Full => 1e-9,
-            Self::Comparison => 1e-2,
+            Self::Comparison | Self::Search => 1e-2,
         }
     }
 
@@ -39,7 +42,7 @@ impl Effort {
     fn idle(self) -> f64 {
         match self {
             Self::Full => IDLE,
-            Self::Comparison => 3e-2,
+            Self::Comparison | Self::Search => 3e-2,
         }
     }
 }

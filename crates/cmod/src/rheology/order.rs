@@ -306,7 +306,7 @@ pub(super) struct Refined {
 impl Refined {
     /// Refines `series` in all its parameters.
     fn of(data: &ModulusData, series: Series) -> Option<Self> {
-        Self::with_effort(data, series, Effort::Comparison)
+        Self::with_effort(data, series, Effort::Search)
     }
 
     /// At the minimum itself.
@@ -408,12 +408,14 @@ impl Refined {
             gone += 1;
             candidates = shorter_by_one(&series, data);
         }
+        // of many branches a wrong choice costs little and is mended further down
+        let most_refined = if series.branches.len() > 8 { 1 } else { 2 };
         if gone > 0 {
             return Self::of(data, series);
         }
         let refined = candidates
             .into_iter()
-            .take(2)
+            .take(most_refined)
             .filter_map(|(_, series)| Self::of(data, series));
         refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
