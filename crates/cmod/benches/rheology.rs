@@ -67,12 +67,15 @@ fn bench(criterion: &mut Criterion) {
     );
     let broad = FractionalZener::new(1e6, 2e9, 1e-4, 0.35).unwrap();
     let data = measured(&|omega| broad.at(omega), 1e-8, 1e7, 206);
-    criterion.bench_function(
-        "Prony series with order selection, 206 points over 15 decades",
-        |bencher| {
-            bencher.iter(|| PronyFit::new(black_box(&data), &options));
-        },
-    );
+    let plain = options.with_profiles(false);
+    for (name, options) in [("", plain), (", with profiles", options)] {
+        criterion.bench_function(
+            &format!("Prony series with order selection, 206 points over 15 decades{name}"),
+            |bencher| {
+                bencher.iter(|| PronyFit::new(black_box(&data), &options));
+            },
+        );
+    }
     let steps: Vec<_> = (0..13)
         .map(|k| {
             let a = (-1.1 * f64::from(k - 6)).exp();
@@ -81,7 +84,6 @@ fn bench(criterion: &mut Criterion) {
         })
         .collect();
     let sweep = TemperatureSweep::new(steps).unwrap();
-    let plain = options.with_profiles(false);
     criterion.bench_function("master curve of 13 temperatures, 208 points", |bencher| {
         bencher.iter(|| MasterCurve::new(black_box(&sweep), 6, &plain));
     });
