@@ -58,6 +58,7 @@ mod comparison;
 mod data;
 mod fit;
 mod information;
+mod judgement;
 mod law;
 mod least_squares;
 mod master_curve;

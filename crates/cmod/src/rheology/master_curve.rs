@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use super::data::ModulusData;
-use super::fit::{FitOptions, RheologicalFit, Scene, enough};
+use super::fit::{FitOptions, RheologicalFit, enough};
+use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, minimise};
 use super::order::{Order, choose};

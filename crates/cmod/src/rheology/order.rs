@@ -9,7 +9,8 @@
 use rodwave::modulus::MaxwellBranch;
 
 use super::data::ModulusData;
-use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scene, Scores, enough};
+use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores, enough};
+use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, count, minimise};
 use super::non_negative::{NonNegative, dot};
