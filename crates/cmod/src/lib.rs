@@ -37,6 +37,9 @@
 //! Apart from it stands paper C: the loss factor after a creep load, the model that explains it, and the fit of its parameters
 //! ([`recovery`]).
 //!
+//! What a modulus becomes in a program that computes with it is a law: [`rheology`] fits laws, says which of their parameters are
+//! determined, shifts temperatures to one curve and writes cards.
+//!
 //! # Example
 //! Polypropylene in Test 6 of paper A; the accelerations are those of rod and accelerometer by transition matrices.
 //!
@@ -114,6 +117,7 @@ pub mod pulses;
 pub mod recovery;
 pub mod resonance;
 pub mod section_ratio;
+pub mod rheology;
 pub mod two_point;
 pub mod validity;
 
