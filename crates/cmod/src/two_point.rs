@@ -22,7 +22,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
-use crate::branch::{ResolvedRoot, resolve};
+use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
 use crate::error::{
     CmodError, check_frequencies, check_length, check_not_negative, check_positive,
 };
@@ -132,8 +132,8 @@ impl TwoPoint {
     /// result follow to first order, dE/E = -2 dΨ/(γL f'(γL)). They are large near kL = nπ, where f' is small, and for
     /// kL → 0.
     ///
-    /// All three arrays have one entry a line. The lines must start below the first half wavelength of the specimen and be
-    /// dense enough to count the next ones, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
+    /// All three arrays have one entry a line. The lines must be dense enough to count the half waves in the specimen, see
+    /// [`crate::branch`]. A line at 0 Hz and lines that are not finite are
     /// [refused](ModulusEstimate::refused) one by one.
     ///
     /// # Errors
@@ -182,7 +182,7 @@ impl TwoPoint {
         }
 
         let mut lines = Vec::with_capacity(measured.len());
-        for (line, free_end) in measured.iter().zip(resolve_branches(&measured)?) {
+        for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
             match self.line(line, free_end) {
                 Some(line) => lines.push(line),
                 None => refused.push(RefusedLine {
@@ -194,6 +194,24 @@ impl TwoPoint {
         }
         refused.sort_by_key(|line| line.index);
         Ok(ModulusEstimate::new(lines, refused))
+    }
+
+    /// The branches of all lines that can be evaluated, of which there may be none.
+    fn resolve_branches(&self, measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
+        if measured.is_empty() {
+            return Ok(Vec::new());
+        }
+        let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+        let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+        let variance: Vec<f64> = measured.iter().map(|line| line.variance).collect();
+        let record = SpecimenRecord {
+            length: self.specimen.length,
+            mass_ratio: self.specimen.mass_ratio(),
+            frequency_hz: &frequency_hz,
+            acceleration_ratio: &ratio,
+            variance: Some(&variance),
+        };
+        record.resolve(&BranchTracker::new())
     }
 
     /// Solves one line; `None` if nothing finite comes of it.
@@ -215,7 +233,9 @@ impl TwoPoint {
 
         let mut violations = Vec::new();
         let root = match self.solver {
-            Solver::Continuation => equation.continuation(free_end.gamma_length),
+            Solver::Continuation => {
+                equation.continuation_checked(free_end.gamma_length, free_end.loaded_gamma_length)
+            }
             Solver::Newton => equation.newton(free_end.gamma_length),
             Solver::Series => {
                 let series = MassSeries::about(free_end.gamma_length);
@@ -291,16 +311,6 @@ struct MeasuredLine {
     frequency_hz: f64,
     ratio: Complex64,
     variance: f64,
-}
-
-/// The roots without end mass of all lines that can be evaluated, of which there may be none.
-fn resolve_branches(measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
-    if measured.is_empty() {
-        return Ok(Vec::new());
-    }
-    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-    resolve(&frequency_hz, &ratio)
 }
 
 /// The criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.
