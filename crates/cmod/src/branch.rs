@@ -48,6 +48,7 @@
 mod anchor;
 mod doubt;
 mod forward;
+mod noise;
 mod observation;
 mod path;
 mod sequence;

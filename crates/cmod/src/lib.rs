@@ -20,7 +20,8 @@
 //! ```
 //!
 //! with m the mass of the accelerometer at the free end. The equation has infinitely many roots γ. For μ = 0 all are
-//! known in closed form, and the right one is that with k continuous and increasing from 0 ([`branch`]). From there the
+//! known in closed form, and the right one is that with k continuous and increasing from 0, which is inferred from all lines
+//! together ([`branch`]). From there the
 //! mass is put on in small steps, and the root followed ([`two_point`]). Each line comes with the conditions for its
 //! validity ([`validity`]) and the standard errors that follow from the variance of Ψ ([`estimate`]).
 //!
@@ -91,8 +92,8 @@
 //! - The errors are of first order. Where the amplification is large, near kL = nπ at low losses, the distribution of E''
 //!   is not normal and can be half on the wrong side of 0.
 //! - The uncertainty of length, density, masses and positions of gauges is not part of the errors.
-//! - Branches are followed from line to line, which is sound for clean and mildly noisy data that begin below the
-//!   first half wavelength; a long gap or heavy noise is marked as doubt, not repaired.
+//! - Waves are counted where a smooth wave number explains the lines. What cannot be counted is marked, not guessed: see
+//!   [`branch`] for what helps.
 
 pub mod branch;
 mod error;

@@ -52,10 +52,10 @@ pub enum BranchDoubt {
     /// No line of the record determines its roots.
     #[error("noise leaves no line of the record from which waves could be counted")]
     Undetermined,
-    /// The root lies far from what the lines before lead to expect.
-    #[error("kL = {found:.2}, expected {expected:.2} from the lines before")]
+    /// The line lies far from what the others lead to expect, more than its noise allows.
+    #[error("kL = {found:.2}, expected {expected:.2} from the other lines")]
     Leap {
-        /// What the lines before lead to expect, in rad.
+        /// What the others lead to expect, in rad.
         expected: f64,
         /// The nearest root, in rad.
         found: f64,

@@ -5,7 +5,7 @@
 //! of the next well-determined line. Courses that have become negligible are given up, and courses that have run together are
 //! one.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, PI};
 
 use num_complex::Complex64;
 
@@ -31,9 +31,8 @@ const BEGINNINGS: usize = 3;
 const SEARCH_RATIO: f64 = 1.02;
 /// Log weight, below that of the best one, with which a course is given up.
 const NEGLIGIBLE: f64 = -23.0;
-/// Courses that are kept, up to the lines at which they begin and beyond.
-const MOST_BEGINNING: usize = 512;
-const MOST_COURSES: usize = 48;
+/// Courses that are kept.
+const MOST_COURSES: usize = 512;
 /// Courses up to which pairs are compared.
 const MOST_MERGED: usize = 64;
 /// Courses closer than this many standard deviations in γ and dγ/dω are one.
@@ -63,10 +62,13 @@ pub(super) struct Courses {
     /// Best first, log weights normalised.
     pub(super) alive: Vec<Course>,
     pub(super) passages: Vec<Passage>,
+    /// Whether there was a line to begin with that determines its roots.
+    pub(super) determined: bool,
     /// Probability of the courses that were given up for their number.
     pub(super) crowded_out: f64,
     scratch: Vec<Course>,
     roots: Vec<Complex64>,
+    misfits: Vec<f64>,
 }
 
 impl Course {
@@ -125,10 +127,10 @@ impl Courses {
         self.passages.clear();
         self.passages.reserve(2 * lines.len());
         self.crowded_out = 0.0;
-        let begun = self.begin(lines, anchors);
+        self.begin(lines, anchors);
         let mut before_omega = None;
         let mut next_anchor = 0;
-        for (index, line) in lines.iter().enumerate() {
+        for line in lines {
             let omega = line.omega;
             if let Some(before) = before_omega {
                 next_anchor = self.weigh_anchors(anchors, next_anchor, before, omega);
@@ -139,7 +141,7 @@ impl Courses {
             before_omega = Some(omega);
             self.pass(line);
             if self.alive.len() > 1 {
-                self.give_up(index > begun);
+                self.give_up();
             }
         }
         if let Some(before) = before_omega {
@@ -217,10 +219,10 @@ impl Courses {
         std::mem::swap(&mut self.alive, &mut self.scratch);
     }
 
-    /// Lets courses begin; returns the line behind which there is only the usual number of them.
-    fn begin(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) -> usize {
+    /// Lets courses begin at the first lines that determine their roots, or else at the clearest one.
+    fn begin(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         let Some(first) = lines.first() else {
-            return 0;
+            return;
         };
         let usable = || lines.iter().filter(|line| !line.missing);
         // The transit time is below half the length of the record that the closest lines are the transform of: a wave
@@ -230,11 +232,10 @@ impl Courses {
             .map(|(a, b)| b.omega - a.omega)
             .filter(|step| *step > 0.0)
             .fold(f64::INFINITY, f64::min);
-        let mut begun = 0;
         let mut count = 0;
         let mut from = 0.0;
         let mut clearest: Option<(f64, &LineAt<'_>)> = None;
-        for (index, line) in lines.iter().enumerate() {
+        for line in lines {
             if count == BEGINNINGS {
                 break;
             }
@@ -245,7 +246,6 @@ impl Courses {
             if determination >= 1.0 {
                 self.begin_at(line, first.omega, PI / closest, anchors);
                 count += 1;
-                begun = index;
             } else if count == 0 {
                 from = line.omega * SEARCH_RATIO;
                 if clearest.is_none_or(|(best, _)| determination > best) {
@@ -253,12 +253,12 @@ impl Courses {
                 }
             }
         }
-        if count == 0
+        self.determined = count > 0;
+        if !self.determined
             && let Some((_, line)) = clearest
         {
             self.begin_at(line, first.omega, PI / closest, anchors);
         }
-        begun
     }
 
     /// Courses from all roots of one line, led back to `first_omega`.
@@ -327,7 +327,7 @@ impl Courses {
         next
     }
 
-    fn give_up(&mut self, limited: bool) {
+    fn give_up(&mut self) {
         let best = self
             .alive
             .iter()
@@ -338,20 +338,15 @@ impl Courses {
         if self.alive.len() > 1 && self.alive.len() <= MOST_MERGED {
             self.merge();
         }
-        let most = if limited {
-            MOST_COURSES
-        } else {
-            MOST_BEGINNING
-        };
-        if self.alive.len() > most {
+        if self.alive.len() > MOST_COURSES {
             self.alive
                 .sort_by(|a, b| b.standing().total_cmp(&a.standing()));
             let weight = |course: &Course| (course.standing() - best).exp();
-            let (kept, lost) = self.alive.split_at(most);
+            let (kept, lost) = self.alive.split_at(MOST_COURSES);
             let lost: f64 = lost.iter().map(weight).sum();
             let kept: f64 = kept.iter().map(weight).sum();
             self.crowded_out += lost / (lost + kept);
-            self.alive.truncate(most);
+            self.alive.truncate(MOST_COURSES);
         }
     }
 
@@ -385,19 +380,23 @@ impl Courses {
         }
     }
 
-    /// Mean of |misfit|² by its expectation, on the best course.
-    pub(super) fn mean_chi_square(&self) -> f64 {
-        let mut sum = 0.0;
-        let mut count = 0.0;
+    /// Number of lines on the best course, and the variance of their noise by what it was taken for: the median of |misfit|²
+    /// by its expectation, which is ln 2 for normal noise and does not mind bad lines.
+    pub(super) fn excess(&mut self) -> (usize, f64) {
+        self.misfits.clear();
         let mut passage = self.alive.first().and_then(|course| course.last);
         while let Some(this) = passage.and_then(|index| self.passages.get(index)) {
-            if let Some(chi_square) = this.chi_square {
-                sum += chi_square;
-                count += 1.0;
-            }
+            self.misfits.extend(this.chi_square);
             passage = this.before;
         }
-        if count > 0.0 { sum / count } else { 1.0 }
+        let count = self.misfits.len();
+        if count == 0 {
+            return (0, 1.0);
+        }
+        let (_, median, _) = self
+            .misfits
+            .select_nth_unstable_by(count / 2, f64::total_cmp);
+        (count, *median / LN_2)
     }
 
     fn normalise(&mut self) {

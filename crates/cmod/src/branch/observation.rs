@@ -111,7 +111,7 @@ impl PhaseObservation for EndMass {
         const CLOSE: f64 = 0.05;
         // η is between 0 and about iπ/2
         const LAG: f64 = FRAC_PI_2;
-        const NEARLY_MEET: f64 = 1.0;
+        const NEARLY_MEET: f64 = 1.5;
         let mut recent = Recent::default();
         for turn in turns(&phases, LAG) {
             let turns = Complex64::new(0.0, f64::from(turn) * TAU);
@@ -131,13 +131,15 @@ impl PhaseObservation for EndMass {
                 };
                 let reflected = root.reflected();
                 let other = if (reflected - root.x).norm_sqr() < NEARLY_MEET * NEARLY_MEET {
-                    settle(self, observed, reflected)
+                    settle_beside(self, observed, reflected, root.x).filter(|other| {
+                        (other - root.x).norm_sqr() < 4.0 * NEARLY_MEET * NEARLY_MEET
+                    })
                 } else {
                     None
                 };
-                for root in [Some(root), other].into_iter().flatten() {
-                    if phases.contains(&root.x.im) && recent.is_new(root.x) {
-                        visit(root.x);
+                for root in [Some(root.x), other].into_iter().flatten() {
+                    if phases.contains(&root.im) && recent.is_new(root) {
+                        visit(root);
                     }
                 }
             }
@@ -215,15 +217,13 @@ fn turns(phases: &Range<f64>, lag: f64) -> std::ops::RangeInclusive<u32> {
 /// The last roots that were visited: of two ways into one root, the second counts for nothing.
 #[derive(Default)]
 struct Recent {
-    roots: [Complex64; 4],
+    roots: [Complex64; 12],
     next: usize,
 }
 
 impl Recent {
     fn is_new(&mut self, root: Complex64) -> bool {
-        const SAME: f64 = 1e-6;
-        let same = |other: &Complex64| (other - root).norm_sqr() < SAME * SAME;
-        if self.roots.iter().any(same) {
+        if self.roots.iter().any(|known| is_same(*known, root)) {
             return false;
         }
         if let Some(slot) = self.roots.get_mut(self.next) {
@@ -250,6 +250,8 @@ impl Root {
 
 /// 2Ψ''δΨ/Ψ'² below which two roots are far apart.
 const FAR: f64 = 0.1;
+/// Distance by which a root may be off from that of the parabola, by half of that between the two: more, and it may be another.
+const NEAR_PARABOLA: f64 = 0.5;
 
 fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     observation: &O,
@@ -268,23 +270,92 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     if (root.conj() * slope).re < 0.0 {
         root = -root;
     }
-    let first = settle(
-        observation,
-        observed,
-        expected + 2.0 * misfit / (slope + root),
-    )?;
-    let reflected = first.reflected();
-    // Both iterations may fall into one root, and then the parabola is good enough.
-    let second = settle(observation, observed, reflected)
-        .map(|second| second.x)
-        .filter(|second| (second - reflected).norm() < (second - first.x).norm())
-        .unwrap_or(reflected);
-    let distance = |root: Complex64| (root - expected).norm_sqr();
-    Some(if distance(first.x) <= distance(second) {
-        [first.x, second]
+    // half of the distance of the two roots of the parabola
+    let apart = (root / curvature).norm();
+    let mut nearest = Nearest::to(expected);
+    let start = expected + 2.0 * misfit / (slope + root);
+    let first = settle(observation, observed, start)
+        .filter(|first| (first.x - start).norm() < NEAR_PARABOLA * apart);
+    if let Some(first) = first {
+        let start = expected - (slope + root) / curvature;
+        let second = settle_beside(observation, observed, start, first.x)
+            .filter(|second| (second - start).norm() < 2.0 * NEAR_PARABOLA * apart);
+        nearest.offer(first.x);
+        nearest.offer(second.unwrap_or_else(|| first.reflected()));
     } else {
-        [second, first.x]
-    })
+        let phases = expected.im - TAU..expected.im + TAU;
+        observation.visit_roots(observed, phases, &mut |root| nearest.offer(root));
+    }
+    Some([nearest.first?, nearest.second?])
+}
+
+/// The two nearest of all that are offered.
+struct Nearest {
+    expected: Complex64,
+    first: Option<Complex64>,
+    second: Option<Complex64>,
+}
+
+impl Nearest {
+    fn to(expected: Complex64) -> Self {
+        Self {
+            expected,
+            first: None,
+            second: None,
+        }
+    }
+
+    fn is_nearer(&self, root: Complex64, other: Option<Complex64>) -> bool {
+        let distance = |root: Complex64| (root - self.expected).norm_sqr();
+        other.is_none_or(|other| distance(root) < distance(other))
+    }
+
+    fn offer(&mut self, root: Complex64) {
+        let known = [self.first, self.second];
+        if known
+            .into_iter()
+            .flatten()
+            .any(|known| is_same(known, root))
+        {
+            return;
+        }
+        if self.is_nearer(root, self.first) {
+            self.second = self.first.replace(root);
+        } else if self.is_nearer(root, self.second) {
+            self.second = Some(root);
+        }
+    }
+}
+
+/// Whether two results of an iteration are one root.
+fn is_same(root: Complex64, other: Complex64) -> bool {
+    const SAME: f64 = 1e-6;
+    (root - other).norm_sqr() < SAME * SAME
+}
+
+/// Newton's iteration on (Ψ(x) - Ψ)/(x - `known`), which has all roots but the known one.
+fn settle_beside<O: PhaseObservation + ?Sized>(
+    observation: &O,
+    observed: Complex64,
+    start: Complex64,
+    known: Complex64,
+) -> Option<Complex64> {
+    const MOST_STEPS: usize = 30;
+    const SMALLEST_STEP: f64 = 1e-10;
+    let mut x = start;
+    for _ in 0..MOST_STEPS {
+        let [value, slope, _] = observation.expand(x);
+        let misfit = observed - value;
+        let step = misfit / (slope + misfit / (x - known));
+        x += step;
+        if !x.is_finite() || (x - start).norm_sqr() > PI * PI {
+            return None;
+        }
+        if step.norm_sqr() <= SMALLEST_STEP * SMALLEST_STEP * x.norm_sqr() {
+            return Some(x);
+        }
+    }
+    None
 }
 
 /// Halley's iteration; `None` if it does not settle, or runs farther than to the neighbouring root.
@@ -437,7 +508,8 @@ mod tests {
     #[test]
     fn all_roots_of_a_range_are_visited() {
         for (name, observation) in OBSERVATIONS {
-            for x in phases() {
+            let damped = phases().map(|x| x + x.im * 0.06);
+            for x in phases().chain(damped) {
                 let observed = observation.expand(x)[0];
                 for phases in [0.0..63.0, (x.im - 4.0).max(0.0)..x.im + 4.0] {
                     let mut roots = Vec::new();

@@ -14,7 +14,7 @@ use super::observation::PhaseObservation;
 pub(super) const WANDER: f64 = 0.15;
 
 /// |δΨ|²/E|δΨ|² above which a line is taken for a bad one; noise alone exceeds it once in 8000 lines.
-const BAD_LINE: f64 = 9.0;
+pub(super) const BAD_LINE: f64 = 9.0;
 
 /// Probability that a line has nothing to do with γ, and the range of Ψ in which it then lies, by 1 + |Ψ|².
 const STRAY: f64 = 0.01;
@@ -54,7 +54,7 @@ pub(super) struct Passage {
     /// Information of the line on γ, and the gradient of half its chi-square.
     information: f64,
     gradient: Complex64,
-    /// |misfit|² by its expectation, at most [`BAD_LINE`]; `None` for a line that was skipped.
+    /// |misfit|² by its expectation; `None` for a line that was skipped.
     pub(super) chi_square: Option<f64>,
 }
 
@@ -147,7 +147,7 @@ impl State {
             slope_gain: self.covariance * information,
             information,
             gradient,
-            chi_square: Some(chi_square.min(BAD_LINE)),
+            chi_square: Some(chi_square),
         };
         self.gamma += self.variance * gradient;
         self.slope += self.covariance * gradient;

@@ -8,6 +8,7 @@ use super::Branch;
 use super::anchor::{Anchors, KnownWaveNumber};
 use super::doubt::BranchDoubt;
 use super::forward::{Courses, LineAt};
+use super::noise::{NoiseLevel, assumed_variance, least_variance};
 use super::observation::PhaseObservation;
 use super::path::Sight;
 use super::verdict::Verdict;
@@ -23,14 +24,8 @@ pub const FASTEST_WAVE: f64 = 20e3;
 pub const LEAST_CONFIDENCE: f64 = 0.9999;
 /// Standard deviations of the wave speed around a guess within which it is searched.
 const WITHIN: f64 = 5.0;
-/// Noise that is assumed if none is stated, by (½ + |Ψ|²)^½. It is then replaced by what the lines scatter.
-const ASSUMED_NOISE: f64 = 0.03;
-/// No line is trusted beyond this, by (¼ + |Ψ|²)^½, however low its stated noise.
-const LEAST_NOISE: f64 = 1e-4;
-/// Mean chi-square by its expectation above which the noise is taken to be that much higher than stated.
-const EXCESS: f64 = 1.5;
-/// How often the noise is adjusted.
-const ADJUSTMENTS: usize = 4;
+/// How often the noise is adjusted at most.
+const ADJUSTMENTS: usize = 6;
 
 /// The lines of one record that are to be put on their branches.
 #[derive(Clone, Copy)]
@@ -276,18 +271,12 @@ impl BranchTracker {
             known: &self.known,
         };
         let mut courses = Courses::default();
-        let mut noise_power = 1.0;
-        for attempt in 0..=ADJUSTMENTS {
+        let mut noise = NoiseLevel::of(&lines, &places, stated);
+        for adjustment in 0..=ADJUSTMENTS {
+            noise.apply(&mut lines);
             courses.follow(&lines, &anchors);
-            let chi_square = courses.mean_chi_square();
-            let deviates = chi_square > EXCESS || (!stated && attempt == 0 && chi_square < 0.5);
-            if !deviates || attempt == ADJUSTMENTS {
+            if adjustment == ADJUSTMENTS || !noise.adjust(courses.excess()) {
                 break;
-            }
-            noise_power *= chi_square;
-            for line in &mut lines {
-                let floor = least_variance(line.sight.observed);
-                line.sight.variance = (line.sight.variance * chi_square).max(floor);
             }
         }
 
@@ -307,7 +296,7 @@ impl BranchTracker {
         Ok(TrackedBranches {
             records: tracked,
             hypotheses: verdict.hypotheses(&lines),
-            noise_factor: noise_power.sqrt(),
+            noise_factor: noise.factor(),
         })
     }
 }
@@ -332,8 +321,9 @@ impl<'a> PhaseRecord<'a> {
         let observed = *self.observed.get(index)?;
         let variance = match self.variance {
             Some(variance) => *variance.get(index)?,
-            None => ASSUMED_NOISE * ASSUMED_NOISE * (0.5 + observed.norm_sqr()),
+            None => assumed_variance(observed),
         };
+        let variance = variance.max(least_variance(observed));
         Some(LineAt {
             omega,
             missing: !(observed.is_finite() && variance.is_finite()),
@@ -341,7 +331,7 @@ impl<'a> PhaseRecord<'a> {
                 observation: self.observation,
                 length: self.length,
                 observed,
-                variance: variance.max(least_variance(observed)),
+                variance,
             },
         })
     }
@@ -373,11 +363,7 @@ fn lines_in_order<'a>(records: &[PhaseRecord<'a>]) -> (Vec<LineAt<'a>>, Vec<Plac
 
 /// Where a line comes from.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    record: usize,
-    line: usize,
-}
-
-fn least_variance(observed: Complex64) -> f64 {
-    LEAST_NOISE * LEAST_NOISE * (0.25 + observed.norm_sqr())
+pub(super) struct Place {
+    pub(super) record: usize,
+    pub(super) line: usize,
 }

@@ -11,7 +11,7 @@ use statrs::function::erf::erfc;
 
 use super::doubt::BranchDoubt;
 use super::forward::{Courses, LineAt};
-use super::path::{Backward, Smoothed};
+use super::path::{BAD_LINE, Backward, Smoothed};
 use super::tracker::{SpeedHypothesis, TrackedLine};
 
 /// Courses that are compared on every line.
@@ -23,6 +23,8 @@ pub(super) const ONE_ROOT: f64 = 0.005;
 /// Mean of |misfit|² by its expectation over [`NEIGHBOURHOOD`] lines above which something else than noise is at work.
 const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
+/// |misfit|² by its expectation above which a single line does not belong to the curve; noise does that once in 10⁷ lines.
+const STRANGE: f64 = 16.0;
 /// Standard errors beyond which a probability is 1 to all digits.
 const SURE: f64 = 8.3;
 /// Standard errors below 0 at which a damping is negative.
@@ -34,6 +36,7 @@ pub(super) struct Verdict {
     courses: Vec<(f64, Vec<Smoothed>)>,
     /// Mean misfit around every line, on the first course; infinite behind a long erratic stretch.
     misfit: Vec<f64>,
+    determined: bool,
     crowded_out: f64,
     least_confidence: f64,
 }
@@ -58,7 +61,7 @@ impl Verdict {
                 if let (Some(entry), Some(chi)) = (row.get_mut(index), chi_square.get_mut(index)) {
                     *entry = backward.pass(this);
                     if rank == 0 {
-                        *chi = this.chi_square;
+                        *chi = this.chi_square.map(|chi| chi.min(BAD_LINE));
                     }
                 }
                 passage = this.before;
@@ -75,6 +78,7 @@ impl Verdict {
         Self {
             courses: smoothed,
             misfit,
+            determined: courses.determined,
             crowded_out: courses.crowded_out,
             least_confidence,
         }
@@ -158,6 +162,10 @@ impl Verdict {
         (root, other): (Complex64, Complex64),
         (disagreeing, rival): (f64, Option<f64>),
     ) -> Option<BranchDoubt> {
+        if !self.determined {
+            *confidence = 0.0;
+            return Some(BranchDoubt::Undetermined);
+        }
         let misfit = self.misfit.get(index).copied().unwrap_or(0.0);
         if misfit > ERRATIC {
             *confidence = 0.0;
@@ -171,6 +179,18 @@ impl Verdict {
             return Some(BranchDoubt::Turned {
                 damping_length: best.raw.re,
                 deviations: -best.raw.re / best.spread,
+            });
+        }
+        let [value, slope, curvature] = line.sight.observation.expand(best.raw);
+        let phase_variance = 2.0 * best.spread * best.spread;
+        let expected = line.sight.variance
+            + slope.norm_sqr() * phase_variance
+            + 0.5 * curvature.norm_sqr() * phase_variance * phase_variance;
+        if (line.sight.observed - value).norm_sqr() > STRANGE * expected {
+            *confidence = 0.0;
+            return Some(BranchDoubt::Leap {
+                expected: best.mean.im,
+                found: root.im,
             });
         }
         let unsure = *confidence < self.least_confidence;
