@@ -32,7 +32,7 @@ const SEARCH_RATIO: f64 = 1.02;
 /// Log weight, below that of the best one, with which a course is given up.
 const NEGLIGIBLE: f64 = -23.0;
 /// Courses that are kept.
-const MOST_COURSES: usize = 512;
+const MOST_COURSES: usize = 2048;
 /// Courses up to which pairs are compared.
 const MOST_MERGED: usize = 64;
 /// Courses closer than this many standard deviations in γ and dγ/dω are one.
@@ -99,11 +99,14 @@ impl Course {
 }
 
 impl LineAt<'_> {
-    /// How far noise is from making one root out of another, by what it is expected to be; above 1 it cannot.
+    /// How far noise is from making one root out of another, by what it is expected to be; above 1 it cannot. Of two roots
+    /// that meet the distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a phase of a radian is still |Ψ'|.
     fn determination_at(&self, root: Complex64) -> f64 {
         let [_, slope, curvature] = self.sight.observation.expand(root);
-        let noise = 2.0 * WELL_DETERMINED * self.sight.variance.sqrt();
-        slope.norm_sqr() / (noise * curvature.norm())
+        let noise = WELL_DETERMINED * self.sight.variance.sqrt();
+        let power = slope.norm_sqr();
+        let distance = power / (2.0 * curvature.norm()).max(power.sqrt());
+        distance / noise
     }
 
     /// The same for the lowest root.

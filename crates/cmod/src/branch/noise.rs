@@ -45,14 +45,11 @@ impl NoiseLevel {
     /// First guess from neighbouring lines.
     pub(super) fn of(lines: &[LineAt<'_>], places: &[Place], stated: bool) -> Self {
         let mut scatter = Vec::with_capacity(lines.len());
-        let mut relative = Vec::with_capacity(lines.len());
         let mut row: [Option<(usize, &LineAt<'_>)>; 2] = [None, None];
         for (line, place) in lines.iter().zip(places) {
             if line.missing {
                 continue;
             }
-            let least = least_variance(line.sight.observed) / (LEAST * LEAST);
-            relative.push(line.sight.variance / least);
             if let [Some((_, first)), Some((_, middle))] = row
                 && row
                     .iter()
@@ -64,11 +61,16 @@ impl NoiseLevel {
             row = [row[1], Some((place.record, line))];
         }
         let found = median(&mut scatter).map_or(1.0, |scatter| scatter / LN_2);
-        let most = median(&mut relative).map_or(1.0, |relative| MOST * MOST / relative);
-        let factor = match stated {
-            true if found > SCATTER => found.min(most).max(1.0),
-            true => 1.0,
-            false => found.min(most),
+        let factor = if stated && found <= SCATTER {
+            1.0
+        } else {
+            let relative = |line: &LineAt<'_>| {
+                line.sight.variance / least_variance(line.sight.observed) * LEAST * LEAST
+            };
+            let usable = lines.iter().filter(|line| !line.missing);
+            let mut relative: Vec<f64> = usable.map(relative).collect();
+            let most = median(&mut relative).map_or(1.0, |relative| MOST * MOST / relative);
+            found.min(most).max(if stated { 1.0 } else { 0.0 })
         };
         Self {
             variance: lines.iter().map(|line| line.sight.variance).collect(),

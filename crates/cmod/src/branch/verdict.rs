@@ -25,6 +25,7 @@ const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
 /// |misfit|² by its expectation above which a single line does not belong to the curve; noise does that once in 10⁷ lines.
 const STRANGE: f64 = 16.0;
+const SURPRISE: f64 = 4.0;
 /// Standard errors beyond which a probability is 1 to all digits.
 const SURE: f64 = 8.3;
 /// Standard errors below 0 at which a damping is negative.
@@ -36,6 +37,8 @@ pub(super) struct Verdict {
     courses: Vec<(f64, Vec<Smoothed>)>,
     /// Mean misfit around every line, on the first course; infinite behind a long erratic stretch.
     misfit: Vec<f64>,
+    /// |misfit|² by its expectation of every line, as the first course was led to expect by the lines before.
+    chi_square: Vec<Option<f64>>,
     determined: bool,
     crowded_out: f64,
     least_confidence: f64,
@@ -78,6 +81,7 @@ impl Verdict {
         Self {
             courses: smoothed,
             misfit,
+            chi_square,
             determined: courses.determined,
             crowded_out: courses.crowded_out,
             least_confidence,
@@ -181,12 +185,7 @@ impl Verdict {
                 deviations: -best.raw.re / best.spread,
             });
         }
-        let [value, slope, curvature] = line.sight.observation.expand(best.raw);
-        let phase_variance = 2.0 * best.spread * best.spread;
-        let expected = line.sight.variance
-            + slope.norm_sqr() * phase_variance
-            + 0.5 * curvature.norm_sqr() * phase_variance * phase_variance;
-        if (line.sight.observed - value).norm_sqr() > STRANGE * expected {
+        if self.is_strange(index, line, best) {
             *confidence = 0.0;
             return Some(BranchDoubt::Leap {
                 expected: best.mean.im,
@@ -211,6 +210,20 @@ impl Verdict {
         (root.re < 0.0).then_some(BranchDoubt::NegativeDamping {
             damping_length: root.re,
         })
+    }
+
+    /// Whether a single line does not belong to the curve. Asked only where it surprised the filter.
+    fn is_strange(&self, index: usize, line: &LineAt<'_>, best: &Phase) -> bool {
+        let chi_square = self.chi_square.get(index).copied().flatten();
+        if chi_square.is_none_or(|chi_square| chi_square < SURPRISE) {
+            return false;
+        }
+        let [value, slope, curvature] = line.sight.observation.expand(best.raw);
+        let phase_variance = 2.0 * best.spread * best.spread;
+        let expected = line.sight.variance
+            + slope.norm_sqr() * phase_variance
+            + 0.5 * curvature.norm_sqr() * phase_variance * phase_variance;
+        (line.sight.observed - value).norm_sqr() > STRANGE * expected
     }
 
     fn phase(&self, rank: usize, index: usize, line: &LineAt<'_>) -> Option<Phase> {

@@ -1,5 +1,7 @@
 //! Random materials, rods, noise, frequencies and gaps, in search of a line that is silently wrong.
 
+use std::cell::Cell;
+
 use cmod::branch::BranchTracker;
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -83,7 +85,7 @@ fn no_line_is_silently_wrong() {
         .unwrap();
 }
 
-/// Anything at all, NaN, infinities and zeros among it, is answered and not believed.
+/// Anything at all, NaN and infinities among it, is answered and mostly not believed.
 #[test]
 fn numbers_without_meaning_are_not_believed() {
     let number = prop_oneof![
@@ -94,7 +96,9 @@ fn numbers_without_meaning_are_not_believed() {
     ];
     let pair = (number.clone(), number).prop_map(|(re, im)| Complex64::new(re, im));
     let strategy = (proptest::collection::vec(pair, 60), rods());
-    runner(100)
+    let believed = Cell::new(0);
+    let cases = 100;
+    runner(cases)
         .run(&strategy, |(observed, rod)| {
             let lines: Vec<f64> = (1..=60).map(|j| 40.0 * f64::from(j)).collect();
             let mut clean = Clean::of(&flat(rod.density, 0.05), rod, lines);
@@ -104,12 +108,15 @@ fn numbers_without_meaning_are_not_believed() {
             let tracked = BranchTracker::new()
                 .track(&[measured.record(&clean, &observation)])
                 .unwrap();
-            let believed = tracked.records[0]
-                .iter()
-                .filter(|line| line.root.is_some() && line.doubt.is_none())
-                .count();
-            prop_assert!(believed < 12, "{believed} of 60");
+            for line in &tracked.records[0] {
+                prop_assert!((0.0..=1.0).contains(&line.confidence));
+                prop_assert!(line.root.is_none_or(|root| root.is_finite()));
+                let is_believed = line.root.is_some() && line.doubt.is_none();
+                believed.set(believed.get() + u32::from(is_believed));
+            }
             Ok(())
         })
         .unwrap();
+    // As noise of the size of the signal is allowed for, any material explains some of it.
+    assert!(believed.get() < 60 * cases / 50, "{}", believed.get());
 }

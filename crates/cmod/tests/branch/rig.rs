@@ -184,12 +184,16 @@ pub fn is_right(
         (value - observed).norm() < 1e-7 * (1.0 + observed.norm()),
         "{root} is no root"
     );
+    // the parabola is good near where they meet; Newton's iteration does the rest, unless it returns to the root
     let mut reflected = root - 2.0 * slope / curvature;
-    if (reflected - root).norm() < 1.0 {
-        // the parabola is good near where they meet; a few Newton steps do the rest
-        for _ in 0..4 {
-            let [value, slope, _] = observation.expand(reflected);
-            reflected += (observed - value) / slope;
+    if (reflected - root).norm() < 2.0 {
+        let mut refined = reflected;
+        for _ in 0..6 {
+            let [value, slope, _] = observation.expand(refined);
+            refined += (observed - value) / slope;
+        }
+        if (refined - reflected).norm() < 0.5 * (refined - root).norm() {
+            reflected = refined;
         }
     }
     let (here, there) = ((root - exact).norm(), (reflected - exact).norm());
