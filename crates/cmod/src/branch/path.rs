@@ -320,10 +320,11 @@ mod tests {
             .map(|(row, value)| row.iter().copied().chain([*value]).collect())
             .collect();
         for column in 0..n {
-            for row in column + 1..n {
-                let factor = rows[row][column] / rows[column][column];
-                for k in column..=n {
-                    rows[row][k] -= factor * rows[column][k];
+            let pivot = rows[column].clone();
+            for row in rows.iter_mut().skip(column + 1) {
+                let factor = row[column] / pivot[column];
+                for (entry, above) in row.iter_mut().zip(&pivot) {
+                    *entry -= factor * above;
                 }
             }
         }

@@ -18,26 +18,26 @@ use rodwave::modulus::{ConstantQ, PowerLawPropagation};
 use serde::Deserialize;
 
 /// Mass of the accelerometers of paper A with their connectors [kg].
-pub const ACCELEROMETER: f64 = 2.9e-3;
+pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
 
 #[derive(Deserialize)]
-pub struct GoldenTable {
-    pub rows: Vec<GoldenRow>,
+pub(crate) struct GoldenTable {
+    pub(crate) rows: Vec<GoldenRow>,
 }
 
 #[derive(Deserialize)]
-pub struct GoldenRow {
-    pub label: String,
-    pub text: BTreeMap<String, String>,
-    pub values: BTreeMap<String, GoldenValue>,
+pub(crate) struct GoldenRow {
+    pub(crate) label: String,
+    pub(crate) text: BTreeMap<String, String>,
+    pub(crate) values: BTreeMap<String, GoldenValue>,
 }
 
 #[derive(Deserialize)]
-pub struct GoldenValue {
-    pub value: f64,
+pub(crate) struct GoldenValue {
+    pub(crate) value: f64,
 }
 
-pub fn golden(name: &str) -> GoldenTable {
+pub(crate) fn golden(name: &str) -> GoldenTable {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../fixtures/golden")
         .join(name);
@@ -46,19 +46,19 @@ pub fn golden(name: &str) -> GoldenTable {
 
 /// A rod with its accelerometer.
 #[derive(Debug, Clone, Copy)]
-pub struct Rod {
-    pub length: f64,
-    pub diameter: f64,
-    pub density: f64,
-    pub accelerometer: f64,
+pub(crate) struct Rod {
+    pub(crate) length: f64,
+    pub(crate) diameter: f64,
+    pub(crate) density: f64,
+    pub(crate) accelerometer: f64,
 }
 
 impl Rod {
-    pub fn mass_ratio(&self) -> f64 {
+    pub(crate) fn mass_ratio(&self) -> f64 {
         self.accelerometer / (self.density * 0.25 * PI * self.diameter.powi(2) * self.length)
     }
 
-    pub fn observation(&self) -> EndMass {
+    pub(crate) fn observation(&self) -> EndMass {
         EndMass {
             mass_ratio: self.mass_ratio(),
         }
@@ -66,7 +66,7 @@ impl Rod {
 }
 
 /// Tests 1 to 10 (paper A, Table 2).
-pub fn rods_of_paper_a() -> Vec<Rod> {
+pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
     let table = golden("paper_a_table_2.ron");
     assert_eq!(table.rows.len(), 10);
     let of = |row: &GoldenRow| Rod {
@@ -79,28 +79,28 @@ pub fn rods_of_paper_a() -> Vec<Rod> {
 }
 
 /// A wave number of 1 to 2 kHz in a polymer: E = 2.6 GPa.
-pub fn flat(density: f64, loss_factor: f64) -> Medium<ConstantQ> {
+pub(crate) fn flat(density: f64, loss_factor: f64) -> Medium<ConstantQ> {
     let law = ConstantQ::new(2.6e9, loss_factor, TAU * 1e3).unwrap();
     Medium::new(density, law).unwrap()
 }
 
 /// Polyamide 6 by paper E, eq. 7, with `fraction` of its damping coefficient.
-pub fn polyamide(density: f64, fraction: f64) -> Medium<PowerLawPropagation> {
+pub(crate) fn polyamide(density: f64, fraction: f64) -> Medium<PowerLawPropagation> {
     let law = PowerLawPropagation::new(fraction * 8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
     Medium::new(density, law).unwrap()
 }
 
 /// Lines without noise.
-pub struct Clean {
-    pub rod: Rod,
-    pub frequency_hz: Vec<f64>,
-    pub ratio: Vec<Complex64>,
+pub(crate) struct Clean {
+    pub(crate) rod: Rod,
+    pub(crate) frequency_hz: Vec<f64>,
+    pub(crate) ratio: Vec<Complex64>,
     /// γL of the material.
-    pub exact: Vec<Complex64>,
+    pub(crate) exact: Vec<Complex64>,
 }
 
 impl Clean {
-    pub fn of<L>(medium: &Medium<L>, rod: Rod, frequency_hz: Vec<f64>) -> Self
+    pub(crate) fn of<L>(medium: &Medium<L>, rod: Rod, frequency_hz: Vec<f64>) -> Self
     where
         L: PropagationLaw,
         Medium<L>: WaveMedium<AngularFrequency> + Clone + 'static,
@@ -122,7 +122,7 @@ impl Clean {
     }
 
     /// With noise of `noise` times |Ψ|, and `missing` of the lines not a number.
-    pub fn measured(&self, noise: f64, missing: f64, seed: u64) -> Measured {
+    pub(crate) fn measured(&self, noise: f64, missing: f64, seed: u64) -> Measured {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut observed = Vec::with_capacity(self.ratio.len());
         for ratio in &self.ratio {
@@ -145,20 +145,20 @@ impl Clean {
     }
 
     /// Conditions (i) and (ii) of paper A, by the exact wave number.
-    pub fn is_inside(&self, line: usize) -> bool {
+    pub(crate) fn is_inside(&self, line: usize) -> bool {
         let wavelength = TAU * self.rod.length / self.exact[line].im;
         wavelength > 5.0 * self.rod.diameter && wavelength < 5.0 * self.rod.length
     }
 }
 
 /// What the analyser gives.
-pub struct Measured {
-    pub observed: Vec<Complex64>,
-    pub variance: Vec<f64>,
+pub(crate) struct Measured {
+    pub(crate) observed: Vec<Complex64>,
+    pub(crate) variance: Vec<f64>,
 }
 
 impl Measured {
-    pub fn record<'a>(&'a self, clean: &'a Clean, observation: &'a EndMass) -> PhaseRecord<'a> {
+    pub(crate) fn record<'a>(&'a self, clean: &'a Clean, observation: &'a EndMass) -> PhaseRecord<'a> {
         PhaseRecord {
             observation,
             length: clean.rod.length,
@@ -173,7 +173,7 @@ impl Measured {
 ///
 /// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the nearest one else is π or more
 /// away. Roots within 0.005 of each other are one, as the tracker has it.
-pub fn is_right(
+pub(crate) fn is_right(
     observation: &EndMass,
     root: Complex64,
     exact: Complex64,
@@ -201,7 +201,7 @@ pub fn is_right(
 }
 
 /// Whether a line is silently wrong.
-pub fn is_silently_wrong(
+pub(crate) fn is_silently_wrong(
     line: &TrackedLine,
     observation: &EndMass,
     exact: Complex64,
