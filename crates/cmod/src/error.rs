@@ -137,6 +137,22 @@ pub enum CmodError {
         /// The value found.
         variance: f64,
     },
+    /// A coherence that cannot be.
+    #[error("coherence of line {index} is {coherence}, expected a value from 0 to 1")]
+    Coherence {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found.
+        coherence: f64,
+    },
+    /// A variance cannot be told from so few averages.
+    #[error(
+        "{found} averages, expected at least 2: the coherence of one is 1 whatever was measured"
+    )]
+    TooFewAverages {
+        /// The number found.
+        found: f64,
+    },
     /// A load history without segments.
     #[error("no load segment")]
     NoLoad,

@@ -158,7 +158,11 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    pub(crate) fn record<'a>(&'a self, clean: &'a Clean, observation: &'a EndMass) -> PhaseRecord<'a> {
+    pub(crate) fn record<'a>(
+        &'a self,
+        clean: &'a Clean,
+        observation: &'a EndMass,
+    ) -> PhaseRecord<'a> {
         PhaseRecord {
             observation,
             length: clean.rod.length,
