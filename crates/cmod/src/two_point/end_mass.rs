@@ -300,6 +300,27 @@ impl EndMassEquation {
     }
 }
 
+impl EndMassEquation {
+    /// The same, and if it ends elsewhere than at the root that was `tracked` along the lines, the tracked root: on a noisy line
+    /// the way from μ = 0 can pass a point where two roots meet on the wrong side.
+    pub(super) fn continuation_checked(
+        &self,
+        free_end: Complex64,
+        tracked: Option<Complex64>,
+    ) -> EndMassRoot {
+        const SAME_ROOT: f64 = 1e-6;
+        let root = self.continuation(free_end);
+        match tracked {
+            Some(tracked)
+                if (root.gamma_length - tracked).norm() > SAME_ROOT * (1.0 + tracked.norm()) =>
+            {
+                self.newton(tracked)
+            }
+            _ => root,
+        }
+    }
+}
+
 impl MassSeries {
     /// The coefficients for the root `free_end` γ₀L of a specimen without end mass (paper A, eq. 7).
     #[must_use]
