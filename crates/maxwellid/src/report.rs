@@ -3,25 +3,26 @@
 use std::fmt;
 
 use crate::fit::Identification;
-use crate::identifiability::{Estimate, Identifiability, Noise, Verdict};
-use crate::law::{IdentifiableLaw, Role, Scale};
+use crate::identifiability::{Estimate, Identifiability, Noise};
+use crate::law::{Role, Scale};
+use crate::model::RodModel;
 
 /// Displays an identification: law, termination, residual, and each parameter with error and verdict.
 #[derive(Debug, Clone)]
 pub struct Report {
-    law: &'static str,
+    model: String,
     iterations: usize,
     termination: String,
     relative_error: f64,
     identifiability: Option<Identifiability>,
 }
 
-impl<L: IdentifiableLaw> Identification<L> {
+impl<M: RodModel> Identification<M> {
     /// A report for people, with errors against `noise`.
     #[must_use]
     pub fn report(&self, noise: Noise) -> Report {
         Report {
-            law: L::NAME,
+            model: self.model().name().to_owned(),
             iterations: self.iterations(),
             termination: self.termination().to_string(),
             relative_error: self.relative_error(),
@@ -35,7 +36,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "{} law, {} after {} iterations; residual {:.3} % of V0",
-            self.law,
+            self.model,
             self.termination,
             self.iterations,
             100.0 * self.relative_error
@@ -63,9 +64,7 @@ impl fmt::Display for Estimate {
         }
         match (self.role, self.verdict) {
             (Role::Derived, _) => write!(f, " (derived)"),
-            (Role::Coordinate, verdict @ (Verdict::Identified | Verdict::NotIdentifiable)) => {
-                write!(f, " ({verdict})")
-            }
+            (Role::Coordinate, verdict) => write!(f, " ({verdict})"),
         }
     }
 }

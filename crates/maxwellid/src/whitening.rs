@@ -1,0 +1,267 @@
+//! Noise of both histories in the residual, and the excitation that it leaves most likely.
+//!
+//! The simulated response is that to the *measured* excitation v_e = u + e, so the residual S(v_e; θ) - v_r holds the noise
+//! of the response and, through the rod, that of the excitation. With H = ∂S/∂u, the rod linearised about its motion, its covariance is
+//! C = C_r + H C_e Hᵀ. The factor L of C = L Lᵀ makes it white.
+//!
+//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and so are correlated with the residual. The cure
+//! is the maximum of the joint likelihood of θ *and* u: linearised about a present estimate û the residual is
+//! S(û; θ) + H (v_e - û) - v_r, of the same covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual). Alternating the two
+//! is Gauss and Newton's iteration for the joint problem; it also keeps the noise out of the nonlinear law.
+//!
+//! # Approximations
+//! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
+//! renewed when they move by more than a standard error. The discretisation error of the solver counts as white noise of the requested
+//! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
+
+use faer::{Mat, Side};
+use rodwave::band_limited::SampledHistory;
+
+use crate::model::{DrivenRod, RodModel};
+use crate::noise::{HistoryNoise, TestNoise};
+use crate::parallel::map_in_order;
+use crate::test::RodTest;
+
+/// Cells of the grid on which the transfer H is found \[m\]: a per cent of H changes an error by a per cent of itself.
+const TRANSFER_CELL: f64 = 8e-3;
+
+/// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
+const PERTURBATION: f64 = 1e-4;
+
+/// Every how many samples a nonlinear rod is perturbed: its impulse response changes slowly along its motion, and those between are
+/// interpolated at equal delay.
+const STRIDE: usize = 4;
+
+/// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
+#[derive(Debug, Clone)]
+pub(crate) struct Transfer {
+    matrix: Mat<f64>,
+}
+
+impl Transfer {
+    /// `None` where the model cannot be evaluated.
+    pub(crate) fn new<M: RodModel>(
+        model: &M,
+        parameters: &[f64],
+        test: &RodTest,
+        excitation: &[f64],
+    ) -> Option<Self> {
+        let window = test.window;
+        let samples = excitation.len().min(window + SampledHistory::HALF_WIDTH);
+        let times = test.times();
+        let rod = |history: &SampledHistory, samples: &[f64]| {
+            let rod = DrivenRod {
+                samples,
+                excitation: history,
+                ..test.driven_rod(&times, TRANSFER_CELL)
+            };
+            model.response(&rod, parameters)
+        };
+        let step = PERTURBATION * test.impact_velocity;
+        let perturbed = |base: &[f64], at: usize, step: f64| -> Option<Vec<f64>> {
+            let mut samples = base.to_vec();
+            *samples.get_mut(at)? += step;
+            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            rod(&history, &samples)
+        };
+        if model.is_linear() {
+            // one column, shifted: from a sample late enough for the whole of the interpolation
+            let lead = SampledHistory::HALF_WIDTH;
+            let base = vec![0.0; excitation.len() + lead];
+            let times: Vec<f64> = (0..window + lead)
+                .map(|k| sample_time(k, test.sampling_rate_hz))
+                .collect();
+            let mut samples = base;
+            *samples.get_mut(lead)? = step;
+            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            let rod = DrivenRod {
+                samples: &samples,
+                excitation: &history,
+                ..test.driven_rod(&times, TRANSFER_CELL)
+            };
+            let impulse = model.response(&rod, parameters)?;
+            return Some(Self {
+                matrix: Mat::from_fn(window, samples_of(excitation, window), |i, j| {
+                    (i + lead)
+                        .checked_sub(j)
+                        .and_then(|k| impulse.get(k))
+                        .map_or(0.0, |v| v / step)
+                }),
+            });
+        }
+        let base = {
+            let history = SampledHistory::new(excitation, test.sampling_rate_hz).ok()?;
+            rod(&history, excitation)?
+        };
+        let places: Vec<usize> = (0..samples).step_by(STRIDE).collect();
+        let columns: Option<Vec<Vec<f64>>> = map_in_order(&places, |at| {
+            let moved = perturbed(excitation, *at, step)?;
+            Some(
+                moved
+                    .iter()
+                    .zip(&base)
+                    .map(|(m, b)| (m - b) / step)
+                    .collect(),
+            )
+        })
+        .into_iter()
+        .collect();
+        let columns = columns?;
+        let matrix = Mat::from_fn(window, samples, |i, j| {
+            interpolated_at_equal_delay(&columns, i, j)
+        });
+        Some(Self { matrix })
+    }
+
+    /// H times a history [m/s].
+    pub(crate) fn times(&self, history: &[f64]) -> Vec<f64> {
+        (0..self.matrix.nrows())
+            .map(|i| {
+                history
+                    .iter()
+                    .take(self.matrix.ncols())
+                    .enumerate()
+                    .map(|(j, v)| self.matrix[(i, j)] * v)
+                    .sum()
+            })
+            .collect()
+    }
+}
+
+fn samples_of(excitation: &[f64], window: usize) -> usize {
+    excitation.len().min(window + SampledHistory::HALF_WIDTH)
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn sample_time(k: usize, rate_hz: f64) -> f64 {
+    k as f64 / rate_hz
+}
+
+/// Entry (i, j) of H from columns at every [`STRIDE`]-th sample.
+fn interpolated_at_equal_delay(columns: &[Vec<f64>], i: usize, j: usize) -> f64 {
+    let (before, offset) = (j / STRIDE, j % STRIDE);
+    // rows at which the neighbouring columns have the same delay i - j
+    let at = |column: usize, row: Option<usize>| {
+        let column = columns.get(column)?;
+        row.and_then(|row| column.get(row)).copied()
+    };
+    let first = at(before, i.checked_sub(offset));
+    let second = at(before + 1, Some(i + STRIDE - offset));
+    match (first, second) {
+        (Some(a), Some(_)) if offset == 0 => a,
+        (Some(a), Some(b)) => {
+            #[expect(clippy::cast_precision_loss, reason = "a stride of a few samples")]
+            let share = offset as f64 / STRIDE as f64;
+            a + share * (b - a)
+        }
+        (Some(v), None) | (None, Some(v)) => v,
+        (None, None) => 0.0,
+    }
+}
+
+/// Covariance of the residual of one test as its factor, and the excitation about which the model is linearised.
+#[derive(Debug, Clone)]
+pub(crate) struct Weighting {
+    transfer: Transfer,
+    /// L of C = L Lᵀ [m/s], rows packed.
+    factor: Vec<f64>,
+    noise: TestNoise,
+    /// û [m/s]
+    pub(crate) excitation: Vec<f64>,
+    pub(crate) history: SampledHistory,
+    /// H (v_e - û) [m/s]
+    pub(crate) correction: Vec<f64>,
+}
+
+impl Weighting {
+    /// `floor` [m/s]: standard deviation of white noise that counts for the error of the solver. `None` where the model cannot be
+    /// evaluated or the covariance is not positive definite.
+    pub(crate) fn new(test: &RodTest, transfer: Transfer, floor: f64) -> Option<Self> {
+        let noise = test.noise.clone()?;
+        let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
+        let excitation = toeplitz(&noise.excitation, samples);
+        let through = &transfer.matrix * excitation * transfer.matrix.transpose();
+        let covariance = toeplitz(&noise.response, window) + through;
+        let covariance = Mat::from_fn(window, window, |i, j| {
+            covariance[(i, j)] + if i == j { floor * floor } else { 0.0 }
+        });
+        let factor = covariance.llt(Side::Lower).ok()?;
+        let lower = factor.L();
+        let packed = (0..window)
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .map(|(i, j)| lower[(i, j)])
+            .collect();
+        Some(Self {
+            correction: vec![0.0; window],
+            excitation: test.excitation_samples.clone(),
+            history: test.excitation.clone(),
+            factor: packed,
+            transfer,
+            noise,
+        })
+    }
+
+    /// L⁻¹ times a history of the window [m/s], in place: the result is in standard deviations.
+    pub(crate) fn whiten(&self, history: &mut [f64]) {
+        let mut start = 0;
+        for i in 0..history.len() {
+            let row = &self.factor[start..=start + i];
+            let known: f64 = row.iter().zip(&history[..i]).map(|(l, z)| l * z).sum();
+            history[i] = (history[i] - known) / row[i];
+            start += i + 1;
+        }
+    }
+
+    /// L⁻ᵀ times a history, in place.
+    fn whiten_back(&self, history: &mut [f64]) {
+        for i in (0..history.len()).rev() {
+            let start = i * (i + 1) / 2;
+            let row = &self.factor[start..=start + i];
+            history[i] /= row[i];
+            let value = history[i];
+            for (h, l) in history[..i].iter_mut().zip(row) {
+                *h -= l * value;
+            }
+        }
+    }
+
+    /// The excitation that is most likely, given the white residual of this weighting.
+    pub(crate) fn cleaned(mut self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
+        let mut weighted = white_residual.to_vec();
+        self.whiten_back(&mut weighted);
+        let samples = self.transfer.matrix.ncols();
+        let through: Vec<f64> = (0..samples)
+            .map(|j| {
+                weighted
+                    .iter()
+                    .enumerate()
+                    .map(|(i, w)| self.transfer.matrix[(i, j)] * w)
+                    .sum()
+            })
+            .collect();
+        let error: Vec<f64> = (0..samples)
+            .map(|k| {
+                through
+                    .iter()
+                    .enumerate()
+                    .map(|(j, t)| self.noise.excitation.autocovariance(k.abs_diff(j)) * t)
+                    .sum()
+            })
+            .collect();
+        self.correction = self.transfer.times(&error);
+        self.excitation.clone_from(&test.excitation_samples);
+        for (u, e) in self.excitation.iter_mut().zip(&error) {
+            *u -= e;
+        }
+        self.history = SampledHistory::new(&self.excitation, test.sampling_rate_hz).ok()?;
+        Some(self)
+    }
+}
+
+fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
+    let row: Vec<f64> = (0..size).map(|lag| noise.autocovariance(lag)).collect();
+    Mat::from_fn(size, size, |i, j| row[i.abs_diff(j)])
+}
