@@ -233,6 +233,21 @@ impl Design<'_> {
         Ok(0.5 * found.chi_square)
     }
 
+    /// The misfit matrix: entry (i, j) is the separation of law i, taken for the truth, from law j, for the tests made. It belongs to every
+    /// choice of a law: what is near 0 off the diagonal cannot be told apart.
+    ///
+    /// # Errors
+    /// As [`Self::separation`].
+    pub fn separations(&self, laws: &[Estimated<'_>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
+        laws.iter()
+            .map(|truth| {
+                laws.iter()
+                    .map(|rival| self.separation(*truth, rival.candidate, None))
+                    .collect()
+            })
+            .collect()
+    }
+
     /// The planned tests by their separation of two laws, the best first.
     ///
     /// # Errors

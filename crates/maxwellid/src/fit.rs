@@ -18,8 +18,8 @@ use crate::whitening::{Transfer, Weighting};
 
 pub(crate) use crate::identification::Identification;
 
-/// A cell of the grid \[m\] with which the scheme leaves about 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a
-/// hundredth of the recorder's noise. The scheme is of second order.
+/// Longest cell of the grid unless another is set \[m\]; the requested accuracy may ask for a shorter one. The scheme leaves about 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a
+/// hundredth of the recorder's noise, and is of second order.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
 /// Requested accuracy of the simulated response unless another is chosen, rms as a share of V0.
@@ -49,8 +49,11 @@ const ROUNDS: usize = 6;
 /// Share of the sum of squares that a minimum may leave from which another stage goes on.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Share of a white sum of squares that a minimum may leave: of some hundred samples a ten-thousandth of a variance.
-const WHITE: f64 = 1e-7;
+/// Share of a white sum of squares that a minimum may leave: of some hundred samples a thousandth of a variance.
+const WHITE: f64 = 1e-5;
+
+/// Movement of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
+const TRANSFER_HOLDS: f64 = 5.0;
 
 /// Movement of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
@@ -75,10 +78,10 @@ pub enum Method {
 /// # Stages
 /// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on request. A minimum whose front
 ///    arrives at another time than the measured one is left.
-/// 2. The grid is chosen for the requested accuracy; at the solution a grid of half the cell verifies it, or refines.
-/// 3. If the noise of the tests is stated ([`RodTest::with_noise`] and its kin), the residual is made white with the noise of both
-///    histories, and the excitation is estimated along with the parameters (errors in variables). The [`crate::Nuisances`] are
-///    fitted in stages 2 and 3.
+/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the [`crate::Nuisances`]. If the noise of
+///    the tests is stated ([`RodTest::with_noise`] and its kin), the residual is made white with the noise of both histories, and the
+///    excitation is estimated along with the parameters (errors in variables). At the solution a grid of half the cell
+///    verifies the accuracy, or the stage is repeated on it.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};
@@ -223,14 +226,8 @@ impl<M: RodModel> Fit<M> {
         }
         let mut course = Course::default();
         let start = self.coarse(tests, modulus, &mut course)?;
-        let (cell, minimum, difference) = self.refined(tests, &start, &mut course)?;
-        if noise_is_known {
-            self.weighted(tests, cell, minimum, difference, course)
-        } else {
-            let mut problem = TestResidual::new(tests, &self.model, cell);
-            problem.nuisances = self.nuisances;
-            Ok(self.concluded(&problem, minimum, difference, course))
-        }
+        let (problem, minimum, difference) = self.refined(tests, &start, &mut course)?;
+        Ok(self.concluded(&problem, minimum, difference, course))
     }
 
     fn minimise(
@@ -320,54 +317,55 @@ impl<M: RodModel> Fit<M> {
         Ok(best.parameters)
     }
 
-    /// The second stage: the minimum on a grid that is fine enough, its cell, and the difference to one of half the cell.
-    fn refined(
-        &self,
-        tests: &[RodTest],
+    /// The second stage: the minimum on a grid that is fine enough, and the difference to one of half the cell.
+    fn refined<'a>(
+        &'a self,
+        tests: &'a [RodTest],
         start: &[f64],
         course: &mut Course,
-    ) -> Result<(f64, Minimum, f64), MaxwellidError> {
+    ) -> Result<(TestResidual<'a, M>, Minimum, f64), MaxwellidError> {
         let requested = self.requested_accuracy(tests);
-        let mut cell = match self.cell {
+        // data of this solver come from a grid that their user knows or the usual one
+        let fixed = self.cell.or(self.round_trip.then_some(DEFAULT_CELL));
+        let mut cell = match fixed {
             Some(cell) => cell,
             None => {
                 let coarse = self.grid_difference(tests, start, SCAN_CELL).unwrap_or(0.0);
                 // an error of second order
                 let share = (MARGIN * requested / coarse).sqrt();
-                (SCAN_CELL * share).clamp(SHORTEST_CELL, SCAN_CELL)
+                (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
             }
         };
         let mut start = start.to_vec();
         let each = self.nuisances.of_iteration().len() * tests.len();
         start.extend(std::iter::repeat_n(0.0, each));
+        let noise_is_known = noise_is_known(tests)?;
         let mut refinement = 0;
         loop {
             let mut problem = TestResidual::new(tests, &self.model, cell);
             problem.nuisances = self.nuisances;
-            // a calibration needs the noise; until that is used the nuisances stay where they are
-            let mut reduction = None;
-            if noise_is_known(tests)? {
-                reduction = Some(PRELIMINARY);
-                problem.nuisances = Nuisances::default();
-                start.truncate(self.model.step_limits().len());
-            }
-            let minimum = self
-                .minimise(&problem, &start, reduction)?
-                .ok_or_else(|| start_error(start.first().map_or(f64::NAN, |t| t.exp())))?;
-            course.count(&minimum);
-            let of_model = &minimum.parameters[..self.model.step_limits().len()];
+            let (problem, minimum) = if noise_is_known {
+                self.weighted(problem, &start, course)?
+            } else {
+                let minimum = self
+                    .minimise(&problem, &start, None)?
+                    .ok_or_else(|| start_error(start.first().map_or(f64::NAN, |t| t.exp())))?;
+                course.count(&minimum);
+                (problem, minimum)
+            };
+            let of_model = &minimum.parameters[..problem.of_model()];
             let difference = self
                 .grid_difference(tests, of_model, cell)
                 .unwrap_or(f64::NAN);
-            let finest = self.cell.is_some() || cell <= SHORTEST_CELL;
+            let finest = fixed.is_some() || cell <= SHORTEST_CELL;
             if difference <= requested || finest || refinement >= REFINEMENTS {
-                if difference > requested && self.cell.is_none() {
+                if difference > requested && fixed.is_none() {
                     course.flags.push(FitFlag::GridTooCoarse {
                         difference,
                         requested,
                     });
                 }
-                return Ok((cell, minimum, difference));
+                return Ok((problem, minimum, difference));
             }
             refinement += 1;
             start = minimum.parameters;
@@ -410,24 +408,16 @@ impl<M: RodModel> Fit<M> {
         Some(largest)
     }
 
-    /// The third stage: weights from the noise of both histories, and the excitation as an unknown.
-    fn weighted(
+    /// The second stage with stated noise: weights from the noise of both histories, and the excitation as an unknown.
+    fn weighted<'a>(
         &self,
-        tests: &[RodTest],
-        cell: f64,
-        first: Minimum,
-        difference: f64,
-        mut course: Course,
-    ) -> Result<Identification<M>, MaxwellidError>
-    where
-        M: Clone,
-    {
-        let mut problem = TestResidual::new(tests, &self.model, cell);
-        problem.nuisances = self.nuisances;
+        mut problem: TestResidual<'a, M>,
+        start: &[f64],
+        course: &mut Course,
+    ) -> Result<(TestResidual<'a, M>, Minimum), MaxwellidError> {
+        let tests = problem.tests;
         let of_model = problem.of_model();
-        let mut parameters = first.parameters;
-        let each = self.nuisances.of_iteration().len() * tests.len();
-        parameters.extend(std::iter::repeat_n(0.0, each));
+        let mut parameters = start.to_vec();
         let mut transfer_is_due = true;
         let mut last: Option<Minimum> = None;
         for _ in 0..ROUNDS {
@@ -442,6 +432,7 @@ impl<M: RodModel> Fit<M> {
                             .map_or(&test.excitation_samples, |w| &w.excitation);
                         let transfer =
                             Transfer::new(&self.model, &parameters[..of_model], test, excitation)?;
+
                         Weighting::new(test, transfer, self.accuracy * test.impact_velocity)
                     })
                     .collect();
@@ -458,36 +449,13 @@ impl<M: RodModel> Fit<M> {
             if settled {
                 break;
             }
-            transfer_is_due = moved > 1.0;
-            problem = self.with_cleaned_excitations(problem, &parameters)?;
+            transfer_is_due = moved > TRANSFER_HOLDS;
+            problem = with_cleaned_excitations(problem, &parameters)?;
         }
         match last {
-            Some(minimum) => Ok(self.concluded(&problem, minimum, difference, course)),
+            Some(minimum) => Ok((problem, minimum)),
             None => Err(start_error(parameters[0].exp())),
         }
-    }
-
-    /// The problem linearised about the excitations that are most likely at `parameters`.
-    fn with_cleaned_excitations<'a>(
-        &self,
-        mut problem: TestResidual<'a, M>,
-        parameters: &[f64],
-    ) -> Result<TestResidual<'a, M>, MaxwellidError> {
-        let rows = problem
-            .residual_of_tests(parameters)
-            .ok_or_else(|| start_error(parameters[0].exp()))?;
-        let cleaned: Option<Vec<Weighting>> = problem
-            .weightings
-            .drain(..)
-            .zip(problem.tests)
-            .zip(&rows)
-            .map(|((weighting, test), residual)| {
-                let window = residual.get(..test.window)?;
-                weighting.cleaned(test, window)
-            })
-            .collect();
-        problem.weightings = cleaned.ok_or_else(|| start_error(parameters[0].exp()))?;
-        Ok(problem)
     }
 
     fn concluded(
@@ -561,6 +529,28 @@ impl<M: RodModel> Fit<M> {
             Err(start_error(modulus))
         }
     }
+}
+
+/// The problem linearised about the excitations that are most likely at `parameters`.
+fn with_cleaned_excitations<'a, M: RodModel>(
+    mut problem: TestResidual<'a, M>,
+    parameters: &[f64],
+) -> Result<TestResidual<'a, M>, MaxwellidError> {
+    let rows = problem
+        .residual_of_tests(parameters)
+        .ok_or_else(|| start_error(parameters[0].exp()))?;
+    let cleaned: Option<Vec<Weighting>> = problem
+        .weightings
+        .drain(..)
+        .zip(problem.tests)
+        .zip(&rows)
+        .map(|((weighting, test), residual)| {
+            let window = residual.get(..test.window)?;
+            weighting.cleaned(test, window)
+        })
+        .collect();
+    problem.weightings = cleaned.ok_or_else(|| start_error(parameters[0].exp()))?;
+    Ok(problem)
 }
 
 /// What happened on the way.

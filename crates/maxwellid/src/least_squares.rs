@@ -52,7 +52,8 @@ impl std::ops::AddAssign for Evaluations {
 #[non_exhaustive]
 pub enum Termination {
     /// A step within the limits promises no further reduction of the sum of squares: less than 1e-10 of it, or, where the
-    /// residual is white, less than moves a parameter by a hundredth of its standard error.
+    /// residual is white, a hundred-thousandth, which moves no parameter by more than some
+    /// hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,

@@ -282,7 +282,7 @@ impl Walk<'_> {
         others: &[f64],
         curve: &mut Vec<(f64, f64)>,
     ) -> Result<f64, MaxwellidError> {
-        let root = |rise: f64| rise.max(0.0).min(1e6).sqrt();
+        let root = |rise: f64| rise.clamp(0.0, 1e6).sqrt();
         let mut value = outside.0;
         for refinement in 1..=REFINEMENTS {
             let (low, high) = (root(inside.1), root(outside.1));

@@ -49,6 +49,45 @@ use crate::least_squares::Termination;
 use crate::test::RodTest;
 
 /// A comparison of candidates to be made.
+///
+/// ```
+/// use maxwellid::linear::{ConstantQ, MaxwellBranches};
+/// use maxwellid::selection::{Candidate, Selection};
+/// use maxwellid::{Provenance, RodTest, RodTestData};
+/// use rodwave::InelasticRod;
+/// use rodwave::band_limited::SampledHistory;
+/// use rodwave::inelastic::Maxwell;
+/// use rodwave::lumped::{self, LumpedRod};
+///
+/// let rate = 51_200.0;
+/// let excitation: Vec<f64> = (0..140)
+///     .map(|k| 8.0 * (-((f64::from(k) - 35.0) / 4.0_f64).powi(2)).exp())
+///     .collect();
+/// let times: Vec<f64> = (0..140).map(|k| f64::from(k) / rate).collect();
+/// let rod = InelasticRod::new(0.391, 1140.0, 3.209e9, Maxwell::new(2e6)?)?;
+/// let response = LumpedRod::new(&rod, 400, 0.5)?
+///     .free_end_velocity(&SampledHistory::new(&excitation, rate)?, &times)?;
+/// let test = RodTest::new(RodTestData {
+///     name: "virtual".into(),
+///     length: 0.391,
+///     density: 1140.0,
+///     impact_velocity: 10.0,
+///     sampling_rate_hz: rate,
+///     excitation,
+///     response,
+///     provenance: Provenance::Virtual { generator: lumped::GENERATOR.into() },
+/// })?
+/// .with_noise(0.05, 0.05)?;
+///
+/// let laws = vec![
+///     Candidate::elastic(),
+///     Candidate::linear(MaxwellBranches::of(1).unwrap()),
+///     Candidate::linear(ConstantQ::default()),
+/// ];
+/// let comparison = Selection::new(laws)?.compare(&[test])?;
+/// assert_eq!(comparison.law().map(|law| law.name.as_str()), Some("Maxwell"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Selection {
     candidates: Vec<Candidate>,
@@ -474,6 +513,53 @@ impl Comparison {
             Decision::Law { candidate, .. } => self.laws.get(candidate),
             _ => None,
         }
+    }
+}
+
+/// The verdict, the advice, and a line for each law.
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let names = |indices: &[usize]| -> String {
+            let names: Vec<&str> = indices
+                .iter()
+                .filter_map(|index| self.laws.get(*index))
+                .map(|law| law.name.as_str())
+                .collect();
+            names.join(", ")
+        };
+        match &self.decision {
+            Decision::Law {
+                candidate,
+                probability,
+            } => writeln!(
+                f,
+                "{} (probability {probability:.3})",
+                names(std::slice::from_ref(candidate))
+            )?,
+            Decision::CannotTell { between, reason } => {
+                writeln!(f, "cannot tell between {}: {reason}", names(between))?;
+            }
+            Decision::NoneOfThese { best, adequacy } => writeln!(
+                f,
+                "none of these: the misfit of the best, {}, has a probability of {adequacy:.1e}",
+                names(std::slice::from_ref(best))
+            )?,
+        }
+        for advice in &self.advice {
+            writeln!(f, "advice: {advice}")?;
+        }
+        for law in &self.laws {
+            write!(
+                f,
+                "  {:<28} probability {:.3}, chi-square {:.0} of {:.0}",
+                law.name, law.probability, law.chi_square, self.effective_samples
+            )?;
+            match law.adequacy {
+                Some(adequacy) => writeln!(f, ", adequacy {adequacy:.3}")?,
+                None => writeln!(f, ", adequacy unknown as the noise is")?,
+            }
+        }
+        Ok(())
     }
 }
 

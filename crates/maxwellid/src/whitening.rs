@@ -6,12 +6,15 @@
 //!
 //! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and so are correlated with the residual. The cure
 //! is the maximum of the joint likelihood of θ *and* u: linearised about a present estimate û the residual is
-//! S(û; θ) + H (v_e - û) - v_r, of the same covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual). Alternating the two
-//! is Gauss and Newton's iteration for the joint problem; it also keeps the noise out of the nonlinear law.
+//! S(û; θ) + H (v_e - û) - v_r, of the same covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is
+//! independent of the residual. Alternating the two is Gauss and Newton's iteration for the joint problem; it also keeps the noise out
+//! of the nonlinear law. What noise is left in û still counts as signal in the derivatives, above all in ∂S/∂ln E, which is a
+//! derivative in time: the linearisation is therefore about û as a Wiener filter passes it. That costs nothing, because the residual is
+//! the same to first order about whatever excitation it is linearised.
 //!
 //! # Approximations
 //! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
-//! renewed when they move by more than a standard error. The discretisation error of the solver counts as white noise of the requested
+//! renewed when they move by more than five standard errors. The discretisation error of the solver counts as white noise of the requested
 //! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
 
 use faer::{Mat, Side};
@@ -30,7 +33,7 @@ const PERTURBATION: f64 = 1e-4;
 
 /// Every how many samples a nonlinear rod is perturbed: its impulse response changes slowly along its motion, and those between are
 /// interpolated at equal delay.
-const STRIDE: usize = 4;
+const STRIDE: usize = 8;
 
 /// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
 #[derive(Debug, Clone)]
@@ -182,8 +185,19 @@ impl Weighting {
     pub(crate) fn new(test: &RodTest, transfer: Transfer, floor: f64) -> Option<Self> {
         let noise = test.noise.clone()?;
         let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
-        let excitation = toeplitz(&noise.excitation, samples);
-        let through = &transfer.matrix * excitation * transfer.matrix.transpose();
+        let through = match &noise.excitation {
+            HistoryNoise::White { standard_deviation } => {
+                let scaled = Mat::from_fn(window, samples, |i, j| {
+                    standard_deviation * transfer.matrix[(i, j)]
+                });
+                &scaled * scaled.transpose()
+            }
+            HistoryNoise::Differentiated { .. } => {
+                &transfer.matrix
+                    * toeplitz(&noise.excitation, samples)
+                    * transfer.matrix.transpose()
+            }
+        };
         let covariance = toeplitz(&noise.response, window) + through;
         let covariance = Mat::from_fn(window, window, |i, j| {
             covariance[(i, j)] + if i == j { floor * floor } else { 0.0 }
@@ -194,14 +208,29 @@ impl Weighting {
             .flat_map(|i| (0..=i).map(move |j| (i, j)))
             .map(|(i, j)| lower[(i, j)])
             .collect();
-        Some(Self {
-            correction: vec![0.0; window],
-            excitation: test.excitation_samples.clone(),
+        let weighting = Self {
+            correction: Vec::new(),
+            excitation: Vec::new(),
             history: test.excitation.clone(),
             factor: packed,
             transfer,
             noise,
-        })
+        };
+        weighting.linearised_about(test, test.excitation_samples.clone())
+    }
+
+    /// Linearises about `excitation` [m/s] as the Wiener filter passes it.
+    fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
+        self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
+        let error: Vec<f64> = test
+            .excitation_samples
+            .iter()
+            .zip(&self.excitation)
+            .map(|(measured, u)| measured - u)
+            .collect();
+        self.correction = self.transfer.times(&error);
+        self.history = SampledHistory::new(&self.excitation, test.sampling_rate_hz).ok()?;
+        Some(self)
     }
 
     /// L⁻¹ times a history of the window [m/s], in place: the result is in standard deviations.
@@ -229,7 +258,7 @@ impl Weighting {
     }
 
     /// The excitation that is most likely, given the white residual of this weighting.
-    pub(crate) fn cleaned(mut self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
+    pub(crate) fn cleaned(self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
         let mut weighted = white_residual.to_vec();
         self.whiten_back(&mut weighted);
         let samples = self.transfer.matrix.ncols();
@@ -242,26 +271,130 @@ impl Weighting {
                     .sum()
             })
             .collect();
-        let error: Vec<f64> = (0..samples)
-            .map(|k| {
-                through
-                    .iter()
-                    .enumerate()
-                    .map(|(j, t)| self.noise.excitation.autocovariance(k.abs_diff(j)) * t)
-                    .sum()
-            })
+        let covariance: Vec<f64> = (0..samples)
+            .map(|lag| self.noise.excitation.autocovariance(lag))
             .collect();
-        self.correction = self.transfer.times(&error);
-        self.excitation.clone_from(&test.excitation_samples);
-        for (u, e) in self.excitation.iter_mut().zip(&error) {
-            *u -= e;
+        let mut excitation = test.excitation_samples.clone();
+        for (k, u) in excitation.iter_mut().take(samples).enumerate() {
+            let error: f64 = through
+                .iter()
+                .enumerate()
+                .map(|(j, t)| covariance[k.abs_diff(j)] * t)
+                .sum();
+            *u -= error;
         }
-        self.history = SampledHistory::new(&self.excitation, test.sampling_rate_hz).ok()?;
-        Some(self)
+        self.linearised_about(test, excitation)
     }
+}
+
+/// Frequencies to either side over which the power of a record is averaged.
+const SMOOTHED: usize = 5;
+
+/// Power over that of the noise up to which a frequency counts as noise: the average of eleven exceeds it once in ten times.
+const NOISE_POWER: f64 = 1.5;
+
+/// `history` with each frequency reduced to what its power holds beside the noise. The record is continued by its mirror image, so
+/// that its continuation has no jump.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
+    let count = history.len();
+    if count < 3 {
+        return history.to_vec();
+    }
+    let last = count - 1;
+    let period = 2 * last;
+    let cosines: Vec<f64> = (0..period)
+        .map(|k| (std::f64::consts::TAU * k as f64 / period as f64).cos())
+        .collect();
+    // the ends occur once in a period, all other samples twice
+    let occurs = |k: usize| if k == 0 || k == last { 1.0 } else { 2.0 };
+    let spectrum: Vec<f64> = (0..count)
+        .map(|f| {
+            history
+                .iter()
+                .enumerate()
+                .map(|(k, v)| occurs(k) * v * cosines[f * k % period])
+                .sum()
+        })
+        .collect();
+    let covariance: Vec<f64> = (0..count)
+        .map(|lag| noise.autocovariance(lag))
+        .take_while(|c| *c != 0.0)
+        .collect();
+    let gains: Vec<f64> = (0..count)
+        .map(|f| {
+            let of_noise: f64 = covariance
+                .iter()
+                .enumerate()
+                .map(|(lag, c)| {
+                    if lag == 0 {
+                        *c
+                    } else {
+                        2.0 * c * cosines[f * lag % period]
+                    }
+                })
+                .sum();
+            let (low, high) = (f.saturating_sub(SMOOTHED), (f + SMOOTHED).min(last));
+            let squares: f64 = spectrum[low..=high].iter().map(|x| x * x).sum();
+            let around = squares / (high - low + 1) as f64;
+            if around > 0.0 {
+                (1.0 - NOISE_POWER * period as f64 * of_noise / around).max(0.0)
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    (0..count)
+        .map(|k| {
+            let sum: f64 = spectrum
+                .iter()
+                .zip(&gains)
+                .enumerate()
+                .map(|(f, (x, gain))| occurs(f) * gain * x * cosines[f * k % period])
+                .sum();
+            sum / period as f64
+        })
+        .collect()
 }
 
 fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
     let row: Vec<f64> = (0..size).map(|lag| noise.autocovariance(lag)).collect();
     Mat::from_fn(size, size, |i, j| row[i.abs_diff(j)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_noise_the_filter_passes_everything() {
+        let noise = HistoryNoise::White {
+            standard_deviation: 0.0,
+        };
+        let history: Vec<f64> = (0..61_u32)
+            .map(|k| f64::from(k * k % 17) + 0.1 * f64::from(k))
+            .collect();
+        for (a, b) in wiener_filtered(&history, &noise).iter().zip(&history) {
+            // two transforms of 61 samples of size 20
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn frequencies_below_the_noise_are_taken_out_and_those_above_kept() {
+        let noise = HistoryNoise::White {
+            standard_deviation: 0.05,
+        };
+        let wave = |f: f64, k: u32| (std::f64::consts::PI * f * f64::from(k) / 128.0).cos();
+        let history: Vec<f64> = (0..=128)
+            .map(|k| wave(8.0, k) + 0.02 * wave(90.0, k))
+            .collect();
+        for (k, v) in (0..=128).zip(wiener_filtered(&history, &noise)) {
+            // power of the wave 128², averaged over 11: 1490; noise 1.5 · 256 · 0.05² = 0.96
+            assert!((v - wave(8.0, k)).abs() < 1e-3, "{k}: {v}");
+        }
+    }
 }
