@@ -106,7 +106,7 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
                     .filter(|errors| errors.material == material.material)
                     .flat_map(|errors| errors.by_number_of_tests.iter().map(|e| e.value))
                     .collect(),
-                seed: 1993,
+                seed: virtual_test::SEED,
             });
         }
     }
@@ -119,18 +119,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         .tests
         .iter()
         .map(|test| {
-            // 2.5 ms hold three or more reflections of a plastic rod; rubber is three times slower
-            let slow = super::identify::modulus_of(parameters) < 1e9;
-            let conditions = Conditions {
-                name: format!("Test {}", test.test),
-                density: test.density,
-                diameter: test.diameter,
-                rod_length: test.rod_length,
-                section_distance: test.section_distance,
-                transducer_range: test.transducer_range,
-                samples_after: if slow { 256 } else { 128 },
-                cell: cell_for(parameters, test.density, CELLS_PER_WAVE),
-            };
+            let conditions = conditions(test, super::identify::modulus_of(parameters));
             let mut noise = virtual_test::Noise::of_the_recorder(
                 rig.striker.velocity,
                 job.seed + u64::from(test.test),
@@ -144,7 +133,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
     let settings = Settings {
         cell: CELL,
         round_trip: false,
-        noise: Noise::Known(NOISE),
+        noise: Noise::Stated,
         recorder_noise: NOISE,
     };
     let outcomes: Vec<Outcome> = (1..=tests.len())
@@ -188,7 +177,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         reading_in_words: job.reading.description(),
         excitation: job.excitation,
         data: format!(
-            "virtual: {}; white noise of {} % of V0 on the response (seeds {} + test number)",
+            "virtual: {}; white noise of {} % of V0 on both histories (seeds {} + test number)",
             match job.excitation {
                 Excitation::AsRecorded => {
                     "the striker's excitation, as the recorder passes it, drives a lumped chain"
@@ -207,6 +196,22 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         iterations: last.iterations,
         histories,
     })
+}
+
+/// The conditions of a test on a rod of `modulus` \[Pa\].
+pub(crate) fn conditions(test: &RodTestConditions, modulus: f64) -> Conditions {
+    // 2.5 ms hold three or more reflections of a plastic rod; rubber is three times slower
+    let slow = modulus < 1e9;
+    Conditions {
+        name: format!("Test {}", test.test),
+        density: test.density,
+        diameter: test.diameter,
+        rod_length: test.rod_length,
+        section_distance: test.section_distance,
+        transducer_range: test.transducer_range,
+        samples_after: if slow { 256 } else { 128 },
+        cell: cell_for(modulus, test.density, CELLS_PER_WAVE),
+    }
 }
 
 fn deviation(parameter: &Parameter, input: f64) -> Option<f64> {
