@@ -2,7 +2,9 @@
 
 use crate::agreement::FitFlag;
 use crate::fit::{Course, root_mean_square};
-use crate::identifiability::{Identifiability, Judged, Noise, assess, correlation_inflation};
+use crate::identifiability::{
+    Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
+};
 use crate::law::IdentifiableLaw;
 use crate::least_squares::{
     Evaluations, Linearisation, Minimum, ScaledDecomposition, Termination, sum_of_squares,
@@ -127,6 +129,18 @@ impl<M: RodModel> Identification<M> {
         self.ratio_to_noise().powi(2) > 1.0 + 3.0 * (2.0 / self.degrees()).sqrt()
     }
 
+    /// Whether a parameter of the law stands at a bound of the search.
+    fn is_at_a_bound(&self) -> bool {
+        let bounds = self.model.bounds();
+        self.termination == Termination::AtBound
+            || self
+                .parameters
+                .iter()
+                .zip(bounds)
+                .skip(1)
+                .any(|(value, (low, high))| *value <= low || *value >= high)
+    }
+
     /// The model that was fitted, as it was given.
     #[must_use]
     pub fn model(&self) -> &M {
@@ -231,7 +245,7 @@ impl<M: RodModel> Identification<M> {
             }
             _ => None,
         };
-        assess(
+        let mut found = assess(
             &self.model,
             &self.parameters,
             &Judged {
@@ -240,7 +254,15 @@ impl<M: RodModel> Identification<M> {
             },
             &self.lengths,
             noise,
-        )
+        )?;
+        if self.is_at_a_bound() {
+            // the sum of squares falls beyond the bound: errors about a point that is no minimum say nothing of the law, and the
+            // damping belongs to the shape at the bound
+            for estimate in found.estimates.iter_mut().skip(1) {
+                estimate.verdict = Verdict::NotIdentifiable;
+            }
+        }
+        Some(found)
     }
 }
 

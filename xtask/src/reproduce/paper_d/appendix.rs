@@ -129,7 +129,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         row.model,
         &[test],
         Settings {
-            cell: CELL,
+            cell: Some(CELL),
             round_trip,
             noise: Noise::FromResidual,
             recorder_noise: NOISE_OF_TABLE_5,

@@ -137,8 +137,9 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         Data::FlatLoss(flat) => rig.flat_loss(&conditions, &flat.law()?, &mut noise)?,
     };
     let tests = [test];
+    let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
     let [least_mean_square, increment, conformal] = of_the_pattern(&tests, job.samples)?;
-    let comparison = Selection::new(Candidate::standard())?.compare(&tests)?;
+    let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
     Ok(Row {
         material: job.material.material.clone(),
         data: match job.data {

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::super::Error;
 use super::choice::{Verdict, verdict};
 use super::identify::{Parameter, Settings, identify, modulus_of};
-use super::materials::conditions;
+use super::materials::{CELL, conditions};
 use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
 use crate::fixtures::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
@@ -29,9 +29,6 @@ const LOSS_FACTORS: [(&str, f64); 5] = [
 
 /// The modulus of Table 4 is that at this frequency, in Hz.
 const REFERENCE_HZ: f64 = 3e3;
-
-/// Cells of the inversion, in m.
-const CELL: f64 = 4e-3;
 
 /// One material.
 #[derive(Debug, Clone, Serialize)]
@@ -119,23 +116,22 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
         })
         .collect::<Result<_, Error>>()?;
     let settings = Settings {
-        cell: CELL,
+        cell: Some(CELL),
         round_trip: false,
-        noise: Noise::Stated,
+        noise: Noise::FromResidual,
         recorder_noise: virtual_test::NOISE_OF_TABLE_5,
     };
     let outcomes = (1..=tests.len())
         .map(|count| identify(job.material.model, &tests[..count], settings))
         .collect::<Result<Vec<_>, _>>()?;
+    let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
     let elastic = Fit::of(Elastic).with_cell(CELL).to(&tests)?;
-    let flat = Fit::of(LinearModel::new(linear::ConstantQ::default()))
-        .with_cell(CELL)
-        .to(&tests)?;
+    let flat = Fit::of(LinearModel::new(linear::ConstantQ::default())).to(&weighed)?;
     let loss_factor = flat
         .identifiability(Noise::Stated)
         .and_then(|found| found.estimates.into_iter().nth(1))
         .ok_or("the fit with constant loss has a loss factor")?;
-    let comparison = Selection::new(Candidate::standard())?.compare(&tests)?;
+    let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
     Ok(FlatLoss {
         material: job.material.material.clone(),
         model: job.material.model.symbol(),

@@ -9,8 +9,8 @@ use crate::fixtures::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, Un
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Cells of the inversion, in m: second order leaves 2e-4 of V0, a hundredth of the noise.
-const CELL: f64 = 4e-3;
+/// Cells of the inversion, in m: second order leaves a tenth of the noise.
+pub(crate) const CELL: f64 = 2e-3;
 
 /// Cells of the chain in the shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 50.0;
@@ -130,16 +130,25 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             }
         })
         .collect::<Result<_, _>>()?;
-    let settings = Settings {
-        cell: CELL,
+    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weighs the noise of both histories, so that its errors cover.
+    let plain = Settings {
+        cell: Some(CELL),
         round_trip: false,
-        noise: Noise::Stated,
+        noise: Noise::FromResidual,
         recorder_noise: NOISE,
     };
     let outcomes: Vec<Outcome> = (1..=tests.len())
-        .map(|count| identify(job.material.model, &tests[..count], settings))
+        .map(|count| identify(job.material.model, &tests[..count], plain))
         .collect::<Result<_, _>>()?;
-    let last = outcomes.last().ok_or("the material has no test")?;
+    let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
+    let last = identify(
+        job.material.model,
+        &weighed,
+        Settings {
+            noise: Noise::Stated,
+            ..plain
+        },
+    )?;
     let truth = stated(parameters)?;
     let lines = last
         .parameters
@@ -192,7 +201,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         lines,
         errors: outcomes.iter().map(|o| o.relative_error).collect(),
         printed_errors: job.printed_errors.clone(),
-        termination: last.termination.clone(),
+        termination: last.termination,
         iterations: last.iterations,
         histories,
     })

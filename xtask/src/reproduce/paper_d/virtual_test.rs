@@ -38,6 +38,9 @@ pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
     to: 1.26e5,
 };
 
+/// Steps of its line in a step of the chain.
+const FLAT_LOSS_REFINEMENT: f64 = 6.0;
+
 /// Its branches a decade.
 pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
 
@@ -68,11 +71,6 @@ impl Noise {
         })
     }
 
-    /// Standard deviation [m/s], if there is noise.
-    fn level(&self) -> Option<f64> {
-        self.distribution.map(|distribution| distribution.std_dev())
-    }
-
     fn added_to(&mut self, history: &[f64]) -> Vec<f64> {
         history
             .iter()
@@ -83,6 +81,19 @@ impl Noise {
             })
             .collect()
     }
+}
+
+/// The tests with the noise of the recorder stated for both histories. An identification then weighs it; without, it minimises the sum of
+/// squares of paper D, eq. 12.
+pub(crate) fn stating_the_noise(
+    tests: &[RodTest],
+    impact_velocity: f64,
+) -> Result<Vec<RodTest>, Error> {
+    let level = NOISE * impact_velocity;
+    Ok(tests
+        .iter()
+        .map(|test| test.clone().with_noise(level, level))
+        .collect::<Result<_, _>>()?)
 }
 
 /// A rod and how it is tested.
@@ -155,7 +166,7 @@ impl Rig {
         Ok(test.record(&acquisition, conditions.cell)?)
     }
 
-    /// A test of these histories with noise on both, which is stated.
+    /// A test of these histories with noise on both, of which it says nothing: see [`stating_the_noise`].
     fn test(
         &self,
         conditions: &Conditions,
@@ -176,10 +187,6 @@ impl Rig {
                 generator: generator.into(),
             },
         })?;
-        let test = match noise.level() {
-            Some(level) => test.with_noise(level, level)?,
-            None => test,
-        };
         // the comparison ends where the excitation is known, or where a transducer loses its section
         let known = test.times().last().copied().unwrap_or(0.0);
         Ok(test.with_window(known.min(record.in_range_until))?)
@@ -260,7 +267,8 @@ impl Rig {
         let drive = Drive::history(record.excitation_before_sampling.clone());
         let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
         let times = self.times(&record);
-        let step = conditions.cell / (modulus / conditions.density).sqrt();
+        // the fastest branches relax within a step of the chain's size, which would cost the splitting its order
+        let step = conditions.cell / (modulus / conditions.density).sqrt() / FLAT_LOSS_REFINEMENT;
         let duration = times.last().copied().unwrap_or(0.0);
         // the grid may end up to a step later than asked, and the excitation is known to the last sample
         let run = line.run(step, duration - 2.0 * step, &[])?;
