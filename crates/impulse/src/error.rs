@@ -1,5 +1,7 @@
 //! What can be wrong with a request for a force.
 
+use num_complex::Complex64;
+use rodwave::RodwaveError;
 use thiserror::Error;
 
 /// Why a force could not be computed.
@@ -81,6 +83,132 @@ pub enum ImpulseError {
         from: f64,
         /// End of the support \[s\].
         to: f64,
+    },
+    /// The force acts for longer than its dense equations are solved for.
+    #[error("the support holds {found} samples, expected at most {expected}")]
+    SupportTooLong {
+        /// Its length.
+        found: usize,
+        /// The largest length.
+        expected: usize,
+    },
+    /// The noise of some sensors is known, and not of this one: they cannot be weighed against each other.
+    #[error("the noise of sensor {index} is known and that of sensor 0 is not, or the reverse")]
+    MixedNoise {
+        /// Index of the sensor.
+        index: usize,
+    },
+    /// A regularisation parameter is to be found from the noise of the response.
+    #[error("the discrepancy principle needs the noise of the response, and it is not known")]
+    NoiseNotKnown,
+    /// Tension is forbidden all over the record.
+    #[error("a force without tension needs a support, and there is none")]
+    NoSupport,
+    /// Components are cut off that a force without tension cannot be without.
+    #[error(
+        "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"
+    )]
+    TruncatedWithoutTension,
+    /// The iteration for eigenvalues did not end.
+    #[error("the eigenvalues of the {size} equations of the support were not found")]
+    NoDecomposition {
+        /// Number of equations.
+        size: usize,
+    },
+    /// A body of elements has no mobility there.
+    #[error("mobility at s = {s} 1/s: {source}")]
+    Body {
+        /// The Laplace variable [1/s].
+        s: Complex64,
+        /// What is wrong.
+        source: RodwaveError,
+    },
+    /// A mobility is asked for where it is not known.
+    #[error("the mobility is asked for at s = {s} 1/s, expected {expected}")]
+    OutsideDomain {
+        /// The Laplace variable [1/s].
+        s: Complex64,
+        /// Where it is known.
+        expected: &'static str,
+    },
+    /// A mobility has no finite value.
+    #[error("the mobility of the {body} body at s = {s} 1/s is not finite")]
+    InfiniteMobility {
+        /// Which body.
+        body: &'static str,
+        /// The Laplace variable [1/s].
+        s: Complex64,
+    },
+    /// Two bodies are known on different lines.
+    #[error(
+        "the lines of the {what} are {found_hz} Hz apart, expected {expected_hz} Hz as those of the other body"
+    )]
+    GridMismatch {
+        /// Which spectrum.
+        what: &'static str,
+        /// Distance of its lines \[Hz\].
+        found_hz: f64,
+        /// Distance of the lines of the other \[Hz\].
+        expected_hz: f64,
+    },
+    /// A measured body has no line at 0 Hz, and nothing stands in for it.
+    #[error(
+        "line 0 of the {what} is not finite, expected the line at 0 Hz, a weighed mass or a fixed body"
+    )]
+    MissingZeroLine {
+        /// Which spectrum.
+        what: &'static str,
+    },
+    /// The mass of a body is not the one with which its mobility begins.
+    #[error(
+        "the mobility of the {body} body begins as that of {found} kg, expected its mass of {expected} kg"
+    )]
+    MassContradictsMobility {
+        /// Which body.
+        body: &'static str,
+        /// Mass by the mobility \[kg\].
+        found: f64,
+        /// Mass that was stated \[kg\].
+        expected: f64,
+    },
+    /// The faces do not yield to a force at once: no march can find it.
+    #[error(
+        "the faces answer a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
+    )]
+    ActiveFaces {
+        /// Velocity after the first step over the force [m/(N s)].
+        weight: f64,
+        /// The time step \[s\].
+        time_step: f64,
+    },
+    /// Two faces with a mass on each, and nothing soft between them.
+    #[error(
+        "the mobility of the faces falls to {ratio} over a decade at the end of the band, as that of two rigid masses, \
+         expected a contact law between them: the force of a rigid contact is infinite"
+    )]
+    RigidFaces {
+        /// Mobility a decade higher over the mobility.
+        ratio: f64,
+    },
+    /// The march has left the range of numbers.
+    #[error("the force is not finite at step {step}, {time} s after contact")]
+    Diverged {
+        /// The step, from 0.
+        step: usize,
+        /// The time \[s\].
+        time: f64,
+    },
+    /// The points of a contact law are not those of a force that grows with the approach.
+    #[error("point {index} of the contact law is ({approach} m, {force} N), expected {expected}")]
+    ContactTable {
+        /// Index of the point.
+        index: usize,
+        /// Its approach \[m\].
+        approach: f64,
+        /// Its force \[N\].
+        force: f64,
+        /// What it violates.
+        expected: &'static str,
     },
     /// No spectral line is left to compute a force from.
     #[error("none of the {n_lines} lines can be used")]

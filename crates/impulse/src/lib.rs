@@ -10,8 +10,52 @@
 //! [G_1(t) + G_2(t)] * F_s(t) = V\,H(t),
 //! ```
 //!
-//! with Heaviside's step $`H`$ (paper E, eq. 2). [`StickProblem`] solves this in the frequency domain as the paper does;
-//! [`separate`] ends the contact where $`F_s`$ ceases to be compressive (paper E, eq. 3).
+//! with Heaviside's step $`H`$ (paper E, eq. 2). Faces do not stick: where the force would pull they part, and they may meet again.
+//! With the approach $`\delta`$ of the faces, $`-\delta`$ being their gap,
+//!
+//! ```math
+//! \dot\delta = V - [G_1 + G_2] * F ,\qquad 0 \le F \perp -\delta \ge 0 ,
+//! ```
+//!
+//! or $`F = f(\delta)`$ through a contact that gives way. [`Impact::predict`] marches this in time, with the balance of momentum and
+//! energy. Bodies are [chains of `rodwave`](rodwave::chain), [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
+//! [screened](MeasuredBody::screen) first.
+//!
+//! ```
+//! use impulse::Impact;
+//! use rodwave::chain::{AnalyticChain, Termination};
+//! use rodwave::element::Circle;
+//! use rodwave::medium::Medium;
+//! use rodwave::modulus::{ConstantQ, Elastic};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // the wide end of a nylon cone on a long steel rod: it touches more than once
+//! let nylon = Medium::new(1150.0, ConstantQ::new(2.6e9, 0.094, 18.8e3)?)?;
+//! let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+//! let cone = AnalyticChain::analytic_from_impact_face()
+//!     .cone(&nylon, Circle::of_diameter(0.075)?, Circle::of_diameter(0.030)?, 0.400)
+//!     .end(Termination::Free)?;
+//! let long_rod = AnalyticChain::analytic_from_impact_face()
+//!     .end(Termination::semi_infinite(&steel, Circle::of_diameter(0.010)?))?;
+//! let force = Impact::between(&cone, &long_rod).at_velocity(0.93).predict(4e-3)?;
+//! assert!(force.contacts.len() >= 4);
+//! let balance = force.balance();
+//! assert!(balance.energy_residual.abs() < 1e-12);
+//! assert!(balance.restitution.is_some_and(|e| e.abs() < 0.01));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # The stick force in three ways
+//!
+//! | | method | bodies | what it costs |
+//! |---|---|---|---|
+//! | [`Impact::stick_force_on_lines`], [`StickProblem`] | Fourier transform, as in the paper | any, on common lines; the force must die out | a limit to the band |
+//! | [`Impact::stick_force_damped`] | Fourier transform on $`\operatorname{Re} s = a`$ | analytic laws; two finite elastic bodies too | jumps are rounded |
+//! | [`Impact::stick_force`] | [march in time](Quadrature) | any; convolution quadrature needs analytic laws | jumps smear over a step |
+//!
+//! A method that a body does not admit is a typed error ([`ImpulseError::OutsideDomain`]) or a flag. [`separate`] ends a stick force
+//! where it ceases to be compressive (paper E, eq. 3), without the contacts that may follow.
 //!
 //! The same division answers another question: which force made a body with a known frequency response move as was
 //! measured? [`Reconstruction`] gives it, with what the answer is worth.
@@ -62,26 +106,52 @@
 //!
 //! # What this does not do
 //!
-//! - The bodies are linear, the contact area is constant, there is no friction, and the interface has one velocity (Ödeen 1993,
-//!   paper E, section 2). Hertzian contact is outside.
-//! - The force is found on a period of time $`1/\Delta f`$: it must have died out, or become constant, within it. Two finite
-//!   elastic bodies never come to rest as long as they stick; for them the result is flagged, not trusted.
-//! - The band limit rings at jumps of the force. A roll-off removes the ringing and rounds the jump.
-//! - After the first separation the bodies are taken not to touch again, as in the paper; eq. 3 is then the whole history.
-//! - No uncertainty of the force is computed from that of the mobilities, and nothing is screened for causality.
+//! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993, paper E, section 2). Where the
+//!   contact area grows with the force, it is the contact law that is nonlinear, not the bodies.
+//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must have died out, or become constant. For two finite
+//!   elastic bodies its result is flagged, not trusted: the damped transform and the march are for them.
+//! - A band limit rings at jumps of the force; a march smears them over the step that holds them.
+//! - Where elastic bodies part without a force, as rods of the same section do, a jump within a step leaves contacts of one step behind.
+//! - What a body keeps as vibration and what it turns into heat cannot be told apart by its mobility.
+//! - The errors of mobilities, velocity and masses are followed to the stick force and the end of the first contact
+//!   ([`StickUncertainty`]), not to contacts that close again.
 
+mod balance;
+mod body;
 mod contact;
+mod contact_law;
+mod convolution;
 mod error;
+mod force_error;
 mod fourier;
 mod history;
+mod impact;
+mod impedance_head;
+mod kernel;
 mod reconstruct;
 mod stick;
+mod uncertainty;
+mod unilateral;
 
+pub use balance::Balance;
+pub use body::{
+    Causality, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody, MobilityLaw,
+    Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
+};
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
+pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
+pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
+pub use impact::{DiscreteImpact, Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impedance_head::{FaceMobility, ImpedanceHead};
+pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    ExcludedLine, ExclusionReason, FrequencyBand, ReconstructedForce, Reconstruction,
-    Regularisation, ResponseEnd, TimeInterval,
+    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
+    ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
+    RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
+    ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
+pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
+pub use unilateral::ContactInterval;

@@ -1,34 +1,53 @@
 //! The force that made a known body move as was measured.
 
+mod calibration_scatter;
+mod choice;
+mod lines;
+mod modes;
+mod non_negative;
 mod options;
 mod outcome;
-
-use std::collections::BTreeSet;
+mod sensor;
+mod support;
 
 use num_complex::Complex64;
 
-use crate::error::{check_interval, check_positive, check_samples};
-use crate::{ForceHistory, ImpulseError, fourier};
+use self::lines::{Grid, Transformed, WeightedLines};
+use self::modes::{Filter, Modes};
+use self::support::{Support, SupportProblem};
+use crate::error::{check_interval, check_positive};
+use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
-pub use options::{FrequencyBand, Regularisation, TimeInterval};
-pub use outcome::{ExcludedLine, ExclusionReason, ReconstructedForce, ResponseEnd};
+pub use calibration_scatter::{CalibrationBlow, CalibrationScatter};
+pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
+pub use outcome::{
+    ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,
+    PivotingEnd, RandomErrorOfForce, ReconstructedForce, ResponseEnd,
+};
+pub use sensor::{ResponseNoise, Sensor};
 
-/// One part in so many of the record, at its end, tells whether the response has died out.
-const PARTS_TO_END: usize = 50;
-/// Largest level of the response at its end, relative to its peak, that counts as died out.
-const DIED_OUT: f64 = 0.01;
+/// A noise is estimated from at least so many degrees of freedom: its standard deviation is then known to 16 %.
+const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 
-/// Force from a measured response $`x`$ and a known frequency response $`H = \hat x/\hat F`$: the inverse use of the impulse response.
+/// Force from measured responses $`x_r`$ and known frequency responses $`H_r = \hat x_r/\hat F`$: the inverse use of the impulse
+/// response.
 ///
-/// | input | shape | unit |
-/// |---|---|---|
-/// | response | `(n_samples)` | unit of x |
-/// | frequency response | `(n_samples/2 + 1)`, from 0 Hz, lines $`1/(N\Delta t)`$ apart | unit of x per N |
+/// The force is the minimum over lines k, of both signs of the frequency, and sensors r of
+///
+/// ```math
+/// \sum_k\sum_r w_{rk}\lvert\hat x_{rk} - H_{rk}\hat F_k\rvert^2 + \lambda\sum_k\omega_k^{2p}\lvert\hat F_k\rvert^2 ,
+/// \qquad w_{rk} = \frac{1}{\mathrm E\lvert\delta\hat x_{rk}\rvert^2 + \mathrm E\lvert\delta H_{rk}\rvert^2\lvert\hat F_k\rvert^2} ,
+/// ```
+///
+/// with $`w = 1`$ where the noise is not known. The force in the weights is that of a first pass without
+/// the errors of H. Without a support every line stands for itself; on a support (at most 2048 samples) the equations are dense.
 ///
 /// # Validity
 ///
-/// The body is linear and nothing but the force moves it. The record holds the whole response: the division is that of one period,
+/// The body is linear and nothing but the force moves it. The record holds the whole response: the convolution is that of one period,
 /// and what is cut off at the end appears as a force all over the record ([`ReconstructedForce::response_end`]).
+/// A sampled force that passed an anti-alias filter has overshoots before and after it: they belong to the support, and are tension
+/// that must not be forbidden.
 ///
 /// # Examples
 ///
@@ -54,55 +73,73 @@ const DIED_OUT: f64 = 0.01;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Reconstruction<'a> {
-    response: &'a [f64],
+    sensors: Vec<Sensor<'a>>,
     sampling_rate_hz: f64,
-    frequency_response: &'a [Complex64],
     regularisation: Regularisation,
     band: Option<FrequencyBand>,
-    left_out: BTreeSet<usize>,
     support: Option<TimeInterval>,
+    is_non_negative: bool,
 }
 
 impl<'a> Reconstruction<'a> {
-    /// A plain division over all lines, to be narrowed by the methods below.
+    /// From one response of unknown noise: a plain division over all lines, to be narrowed by the methods below.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the sampling rate, [`ImpulseError::TooShort`] below four samples,
-    /// [`ImpulseError::NonFinite`] for a sample, [`ImpulseError::LengthMismatch`] for the frequency response.
+    /// [`ImpulseError::NonPhysical`] for the sampling rate; as [`Sensor::new`].
     pub fn new(
         response: &'a [f64],
         sampling_rate_hz: f64,
         frequency_response: &'a [Complex64],
     ) -> Result<Self, ImpulseError> {
+        Self::of_sensors(
+            vec![Sensor::new(response, frequency_response)?],
+            sampling_rate_hz,
+        )
+    }
+
+    /// From several responses to one force, recorded together.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the sampling rate; [`ImpulseError::TooShort`] without a sensor,
+    /// [`ImpulseError::LengthMismatch`] for responses of different length; [`ImpulseError::MixedNoise`] if the noise of some is
+    /// known, and not of all.
+    pub fn of_sensors(
+        sensors: Vec<Sensor<'a>>,
+        sampling_rate_hz: f64,
+    ) -> Result<Self, ImpulseError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
-        if response.len() < 4 {
+        let Some(first) = sensors.first() else {
             return Err(ImpulseError::TooShort {
-                what: "response",
-                found: response.len(),
-                expected: 4,
+                what: "set of sensors",
+                found: 0,
+                expected: 1,
             });
-        }
-        check_samples("response", response)?;
-        if frequency_response.len() != response.len() / 2 + 1 {
-            return Err(ImpulseError::LengthMismatch {
-                what: "frequency response",
-                found: frequency_response.len(),
-                expected: response.len() / 2 + 1,
-            });
+        };
+        for (index, sensor) in sensors.iter().enumerate() {
+            if sensor.response.len() != first.response.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "response",
+                    found: sensor.response.len(),
+                    expected: first.response.len(),
+                });
+            }
+            if sensor.noise_at(0).is_some() != first.noise_at(0).is_some() {
+                return Err(ImpulseError::MixedNoise { index });
+            }
         }
         Ok(Self {
-            response,
+            sensors,
             sampling_rate_hz,
-            frequency_response,
             regularisation: Regularisation::None,
             band: None,
-            left_out: BTreeSet::new(),
             support: None,
+            is_non_negative: false,
         })
     }
 
-    /// Divides with this regularisation.
+    /// Uses this regularisation.
     #[must_use]
     pub fn with_regularisation(self, regularisation: Regularisation) -> Self {
         Self {
@@ -120,14 +157,17 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Leaves lines out, as those whose frequency response is not known. What stands there is not read.
+    /// Leaves lines of all sensors out, as those whose frequency response is not known. What stands there is not read.
     #[must_use]
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
-        self.left_out.extend(lines);
+        let lines: Vec<usize> = lines.into_iter().collect();
+        for sensor in &mut self.sensors {
+            sensor.left_out.extend(&lines);
+        }
         self
     }
 
-    /// The force acts in `support` only: it is set to zero outside, and what was there is reported.
+    /// The force acts in `support` only: what is not known on some lines, as the mean, then follows from the others.
     #[must_use]
     pub fn acting_during(self, support: TimeInterval) -> Self {
         Self {
@@ -136,464 +176,322 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
+    /// The force is nowhere tension. Needs a support.
+    #[must_use]
+    pub fn non_negative(self) -> Self {
+        Self {
+            is_non_negative: true,
+            ..self
+        }
+    }
+
     /// Computes the force.
     ///
     /// # Errors
     ///
-    /// - [`ImpulseError::NonPhysical`] for the regularisation; [`ImpulseError::EmptyInterval`] for band or support;
-    ///   [`ImpulseError::UnknownLine`] for a line to be left out.
+    /// - [`ImpulseError::NonPhysical`] for a given parameter; [`ImpulseError::EmptyInterval`] for band or support;
+    ///   [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`]; [`ImpulseError::UnknownLine`] for a line to be left out.
+    /// - [`ImpulseError::NoiseNotKnown`] for the discrepancy principle without noise; [`ImpulseError::NoSupport`] and
+    ///   [`ImpulseError::TruncatedWithoutTension`] for a force without tension.
     /// - [`ImpulseError::NonFinite`] for a frequency response that is not left out.
-    /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`].
+    /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`]; [`ImpulseError::NoDecomposition`].
     pub fn solve(&self) -> Result<ReconstructedForce, ImpulseError> {
-        let lambda = self.checked_lambda()?;
-        let n_samples = self.response.len();
-        let response = fourier::to_spectrum(self.response);
-        let mut force = vec![Complex64::ZERO; response.len()];
-        let mut excluded = Vec::new();
-        let mut squared_gains = 0.0;
-        for (index, (h, x)) in self.frequency_response.iter().zip(&response).enumerate() {
-            if let Some(reason) = self.exclusion(index, *h)? {
-                excluded.push(ExcludedLine {
-                    index,
-                    frequency_hz: self.frequency_hz(index),
-                    reason,
-                });
-                continue;
-            }
-            let magnitude = h.norm();
-            // conj(H)/(|H|^2 + lambda), arranged so that no square of a small response underflows
-            let gain = (h.conj() / magnitude) / (magnitude + lambda / magnitude);
-            let line = gain * x;
-            if !line.is_finite() {
-                return Err(ImpulseError::SpectrumOverflow { index });
-            }
-            squared_gains += self.sides(index) * gain.norm_sqr();
-            if let Some(slot) = force.get_mut(index) {
-                *slot = line;
-            }
-        }
-        if excluded.len() == response.len() {
-            return Err(ImpulseError::NoUsableLine {
-                n_lines: response.len(),
-            });
-        }
-        let mut samples = fourier::to_samples(&force, n_samples);
-        for sample in &mut samples {
-            *sample /= n_samples as f64;
-        }
-        let mean_is_open = excluded.first().is_some_and(|line| line.index == 0);
-        let confinement = self.confine(&mut samples, mean_is_open)?;
-        let relative_residual = self.relative_residual(&response, &samples);
-        Ok(ReconstructedForce {
-            history: ForceHistory::new(0.0, 1.0 / self.sampling_rate_hz, samples)?,
-            regularisation: self.regularisation,
-            relative_residual,
-            noise_gain: (squared_gains / n_samples as f64).sqrt(),
-            excluded,
-            added_constant: confinement.added_constant,
-            outside_support: confinement.outside,
-            response_end: self.response_end(),
-        })
+        self.check()?;
+        let n_samples = self.sensors.first().map_or(0, |s| s.response.len());
+        let grid = Grid {
+            n_samples,
+            sampling_rate_hz: self.sampling_rate_hz,
+        };
+        let responses = self.sensors.iter();
+        let transformed = Transformed {
+            grid,
+            sensors: &self.sensors,
+            responses: responses
+                .map(|sensor| fourier::to_spectrum(sensor.response))
+                .collect(),
+            band: self.band,
+        };
+        let has_variance = self.sensors.iter().any(|s| s.variance.is_some());
+        let noise_is_known = self.noise_is_known();
+        let first = self.solve_weighted(&transformed, None)?;
+        let (solved, weights_for) = if has_variance && noise_is_known {
+            let force = fourier::to_spectrum(&first.samples);
+            (
+                self.solve_weighted(&transformed, Some(&force))?,
+                Some(force),
+            )
+        } else {
+            (first, None)
+        };
+        self.report(&transformed, solved, weights_for.as_deref())
     }
 
-    fn checked_lambda(&self) -> Result<f64, ImpulseError> {
+    fn noise_is_known(&self) -> bool {
+        self.sensors.iter().all(|s| s.noise_at(0).is_some())
+    }
+
+    fn check(&self) -> Result<(), ImpulseError> {
         if let Some(FrequencyBand { from_hz, to_hz }) = self.band {
             check_interval("frequency band [Hz]", from_hz, to_hz)?;
         }
         if let Some(TimeInterval { from, to }) = self.support {
             check_interval("support of the force [s]", from, to)?;
         }
-        let n_lines = self.frequency_response.len();
-        if let Some(&index) = self.left_out.last()
-            && index >= n_lines
-        {
-            return Err(ImpulseError::UnknownLine { index, n_lines });
-        }
-        match self.regularisation {
-            Regularisation::None => Ok(0.0),
-            Regularisation::Tikhonov { lambda } => {
-                check_positive("regularisation parameter [unit of |H|^2]", lambda)
+        for sensor in &self.sensors {
+            let n_lines = sensor.frequency_response.len();
+            if let Some(&index) = sensor.left_out.last()
+                && index >= n_lines
+            {
+                return Err(ImpulseError::UnknownLine { index, n_lines });
             }
         }
+        if self.is_non_negative {
+            if self.support.is_none() {
+                return Err(ImpulseError::NoSupport);
+            }
+            if let Regularisation::Truncated { .. } = self.regularisation {
+                return Err(ImpulseError::TruncatedWithoutTension);
+            }
+        }
+        Ok(())
     }
 
-    fn exclusion(
-        &self,
-        index: usize,
-        h: Complex64,
-    ) -> Result<Option<ExclusionReason>, ImpulseError> {
-        if self.left_out.contains(&index) {
-            return Ok(Some(ExclusionReason::LeftOut));
+    fn penalty(&self) -> Penalty {
+        match self.regularisation {
+            Regularisation::Tikhonov { penalty, .. } => penalty,
+            Regularisation::None | Regularisation::Truncated { .. } => Penalty::Size,
         }
-        if !h.is_finite() {
-            return Err(ImpulseError::NonFinite {
-                what: "frequency response",
-                index,
+    }
+
+    fn solve_weighted(
+        &self,
+        transformed: &Transformed<'_>,
+        weights_for: Option<&[Complex64]>,
+    ) -> Result<Solved, ImpulseError> {
+        let lines = transformed.weighted(weights_for)?;
+        let filter = Filter::of(self.regularisation);
+        let n_samples = lines.grid.n_samples;
+        let Some(interval) = self.support else {
+            let modes = lines.modes(self.penalty());
+            let parameter = choice::choose(&modes, self.regularisation, self.noise_is_known())?;
+            let value = parameter.as_ref().map_or(0.0, |p| p.value);
+            let gains = lines.gains(filter, self.penalty(), value);
+            let force: Vec<Complex64> = gains
+                .iter()
+                .zip(&lines.cross)
+                .map(|(gain, cross)| *gain * cross / n_samples as f64)
+                .collect();
+            if let Some(index) = force.iter().position(|f| !f.is_finite()) {
+                return Err(ImpulseError::SpectrumOverflow { index });
+            }
+            return Ok(Solved {
+                samples: fourier::to_samples(&force, n_samples),
+                parameter,
+                modes,
+                lines,
+                gain: Gain::Lines(gains),
+                non_negativity: None,
+                n_silent: 0,
             });
-        }
-        let frequency_hz = self.frequency_hz(index);
-        if self
-            .band
-            .is_some_and(|band| frequency_hz < band.from_hz || frequency_hz > band.to_hz)
-        {
-            return Ok(Some(ExclusionReason::OutsideBand));
-        }
-        if h == Complex64::ZERO {
-            return Ok(Some(ExclusionReason::VanishingResponse));
-        }
-        Ok(None)
-    }
-
-    /// Applies the support.
-    fn confine(
-        &self,
-        samples: &mut [f64],
-        mean_is_open: bool,
-    ) -> Result<Confinement, ImpulseError> {
-        let Some(support) = self.support else {
-            return Ok(Confinement::default());
         };
-        let rate = self.sampling_rate_hz;
-        let outside = |index: usize| {
-            let time = index as f64 / rate;
-            time < support.from || time > support.to
-        };
-        let beyond: Vec<f64> = samples
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| outside(*index))
-            .map(|(_, force)| *force)
+        let support = Support::of(interval, n_samples, self.sampling_rate_hz)?;
+        let problem = SupportProblem::new(&lines, support, self.penalty())?;
+        let parameter = choice::choose(&problem.modes, self.regularisation, self.noise_is_known())?;
+        let value = parameter.as_ref().map_or(0.0, |p| p.value);
+        let gain = problem.inverse(filter, value);
+        let on_support: Vec<f64> = (0..support.length)
+            .map(|i| {
+                let row = problem.right_side.iter().enumerate();
+                row.map(|(j, b)| gain[(i, j)] * b).sum()
+            })
             .collect();
-        let n_beyond = beyond.len().max(1) as f64;
-        if beyond.len() == samples.len() {
-            return Err(ImpulseError::SupportOutsideRecord {
-                from: support.from,
-                to: support.to,
-            });
-        }
-        let added_constant = if mean_is_open {
-            -beyond.iter().sum::<f64>() / n_beyond
+        let (on_support, non_negativity) = if self.is_non_negative {
+            let matrix = support::toeplitz(&problem.regularised(filter, value));
+            let (force, report) = non_negative::minimise(&matrix, &problem.right_side, &on_support);
+            (force, Some(report))
         } else {
-            0.0
+            (on_support, None)
         };
-        let squares: f64 = beyond.iter().map(|f| (f + added_constant).powi(2)).sum();
-        for (index, sample) in samples.iter_mut().enumerate() {
-            *sample = if outside(index) {
-                0.0
-            } else {
-                *sample + added_constant
-            };
+        let mut samples = vec![0.0; n_samples];
+        for (sample, force) in samples.iter_mut().skip(support.first).zip(on_support) {
+            *sample = force;
         }
-        Ok(Confinement {
-            added_constant,
-            outside: Some((squares / n_beyond).sqrt()),
+        Ok(Solved {
+            samples,
+            parameter,
+            n_silent: problem.n_silent(),
+            gain: Gain::Support {
+                support,
+                gain,
+                problem: problem.autocorrelation,
+            },
+            modes: problem.modes,
+            lines,
+            non_negativity,
         })
     }
 
-    /// ‖x - h*F‖/‖x‖ by Parseval's relation.
-    fn relative_residual(&self, response: &[Complex64], force: &[f64]) -> f64 {
-        let force = fourier::to_spectrum(force);
-        let lines = response.iter().zip(self.frequency_response).zip(&force);
-        let (mut left, mut all) = (0.0, 0.0);
-        for (index, ((x, h), f)) in lines.enumerate() {
-            if self.left_out.contains(&index) {
-                continue;
-            }
-            left += self.sides(index) * (x - h * f).norm_sqr();
-            all += self.sides(index) * x.norm_sqr();
-        }
-        if all > 0.0 { (left / all).sqrt() } else { 0.0 }
-    }
-
-    fn response_end(&self) -> ResponseEnd {
-        let n = self.response.len();
-        let n_end = n.div_ceil(PARTS_TO_END);
-        let end = self.response.get(n - n_end..).unwrap_or_default();
-        let mean_square = end.iter().map(|x| x * x).sum::<f64>() / n_end as f64;
-        let peak = self
-            .response
+    fn report(
+        &self,
+        transformed: &Transformed<'_>,
+        solved: Solved,
+        weights_for: Option<&[Complex64]>,
+    ) -> Result<ReconstructedForce, ImpulseError> {
+        let n_samples = transformed.grid.n_samples;
+        let force = fourier::to_spectrum(&solved.samples);
+        let filter = Filter::of(self.regularisation);
+        let value = solved.parameter.as_ref().map_or(0.0, |p| p.value);
+        let point = solved.modes.point(filter, value);
+        let per_freedom = (point.freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
+            .then(|| point.squared_residual / point.freedom_left);
+        let error_for = |unit_noise: f64, force: &[Complex64]| {
+            let variance = transformed.cross_variance(weights_for, force, unit_noise);
+            solved.error(&variance)
+        };
+        let error = match (self.noise_is_known(), per_freedom) {
+            (true, _) => RandomErrorOfForce::Stated(error_for(0.0, &force)?),
+            (false, Some(noise)) if noise > 0.0 => RandomErrorOfForce::Estimated {
+                error: error_for(noise, &force)?,
+                standard_deviation: (noise / n_samples as f64).sqrt(),
+            },
+            (false, _) => RandomErrorOfForce::NoiseNotKnown,
+        };
+        let noise_gain = solved.noise_gain(transformed, weights_for)?;
+        let response_end = self
+            .sensors
             .iter()
-            .fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        let relative_level = mean_square.sqrt() / peak;
-        if relative_level > DIED_OUT {
-            ResponseEnd::CutOff { relative_level }
-        } else {
-            ResponseEnd::DiedOut
-        }
-    }
-
-    fn frequency_hz(&self, index: usize) -> f64 {
-        index as f64 * self.sampling_rate_hz / self.response.len() as f64
-    }
-
-    /// 2 for the lines that stand for two sides, 1 at 0 Hz and at the Nyquist frequency.
-    fn sides(&self, index: usize) -> f64 {
-        if index == 0 || 2 * index == self.response.len() {
-            1.0
-        } else {
-            2.0
-        }
+            .map(|sensor| ResponseEnd::of(sensor.response))
+            .fold(ResponseEnd::DiedOut, ResponseEnd::worse);
+        Ok(ReconstructedForce {
+            regularisation: self.regularisation,
+            regularisation_bias: solved.bias(),
+            relative_residual: transformed.relative_residual(&force),
+            reduced_chi_square: per_freedom.filter(|_| self.noise_is_known()),
+            noise_gain,
+            error,
+            history: ForceHistory::new(0.0, 1.0 / self.sampling_rate_hz, solved.samples)?,
+            parameter: solved.parameter,
+            excluded: solved.lines.excluded,
+            silent_components: solved.n_silent,
+            non_negativity: solved.non_negativity,
+            response_end,
+        })
     }
 }
 
-/// What the support did.
-#[derive(Default)]
-struct Confinement {
-    added_constant: f64,
-    outside: Option<f64>,
+/// A force, and the linear method that gave it.
+struct Solved {
+    samples: Vec<f64>,
+    parameter: Option<ChosenParameter>,
+    modes: Modes,
+    lines: WeightedLines,
+    gain: Gain,
+    non_negativity: Option<NonNegativity>,
+    n_silent: usize,
+}
+
+/// From the weighted cross sums of the lines to the force.
+enum Gain {
+    Lines(Vec<f64>),
+    Support {
+        support: Support,
+        /// $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
+        gain: faer::Mat<f64>,
+        /// First row of Q.
+        problem: Vec<f64>,
+    },
+}
+
+impl Solved {
+    /// The error of the force for cross sums of this variance.
+    fn error(&self, cross_variance: &[f64]) -> Result<ForceError, ImpulseError> {
+        let n_samples = self.samples.len();
+        let none = ForceError::none(n_samples);
+        match &self.gain {
+            Gain::Lines(gains) => {
+                let scale = (n_samples as f64).powi(-2);
+                let lines = gains.iter().zip(cross_variance);
+                let variances = lines.map(|(g, v)| g * g * v * scale).collect();
+                Ok(none.with_lines(variances, n_samples, None))
+            }
+            Gain::Support { support, gain, .. } => {
+                let factor = SupportProblem::error_factor(gain, cross_variance, n_samples)?;
+                let rows = (0..support.length)
+                    .map(|i| (0..support.length).map(|j| factor[(i, j)]).collect())
+                    .collect();
+                Ok(none.with_support(support.first, rows))
+            }
+        }
+    }
+
+    /// Root mean square of the force under white noise of 1.
+    fn noise_gain(
+        &self,
+        transformed: &Transformed<'_>,
+        weights_for: Option<&[Complex64]>,
+    ) -> Result<f64, ImpulseError> {
+        let variance = transformed.white_cross_variance(weights_for);
+        match &self.gain {
+            Gain::Lines(_) => {
+                let error = self.error(&variance)?;
+                Ok(error.standard_error().first().copied().unwrap_or(f64::NAN))
+            }
+            Gain::Support { support, gain, .. } => {
+                let n_samples = self.samples.len();
+                let lags = support::lags(&variance, n_samples, support.length);
+                let spread = gain * support::toeplitz(&lags);
+                let square: f64 = (0..support.length)
+                    .flat_map(|i| (0..support.length).map(move |j| (i, j)))
+                    .map(|at| spread[at] * gain[at])
+                    .sum();
+                Ok((square / support.length as f64).sqrt())
+            }
+        }
+    }
+
+    /// $`-(1-\varphi)\hat F`$ as a history.
+    fn bias(&self) -> Vec<f64> {
+        let n_samples = self.samples.len();
+        match &self.gain {
+            Gain::Lines(gains) => {
+                let force = fourier::to_spectrum(&self.samples);
+                let lines = gains.iter().zip(&self.lines.power).zip(&force);
+                let lost: Vec<Complex64> = lines
+                    .map(|((gain, power), f)| {
+                        if *power > 0.0 {
+                            (gain * power - 1.0) * f / n_samples as f64
+                        } else {
+                            Complex64::ZERO
+                        }
+                    })
+                    .collect();
+                fourier::to_samples(&lost, n_samples)
+            }
+            Gain::Support {
+                support,
+                gain,
+                problem,
+            } => {
+                // G Q f - f
+                let Support { first, length } = *support;
+                let force = self.samples.get(first..first + length).unwrap_or_default();
+                let explained: Vec<f64> = (0..length)
+                    .map(|i| {
+                        let terms = force.iter().enumerate();
+                        terms.map(|(j, f)| problem[i.abs_diff(j)] * f).sum()
+                    })
+                    .collect();
+                let mut bias = vec![0.0; n_samples];
+                for (i, slot) in bias.iter_mut().skip(first).take(length).enumerate() {
+                    let row = explained.iter().enumerate();
+                    let kept: f64 = row.map(|(j, b)| gain[(i, j)] * b).sum();
+                    *slot = kept - force[i];
+                }
+                bias
+            }
+        }
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::{PI, TAU};
-
-    const RATE: f64 = 10_000.0;
-    const N: usize = 2000;
-    const RADIUS: f64 = 0.98;
-    const TURN: f64 = 0.2;
-
-    /// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory after 2000 samples is 0.98^2000 =
-    /// 3e-18, so that the record holds the whole response.
-    fn respond(force: &[f64]) -> Vec<f64> {
-        let mut response: Vec<f64> = Vec::new();
-        let past = |response: &[f64], n: usize, lag: usize| {
-            n.checked_sub(lag).map_or(0.0, |earlier| response[earlier])
-        };
-        for (n, f) in force.iter().enumerate() {
-            let x = 2.0 * RADIUS * TURN.cos() * past(&response, n, 1)
-                - RADIUS * RADIUS * past(&response, n, 2)
-                + f;
-            response.push(x);
-        }
-        response
-    }
-
-    /// Its frequency response in closed form.
-    fn frequency_response() -> Vec<Complex64> {
-        (0..=N / 2)
-            .map(|k| {
-                let delay = Complex64::cis(-TAU * k as f64 / N as f64);
-                1.0 / (1.0 - 2.0 * RADIUS * TURN.cos() * delay + RADIUS * RADIUS * delay * delay)
-            })
-            .collect()
-    }
-
-    /// Half a sine of 30 samples.
-    fn half_sine() -> Vec<f64> {
-        (0..N)
-            .map(|n| match n {
-                40..70 => 500.0 * (PI * (n as f64 - 40.0) / 30.0).sin(),
-                _ => 0.0,
-            })
-            .collect()
-    }
-
-    /// Reproducible noise of root mean square 1: the sum of many incommensurate turns would not be white, so this is the
-    /// linear congruential generator of Park and Miller, made uniform.
-    fn noise(seed: u64) -> Vec<f64> {
-        let mut state = seed;
-        (0..N)
-            .map(|_| {
-                state = state * 48_271 % 2_147_483_647;
-                12.0_f64.sqrt() * (state as f64 / 2_147_483_647.0 - 0.5)
-            })
-            .collect()
-    }
-
-    /// Line k by direct sum.
-    fn direct(samples: &[f64], k: usize) -> Complex64 {
-        let terms = samples.iter().enumerate();
-        terms
-            .map(|(n, x)| x * Complex64::cis(-TAU * (k * n % N) as f64 / N as f64))
-            .sum()
-    }
-
-    fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
-        let n = values.clone().count() as f64;
-        (values.map(|x| x * x).sum::<f64>() / n).sqrt()
-    }
-
-    fn error(found: &ReconstructedForce, force: &[f64]) -> f64 {
-        let pairs = found.history.force().iter().zip(force);
-        rms(pairs.map(|(a, b)| a - b))
-    }
-
-    #[test]
-    fn the_force_comes_back_from_a_clean_response() {
-        let (force, h) = (half_sine(), frequency_response());
-        let response = respond(&force);
-        let found = Reconstruction::new(&response, RATE, &h)
-            .unwrap()
-            .solve()
-            .unwrap();
-        // rounding of 500 N through a condition number of 2500
-        assert!(error(&found, &force) < 500.0 * 2500.0 * 1e-15);
-        assert!(found.relative_residual < 1e-13);
-        assert!(found.excluded.is_empty());
-        assert_eq!(found.response_end, ResponseEnd::DiedOut);
-    }
-
-    #[test]
-    fn noise_is_amplified_by_the_stated_gain() {
-        let (force, h) = (half_sine(), frequency_response());
-        let level = 0.7;
-        for regularisation in [
-            Regularisation::None,
-            Regularisation::Tikhonov { lambda: 4.0 },
-        ] {
-            let mut squares = 0.0;
-            let mut stated = 0.0;
-            let n_trials = 20;
-            let solve = |response: &[f64]| {
-                let problem = Reconstruction::new(response, RATE, &h).unwrap();
-                problem.with_regularisation(regularisation).solve().unwrap()
-            };
-            let clean = solve(&respond(&force));
-            for seed in 1..=n_trials {
-                let noisy: Vec<f64> = respond(&force)
-                    .iter()
-                    .zip(noise(seed * 7919))
-                    .map(|(x, e)| x + level * e)
-                    .collect();
-                let found = solve(&noisy);
-                squares += error(&found, clean.history.force()).powi(2);
-                stated = found.noise_gain;
-            }
-            let found = (squares / n_trials as f64).sqrt() / level;
-            // 20 trials of 2000 samples, coloured by the gain to no fewer than a tenth of independent ones: four times
-            // 1/sqrt(2 * 4000) is 4.5 %
-            assert!((found / stated - 1.0).abs() < 0.045, "{found} {stated}");
-        }
-    }
-
-    #[test]
-    fn regularisation_shrinks_every_line_as_stated() {
-        let (force, h) = (half_sine(), frequency_response());
-        let response = respond(&force);
-        let lambda = 3.0;
-        let found = Reconstruction::new(&response, RATE, &h)
-            .unwrap()
-            .with_regularisation(Regularisation::Tikhonov { lambda })
-            .solve()
-            .unwrap();
-        // a line by direct sums, as a second method
-        let k = 90;
-        let shrunk = h[k].norm_sqr() / (h[k].norm_sqr() + lambda);
-        let ratio = direct(found.history.force(), k) / direct(&force, k);
-        // rounding of sums of 2000 terms
-        assert!((ratio - shrunk).norm() < 1e-12, "{ratio} {shrunk}");
-        assert!(found.relative_residual > 1e-3);
-    }
-
-    #[test]
-    fn a_missing_mean_is_recovered_from_where_the_force_is_nothing() {
-        let (force, mut h) = (half_sine(), frequency_response());
-        let response = respond(&force);
-        h[0] = Complex64::new(f64::NAN, f64::NAN); // not known, and left out: not read
-        let problem = Reconstruction::new(&response, RATE, &h)
-            .unwrap()
-            .without_lines([0]);
-        let without = problem.clone().solve().unwrap();
-        let mean = force.iter().sum::<f64>() / N as f64;
-        // without a support the mean is missing, no more and no less
-        assert!((error(&without, &force) - mean).abs() < 1e-9);
-        assert_eq!(
-            without.excluded,
-            [ExcludedLine {
-                index: 0,
-                frequency_hz: 0.0,
-                reason: ExclusionReason::LeftOut
-            }]
-        );
-        let support = TimeInterval {
-            from: 0.003,
-            to: 0.008,
-        };
-        let with = problem.acting_during(support).solve().unwrap();
-        assert!((with.added_constant - mean).abs() < 1e-9);
-        assert!(error(&with, &force) < 1e-9);
-        assert!(with.outside_support.unwrap() < 1e-9);
-    }
-
-    #[test]
-    fn a_band_keeps_its_lines_and_names_the_others() {
-        let (force, h) = (half_sine(), frequency_response());
-        let response = respond(&force);
-        let band = FrequencyBand {
-            from_hz: 0.0,
-            to_hz: 1000.0,
-        };
-        let found = Reconstruction::new(&response, RATE, &h)
-            .unwrap()
-            .within(band)
-            .solve()
-            .unwrap();
-        // lines are 5 Hz apart, 0..=200 are in
-        assert_eq!(found.excluded.len(), 800);
-        assert_eq!(found.excluded[0].index, 201);
-        assert!(
-            found
-                .excluded
-                .iter()
-                .all(|line| line.reason == ExclusionReason::OutsideBand)
-        );
-        // what is lost is the energy of the force's lines above the band, here by direct sums
-        let lost: f64 = (201..=N / 2)
-            .map(|k| direct(&force, k).norm_sqr() * if k == N / 2 { 1.0 } else { 2.0 })
-            .sum();
-        let expected = lost.sqrt() / N as f64;
-        // 3 N of error against rounding of 1e-9 N
-        assert!((error(&found, &force) / expected - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_record_that_ends_too_early_is_flagged() {
-        let force = half_sine();
-        let cut = &respond(&force)[..200];
-        let h = frequency_response();
-        let h: Vec<Complex64> = h.iter().step_by(10).copied().collect();
-        let found = Reconstruction::new(cut, RATE, &h).unwrap().solve().unwrap();
-        assert!(
-            matches!(found.response_end, ResponseEnd::CutOff { relative_level } if relative_level > 0.01)
-        );
-    }
-
-    #[test]
-    fn bad_requests_are_refused_with_the_place() {
-        let mut h = frequency_response();
-        let response = vec![1.0; N];
-        let solve = |problem: Reconstruction<'_>| problem.solve().unwrap_err().to_string();
-        let problem = Reconstruction::new(&response, RATE, &h).unwrap();
-        let band = |from_hz, to_hz| FrequencyBand { from_hz, to_hz };
-        let refusals = [
-            solve(problem.clone().within(band(20.0, 10.0))),
-            solve(problem.clone().within(band(1.0, 2.0))),
-            solve(problem.clone().without_lines([1001])),
-            solve(
-                problem
-                    .clone()
-                    .with_regularisation(Regularisation::Tikhonov { lambda: -1.0 }),
-            ),
-            solve(problem.acting_during(TimeInterval { from: 1.0, to: 2.0 })),
-        ];
-        assert_eq!(
-            refusals,
-            [
-                "the frequency band [Hz] runs from 20 to 10, expected finite and increasing limits",
-                "none of the 1001 lines can be used",
-                "line 1001 is to be left out, but there are only 1001 lines",
-                "regularisation parameter [unit of |H|^2] is -1, expected a finite value above 0",
-                "the support from 1 s to 2 s holds no sample of the response",
-            ]
-        );
-        h[5] = f64::NAN.into();
-        let problem = Reconstruction::new(&response, RATE, &h).unwrap();
-        assert_eq!(
-            solve(problem),
-            "element 5 of the frequency response is not finite"
-        );
-        assert!(Reconstruction::new(&response, RATE, &h[1..]).is_err());
-        assert!(Reconstruction::new(&response, f64::INFINITY, &h).is_err());
-    }
-}
+mod tests;

@@ -1,6 +1,7 @@
 //! The force between faces that stick, by the Fourier transform.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use num_complex::Complex64;
 
@@ -106,8 +107,19 @@ impl StickProblem<'_> {
     /// - [`ImpulseError::NonFinite`] for a mobility above 0 Hz: a pole of an undamped body lies on the line.
     /// - [`ImpulseError::VanishingMobility`], [`ImpulseError::SpectrumOverflow`].
     pub fn solve(&self) -> Result<StickForce, ImpulseError> {
+        let (lines, nonpassive_lines) = self.force_lines()?;
+        let (history, added_constant) = self.history_of(&lines)?;
+        Ok(StickForce {
+            settlement: self.settlement(&history),
+            history,
+            added_constant,
+            nonpassive_lines,
+        })
+    }
+
+    /// The spectrum $`\hat F`$ \[N s\] of the stick force and the number of lines that generate energy.
+    pub(crate) fn force_lines(&self) -> Result<(Vec<Complex64>, usize), ImpulseError> {
         let n_lines = self.checked_n_lines()?;
-        let n_samples = 2 * (n_lines - 1);
         let roll_off = self.roll_off(n_lines)?;
         let mut nonpassive_lines = 0;
         let mut spectrum = vec![Complex64::ZERO; n_lines];
@@ -134,14 +146,28 @@ impl StickProblem<'_> {
                 return Err(ImpulseError::SpectrumOverflow { index });
             }
         }
-        let period: Vec<f64> = fourier::to_samples(&spectrum, n_samples)
+        Ok((spectrum, nonpassive_lines))
+    }
+
+    /// Number of samples of a period and of the history that is shown.
+    pub(crate) fn n_samples(&self) -> (usize, usize) {
+        let n_samples = 2 * (self.first.len() - 1);
+        match self.zero_line {
+            ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => (n_samples, n_samples),
+            ZeroLine::SquareWave => (n_samples, n_samples / 2),
+        }
+    }
+
+    /// The history of a force with these lines, and the constant that was added to it: both linear in the lines.
+    pub(crate) fn history_of(
+        &self,
+        lines: &[Complex64],
+    ) -> Result<(ForceHistory, f64), ImpulseError> {
+        let (n_samples, n_shown) = self.n_samples();
+        let period: Vec<f64> = fourier::to_samples(lines, n_samples)
             .iter()
             .map(|sample| sample * self.frequency_step_hz)
             .collect();
-        let n_shown = match self.zero_line {
-            ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => n_samples,
-            ZeroLine::SquareWave => n_samples / 2,
-        };
         // the end of the period is the time before contact
         let n_ahead = n_shown / PARTS_AHEAD;
         let mut force: Vec<f64> = period
@@ -151,19 +177,17 @@ impl StickProblem<'_> {
             .take(n_shown)
             .copied()
             .collect();
-        let added_constant = self.constant_before_contact(&force);
+        let added_constant = match self.reference() {
+            None => 0.0,
+            Some((_, sign)) => sign * mean(quiet_part(&force)),
+        };
         for sample in &mut force {
             *sample += added_constant;
         }
         let time_step = 1.0 / (n_samples as f64 * self.frequency_step_hz);
         let start_time = -(n_ahead as f64) * time_step;
         let history = ForceHistory::new(start_time, time_step, force)?;
-        Ok(StickForce {
-            settlement: self.settlement(&history),
-            history,
-            added_constant,
-            nonpassive_lines,
-        })
+        Ok((history, added_constant))
     }
 
     fn checked_n_lines(&self) -> Result<usize, ImpulseError> {
@@ -220,13 +244,15 @@ impl StickProblem<'_> {
         }
     }
 
-    /// The constant for which the force is zero before contact. A period that has died out ends as it was before; half a
-    /// period of the square wave ends at minus the value that it had before.
-    fn constant_before_contact(&self, force: &[f64]) -> f64 {
+    /// The samples whose mean is added to the force, with the sign, so that it is zero before contact. A period that has died
+    /// out ends as it was before; half a period of the square wave ends at minus the value that it had before.
+    pub(crate) fn reference(&self) -> Option<(Range<usize>, f64)> {
+        let (_, n_shown) = self.n_samples();
+        let quiet = n_shown - n_quiet(n_shown)..n_shown;
         match self.zero_line {
-            ZeroLine::EffectiveMass(_) => 0.0,
-            ZeroLine::QuietBeforeContact => -mean(quiet_part(force)),
-            ZeroLine::SquareWave => mean(quiet_part(force)),
+            ZeroLine::EffectiveMass(_) => None,
+            ZeroLine::QuietBeforeContact => Some((quiet, -1.0)),
+            ZeroLine::SquareWave => Some((quiet, 1.0)),
         }
     }
 
@@ -265,10 +291,13 @@ impl RollOff {
 
 /// The end of the history, which is as long as what it shows ahead of the contact.
 fn quiet_part(force: &[f64]) -> &[f64] {
-    let n_quiet = (force.len() / PARTS_AHEAD).max(1);
     force
-        .get(force.len().saturating_sub(n_quiet)..)
+        .get(force.len().saturating_sub(n_quiet(force.len()))..)
         .unwrap_or(force)
+}
+
+fn n_quiet(n_samples: usize) -> usize {
+    (n_samples / PARTS_AHEAD).max(1)
 }
 
 fn mean(values: &[f64]) -> f64 {

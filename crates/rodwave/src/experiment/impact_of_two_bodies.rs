@@ -184,6 +184,22 @@ impl ImpactRecord<'_> {
         self.interval * power.map(|(force, velocity)| force * velocity).sum::<f64>()
     }
 
+    /// Acceleration of the face of the second body [m/s²], along V; `(n_samples)`.
+    ///
+    /// # Validity
+    /// A force that jumps makes the face of an elastic body jump in velocity: the acceleration is then as high as the Gaussian allows.
+    /// Behind a spring or a mass at one of the faces it is a history like the others.
+    ///
+    /// # Errors
+    /// As [`AnalyticChain::mobility_at_s`].
+    pub fn second_acceleration(&self) -> Result<Vec<f64>, RodwaveError> {
+        let lines = self.synthesis.arguments().zip(&self.force_transform);
+        let transform: Vec<Complex64> = lines
+            .map(|(s, force)| Ok(s * force * self.second.mobility_at_s(s)?))
+            .collect::<Result<_, RodwaveError>>()?;
+        Ok(self.synthesis.history(&transform)?.samples)
+    }
+
     /// Force -N \[N\], positive in compression, that the impact sends through a section of the second body, `distance` \[m\]
     /// behind the near face of its `element`; `(n_samples)`.
     ///

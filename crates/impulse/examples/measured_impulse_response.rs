@@ -1,0 +1,99 @@
+//! Figures 5 and 6 of paper E on virtual bodies: the force of a truncated cone and of a compound cylinder on a long steel rod, from
+//! (I) the measured impulse response of the body, with its band, and (II) the predicted one.
+//!
+//! ```text
+//! cargo run --release --package impulse --example measured_impulse_response
+//! ```
+//!
+//! writes `target/examples/measured_impulse_response.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+#[path = "../tests/virtual_laboratory/mod.rs"]
+mod virtual_laboratory;
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use impulse::{contact_band, separate};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use virtual_laboratory::{Case, Merging, long_rod, uncertainty};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let rod = long_rod()?;
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let (mut panels, mut layouts) = (Vec::new(), Vec::new());
+    for case in Case::ALL {
+        let larger_force = case.measured(Merging::LargerForce, &mut random)?;
+        let measured = case.measured(Merging::InverseVariance, &mut random)?;
+        let predicted = case.predicted()?;
+        let first = case.on_long_rod(&measured.mobility, &rod)?;
+        let second = case.on_long_rod(&predicted, &rod)?;
+        let error = first.error(&uncertainty(&measured))?;
+        let by_larger_force = case
+            .on_long_rod(&larger_force.mobility, &rod)?
+            .error(&uncertainty(&larger_force))?;
+        let (first, second) = (first.solve()?.history, second.solve()?.history);
+        let contact = first.index_near(0.0).ok_or("time 0 is in the history")?;
+        let window = contact..contact + 60;
+        let threshold = 0.02 * second.peak().force;
+        let (measured, predicted) = (separate(&first, threshold)?, separate(&second, threshold)?);
+        let stick_band = error.simultaneous(&first, 0.95, window.clone(), 1000, &mut random)?;
+        let band = contact_band(&stick_band, &measured);
+        println!(
+            "{}: peak {:.0} N measured, {:.0} N predicted; standard error {:.2} N ({:.2} N with the hammer of the larger \
+             force alone); end {:?}",
+            case.name(),
+            first.peak().force,
+            second.peak().force,
+            error.standard_error()[contact],
+            by_larger_force.standard_error()[contact],
+            error.contact_end(&first, &measured)
+        );
+        let line = |values: &[f64], colour: &str| {
+            let shown = window.clone();
+            let data: Vec<(f64, f64)> = shown
+                .map(|n| (1e3 * first.time_at(n), 1e-3 * values[n]))
+                .collect();
+            LinePlot::new().with_data(data).with_color(colour)
+        };
+        let plots = vec![
+            Plot::Line(line(&band.lower, "#93b4f5").with_legend("95 % of histories (I)")),
+            Plot::Line(line(&band.upper, "#93b4f5")),
+            Plot::Line(line(measured.history.force(), "#1d4ed8").with_legend("(I) measured")),
+            Plot::Line(line(predicted.history.force(), "#c2410c").with_legend("(II) predicted")),
+        ];
+        let layout = Layout::auto_from_plots(&plots)
+            .with_title(format!("{}, {} m/s", case.name(), case.velocity()))
+            .with_x_label("time, ms")
+            .with_y_label("force, kN")
+            .with_legend_position(LegendPosition::InsideTopRight);
+        panels.push(plots);
+        layouts.push(layout);
+    }
+    let scene = Figure::new(2, 2)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(560.0, 340.0)
+        .render();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("measured_impulse_response.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    println!("{}", path.display());
+    Ok(())
+}

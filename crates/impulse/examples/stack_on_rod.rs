@@ -1,0 +1,125 @@
+//! The compound cylinder of paper E on the long steel rod, by its nylon and by its aluminium end: as the paper computed it, on 1025 lines up to 10
+//! kHz, and without a limit to the band.
+//!
+//! ```text
+//! cargo run --release --package impulse --example stack_on_rod
+//! ```
+//!
+//! writes `target/examples/stack_on_rod.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use impulse::{ContactEnd, ForceHistory, Impact, LineBand, separate};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use rodwave::chain::{Chain, Termination};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::{Elastic, PowerLawPropagation};
+
+const DURATION: f64 = 1.5e-3;
+
+fn cylinder(nylon_first: bool) -> Result<Chain, Box<dyn Error>> {
+    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?;
+    let nylon = Medium::new(1150.0, law)?;
+    let aluminium = Medium::new(2700.0, Elastic::new(69e9)?)?;
+    let face = Circle::of_diameter(0.032)?;
+    let mut body = Chain::from_impact_face();
+    for section in 0..4 {
+        body = if (section % 2 == 0) == nylon_first {
+            body.rod(&nylon, face, 0.125)
+        } else {
+            body.rod(&aluminium, face, 0.125)
+        };
+    }
+    Ok(body.end(Termination::Free)?)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+    let rod = Chain::from_impact_face().end(Termination::semi_infinite(
+        &steel,
+        Circle::of_diameter(0.010)?,
+    ))?;
+    let mut panels = Vec::new();
+    for (name, nylon_first, velocity) in [("nylon end", true, 0.92), ("aluminium end", false, 1.01)]
+    {
+        let body = cylinder(nylon_first)?;
+        let impact = Impact::between(&body, &rod).at_velocity(velocity);
+        let as_in_paper = impact.stick_force_on_lines(LineBand::PAPER_E)?;
+        let peak = as_in_paper.history.peak();
+        // ringing of the jump, 2 % of it and less where the contacts end
+        let ended = separate(&as_in_paper.history, 0.02 * peak.force)?;
+        let end = match ended.end {
+            ContactEnd::Separated { time } => time,
+            _ => f64::NAN,
+        };
+        let prediction = impact.in_steps_of(1e-6).predict(DURATION)?;
+        println!(
+            "{name}: {:.0} N and {:.3} ms on lines up to 10 kHz; {:.0} N and {:.3} ms without a limit, restitution {:.3}",
+            peak.force,
+            1e3 * end,
+            prediction.peak().force,
+            1e3 * prediction.duration(),
+            prediction.balance().restitution.unwrap_or(f64::NAN)
+        );
+        for flag in &prediction.flags {
+            println!("  {flag}");
+        }
+        panels.push(vec![
+            line(&ended.history, "#9ca3af", "10 kHz, 2048 samples"),
+            line(&prediction.history, "#1d4ed8", "no limit to the band"),
+        ]);
+    }
+    let layouts = panels
+        .iter()
+        .zip(["Nylon end, 0.92 m/s", "Aluminium end, 1.01 m/s"])
+        .map(|(plots, title)| {
+            Layout::auto_from_plots(plots)
+                .with_title(title)
+                .with_x_label("time, ms")
+                .with_y_label("force, N")
+                .with_legend_position(LegendPosition::InsideTopRight)
+        })
+        .collect();
+    let scene = Figure::new(2, 1)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(760.0, 320.0)
+        .render();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("stack_on_rod.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    println!("figure in {}", path.display());
+    Ok(())
+}
+
+/// The samples from just ahead of the contact on.
+fn line(history: &ForceHistory, colour: &str, legend: &str) -> Plot {
+    let samples = history.force().iter().enumerate();
+    let points: Vec<(f64, f64)> = samples
+        .map(|(n, force)| (1e3 * history.time_at(n), *force))
+        .filter(|(time, _)| *time > -0.1 && *time < 1e3 * DURATION)
+        .collect();
+    Plot::Line(
+        LinePlot::new()
+            .with_data(points)
+            .with_color(colour)
+            .with_legend(legend),
+    )
+}

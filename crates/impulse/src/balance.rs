@@ -1,0 +1,137 @@
+//! Where momentum and energy have gone.
+
+use std::f64::consts::TAU;
+
+/// Fewest steps without force at the end of a history that show where a body goes.
+const FEWEST_STEPS_AFTER: usize = 64;
+
+/// Momentum and energy of an impact, in the frame in which the second body is at rest before.
+///
+/// All follow from the force and the mobilities. Energies of one body are told apart by what moves with its centre of mass and what does
+/// not: vibration and what was turned into heat cannot be told apart by a mobility.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Balance {
+    /// $`J = \int F\,dt`$ \[N s\], the momentum that has gone from the first body to the second.
+    pub impulse: f64,
+    /// Momentum of the first body before, $`M_1V`$ \[N s\]; none if it is not free.
+    pub momentum_before: Option<f64>,
+    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; none for bodies that are not free.
+    pub velocity_after: [Option<f64>; 2],
+    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over that before: $`1/M_{\mathrm{eff}}`$ is
+    /// $`\sum 1/M_i`$ over the bodies that are free. None if no body is.
+    pub restitution: Option<f64>,
+    /// Energy of the first body before, $`\tfrac12M_1V^2`$ \[J\]; none if it is not free.
+    pub energy_before: Option<f64>,
+    /// Energy of the motion of the centres of mass after \[J\].
+    pub translation_after: [Option<f64>; 2],
+    /// What the bodies hold besides \[J\]: vibration, waves that have run off, and heat. Not negative for passive bodies.
+    pub inner: [f64; 2],
+    /// Energy that the contact has taken for good \[J\]: hysteresis, closing of gaps.
+    pub dissipated_in_contact: f64,
+    /// Energy that the contact holds at the end and may give back \[J\].
+    pub stored_in_contact: f64,
+    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work that the first body gave, less that which the second and the contact took, the former by
+    /// the velocities of the faces, the latter by the law of the contact.
+    pub energy_residual: f64,
+    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last contact (mean under a Hann window):
+    /// momentum without the use of $`v_1 = V - J/M_1`$. None without time after the contact or with a first body that is not free. It is
+    /// small only if the body rings several times in that time, or has come to rest.
+    pub momentum_residual: Option<f64>,
+    /// Restitution by the faces observed in the same way, $`(\bar v_2 - \bar v_1)/V`$.
+    pub observed_restitution: Option<f64>,
+}
+
+/// What a balance is made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Account<'a> {
+    pub(crate) time_step: f64,
+    pub(crate) velocity: f64,
+    pub(crate) masses: [Option<f64>; 2],
+    pub(crate) force: &'a [f64],
+    /// velocities of the faces along V
+    pub(crate) faces: [&'a [f64]; 2],
+    pub(crate) contact_work: f64,
+    pub(crate) stored_in_contact: f64,
+}
+
+impl Account<'_> {
+    pub(crate) fn balance(&self) -> Balance {
+        let velocity = self.velocity;
+        let [first_mass, second_mass] = self.masses;
+        let impulse = self.time_step * self.force.iter().sum::<f64>();
+        let work = |face: &[f64]| {
+            let power = self
+                .force
+                .iter()
+                .zip(face)
+                .map(|(force, face)| force * face);
+            self.time_step * power.sum::<f64>()
+        };
+        let [given, taken] = self.faces.map(work);
+        let velocity_after = [
+            first_mass.map(|mass| velocity - impulse / mass),
+            second_mass.map(|mass| impulse / mass),
+        ];
+        let kinetic =
+            |mass: Option<f64>, velocity: Option<f64>| Some(0.5 * mass? * velocity?.powi(2));
+        let translation_after = [
+            kinetic(first_mass, velocity_after[0]),
+            kinetic(second_mass, velocity_after[1]),
+        ];
+        // what the centre of mass loses or gains by the impulse J: VJ - J²/(2M₁), J²/(2M₂); the term is absent without a mass
+        let square = |mass: Option<f64>| mass.map_or(0.0, |mass| 0.5 * impulse * impulse / mass);
+        let inner = [
+            velocity * impulse - square(first_mass) - given,
+            taken - square(second_mass),
+        ];
+        let inverse_mass: f64 = self.masses.iter().flatten().map(|mass| 1.0 / mass).sum();
+        let restitution = (inverse_mass > 0.0).then(|| impulse * inverse_mass / velocity - 1.0);
+        let after = self.after();
+        let observed = |face: &[f64]| after.and_then(|from| hann_mean(face.get(from..)?));
+        let [first_seen, second_seen] = self.faces.map(observed);
+        let momentum_before = first_mass.map(|mass| mass * velocity);
+        Balance {
+            impulse,
+            momentum_before,
+            velocity_after,
+            restitution,
+            energy_before: first_mass.map(|mass| 0.5 * mass * velocity * velocity),
+            translation_after,
+            inner,
+            dissipated_in_contact: self.contact_work - self.stored_in_contact,
+            stored_in_contact: self.stored_in_contact,
+            energy_residual: if impulse > 0.0 {
+                (given - taken - self.contact_work) / (velocity * impulse)
+            } else {
+                0.0
+            },
+            momentum_residual: momentum_before
+                .zip(first_mass)
+                .zip(first_seen)
+                .map(|((before, mass), seen)| (mass * seen + impulse - before) / before),
+            observed_restitution: first_seen
+                .zip(second_seen)
+                .map(|(first, second)| (second - first) / velocity),
+        }
+    }
+
+    /// First step after the last force, if enough follow.
+    fn after(&self) -> Option<usize> {
+        let last = self.force.iter().rposition(|&force| force > 0.0)?;
+        (self.force.len() - last > FEWEST_STEPS_AFTER).then_some(last + 1)
+    }
+}
+
+/// Mean under a window of Hann.
+fn hann_mean(values: &[f64]) -> Option<f64> {
+    let count = values.len() as f64;
+    let (sum, weights) = values
+        .iter()
+        .enumerate()
+        .fold((0.0, 0.0), |(sum, all), (n, value)| {
+            let weight = 1.0 - (TAU * (n as f64 + 0.5) / count).cos();
+            (sum + weight * value, all + weight)
+        });
+    (weights > 0.0).then(|| sum / weights)
+}

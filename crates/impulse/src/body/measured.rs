@@ -1,0 +1,395 @@
+//! A body of which the frequency response of the impact face was measured.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::{Domain, ImpactBody};
+use crate::error::{check_not_negative, check_positive, check_samples};
+use crate::{ImpulseError, fourier};
+
+/// One part in so many of the lines, at the upper end, tells the front impedance where none is given.
+const PARTS_TO_FRONT: usize = 5;
+
+/// Fewest lines of a fit of two numbers that can be judged.
+pub(super) const FEWEST_LINES: usize = 3;
+
+/// A weighed mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeighedMass {
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Its standard error \[kg\].
+    pub standard_error: f64,
+}
+
+/// What the body does below the lines that were measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum LowFrequency {
+    /// It is free and was weighed: $`G \to 1/(i\omega M)`$. The line at 0 Hz is not read.
+    Free(WeighedMass),
+    /// It stands on something rigid: $`G(0) = 0`$. The line at 0 Hz is not read.
+    Fixed,
+    /// The line at 0 Hz is right as it stands, as that of a long rod.
+    Measured,
+}
+
+/// An averaged frequency response of the impact face, $`v/F`$ on equidistant lines from 0 Hz.
+///
+/// | array | shape | unit |
+/// |---|---|---|
+/// | mobility | `(n_lines)` | m/(N s) |
+/// | variance | `(n_lines)`, $`E\lvert\delta G\rvert^2`$ of the average | (m/(N s))² |
+///
+/// ```
+/// use impulse::{LowFrequency, MeasuredBody, ScreeningFlag, WeighedMass};
+/// use num_complex::Complex64;
+///
+/// # fn main() -> Result<(), impulse::ImpulseError> {
+/// // 2 kg that ring a little: a free body with one mode
+/// let mobility: Vec<_> = (0..400)
+///     .map(|k| {
+///         let s = Complex64::new(0.0, 2.0 * std::f64::consts::PI * 10.0 * k as f64);
+///         if k == 0 { Complex64::ZERO } else { 0.5 / s + 0.3 * s / (s * s + 400.0 * s + 4e6) }
+///     })
+///     .collect();
+/// // and were weighed wrongly
+/// let weighed = LowFrequency::Free(WeighedMass { mass: 2.3, standard_error: 0.001 });
+/// let body = MeasuredBody::from_mobility(&mobility, 10.0, weighed)?;
+/// let flags = body.screen().flags();
+/// assert!(flags.iter().any(|flag| matches!(flag, ScreeningFlag::MassContradicted { .. })));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct MeasuredBody {
+    frequency_step_hz: f64,
+    /// line 0: the static limit, 0 for a free body
+    mobility: Vec<Complex64>,
+    variance: Option<Vec<f64>>,
+    low: LowFrequency,
+    given_front: Option<f64>,
+}
+
+impl MeasuredBody {
+    /// A body of this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the step or the mass, [`ImpulseError::TooShort`] below eight lines,
+    /// [`ImpulseError::NonFinite`] for a line that is read, [`ImpulseError::MissingZeroLine`].
+    pub fn from_mobility(
+        mobility: &[Complex64],
+        frequency_step_hz: f64,
+        low: LowFrequency,
+    ) -> Result<Self, ImpulseError> {
+        const WHAT: &str = "measured mobility";
+        check_positive("frequency step [Hz]", frequency_step_hz)?;
+        if mobility.len() < 8 {
+            return Err(ImpulseError::TooShort {
+                what: WHAT,
+                found: mobility.len(),
+                expected: 8,
+            });
+        }
+        if let LowFrequency::Free(weighed) = low {
+            check_positive("weighed mass [kg]", weighed.mass)?;
+            check_not_negative(
+                "standard error of the weighed mass [kg]",
+                weighed.standard_error,
+            )?;
+        }
+        let mut mobility = mobility.to_vec();
+        if let Some(first) = mobility.first_mut() {
+            match low {
+                LowFrequency::Free(_) | LowFrequency::Fixed => *first = Complex64::ZERO,
+                LowFrequency::Measured if first.is_finite() => first.im = 0.0,
+                LowFrequency::Measured => return Err(ImpulseError::MissingZeroLine { what: WHAT }),
+            }
+        }
+        if let Some(index) = mobility.iter().position(|line| !line.is_finite()) {
+            return Err(ImpulseError::NonFinite { what: WHAT, index });
+        }
+        Ok(Self {
+            frequency_step_hz,
+            mobility,
+            variance: None,
+            low,
+            given_front: None,
+        })
+    }
+
+    /// A body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz` apart; the line at 0 Hz is not read
+    /// and `low` must not be [`LowFrequency::Measured`].
+    ///
+    /// # Errors
+    ///
+    /// As [`MeasuredBody::from_mobility`].
+    pub fn from_accelerance(
+        accelerance: &[Complex64],
+        frequency_step_hz: f64,
+        low: LowFrequency,
+    ) -> Result<Self, ImpulseError> {
+        if low == LowFrequency::Measured {
+            return Err(ImpulseError::MissingZeroLine {
+                what: "measured accelerance, a mobility at 0 Hz,",
+            });
+        }
+        check_positive("frequency step [Hz]", frequency_step_hz)?;
+        let lines = accelerance.iter().enumerate();
+        let mobility: Vec<Complex64> = lines
+            .map(|(line, value)| match line {
+                0 => Complex64::ZERO,
+                _ => value / Complex64::new(0.0, TAU * frequency_step_hz * line as f64),
+            })
+            .collect();
+        Self::from_mobility(&mobility, frequency_step_hz, low)
+    }
+
+    /// The same body with the `variance` of its mobility \[(m/(N s))²\], line by line; that at 0 Hz is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]; [`ImpulseError::NonPhysical`] for a negative one.
+    pub fn with_variance(self, variance: &[f64]) -> Result<Self, ImpulseError> {
+        const WHAT: &str = "variance of the mobility";
+        if variance.len() != self.mobility.len() {
+            return Err(ImpulseError::LengthMismatch {
+                what: WHAT,
+                found: variance.len(),
+                expected: self.mobility.len(),
+            });
+        }
+        let mut variance = variance.to_vec();
+        if let Some(first) = variance.first_mut() {
+            *first = 0.0;
+        }
+        check_samples(WHAT, &variance)?;
+        for &value in &variance {
+            check_not_negative("variance of the mobility [(m/(N s))^2]", value)?;
+        }
+        Ok(Self {
+            variance: Some(variance),
+            ..self
+        })
+    }
+
+    /// The same body with the impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at its face, with which it answers above the
+    /// lines that were measured. Without it the mean of the upper fifth of the lines stands in.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_front_impedance(self, impedance: f64) -> Result<Self, ImpulseError> {
+        Ok(Self {
+            given_front: Some(check_positive("front impedance [kg/s]", impedance)?),
+            ..self
+        })
+    }
+
+    /// Distance of the lines \[Hz\].
+    #[must_use]
+    pub fn frequency_step_hz(&self) -> f64 {
+        self.frequency_step_hz
+    }
+
+    /// Mobility \[m/(N s)\]; of a free or a fixed body 0 on line 0.
+    #[must_use]
+    pub fn mobility(&self) -> &[Complex64] {
+        &self.mobility
+    }
+
+    /// Variance of the mobility \[(m/(N s))²\], if it is known; 0 on line 0.
+    #[must_use]
+    pub fn variance(&self) -> Option<&[f64]> {
+        self.variance.as_deref()
+    }
+
+    /// What the body does at low frequency.
+    #[must_use]
+    pub fn low_frequency(&self) -> LowFrequency {
+        self.low
+    }
+
+    /// The front impedance that was given.
+    pub(super) fn given_front(&self) -> Option<f64> {
+        self.given_front
+    }
+
+    /// Mean real part of the upper fifth of the lines, and its scatter from line to line.
+    pub(super) fn front_conductance(&self) -> (f64, f64) {
+        let n_lines = self.mobility.len();
+        let upper = self
+            .mobility
+            .get(n_lines - n_lines / PARTS_TO_FRONT - 1..)
+            .unwrap_or_default();
+        let count = upper.len() as f64;
+        let mean = upper.iter().map(|line| line.re).sum::<f64>() / count;
+        let square = upper
+            .iter()
+            .map(|line| (line.re - mean).powi(2))
+            .sum::<f64>();
+        (mean, (square / count).sqrt())
+    }
+
+    /// $`G - 1/(i\omega M) - 1/Z`$: what dies out, line by line. Of a free body it vanishes with $`\omega`$, but for $`-1/Z`$.
+    pub(crate) fn remainder(&self, conductance: f64) -> Vec<Complex64> {
+        let lines = self.mobility.iter().enumerate();
+        lines
+            .map(|(line, value)| value - self.rigid(line) - conductance)
+            .collect()
+    }
+
+    /// $`1/(i\omega M)`$ of a free body, 0 on line 0 and of others.
+    fn rigid(&self, line: usize) -> Complex64 {
+        match (self.low, line) {
+            (LowFrequency::Free(weighed), 1..) => {
+                1.0 / Complex64::new(0.0, self.omega(line) * weighed.mass)
+            }
+            _ => Complex64::ZERO,
+        }
+    }
+
+    /// ω [rad/s] of a line.
+    pub(super) fn omega(&self, line: usize) -> f64 {
+        TAU * self.frequency_step_hz * line as f64
+    }
+
+    /// The same body without what its impulse response has ahead of the impulse.
+    ///
+    /// The rigid-body motion and the answer at once, $`1/Z`$, are taken off, the second half of the period is set to zero as the
+    /// time before the impulse, and both are added again. Noise loses half of its power.
+    ///
+    /// # Validity
+    ///
+    /// What rings has died out after half a period $`1/(2\Delta f)`$. A band limit smears jumps into the time ahead: it is
+    /// taken off as well, so that lines near the end of the band change.
+    #[must_use]
+    pub fn causally_projected(&self) -> Self {
+        let conductance = self.conductance();
+        let remainder = self.remainder(conductance);
+        let n_samples = 2 * (remainder.len() - 1);
+        let mut samples = fourier::to_samples(&remainder, n_samples);
+        for sample in samples.iter_mut().skip(n_samples / 2) {
+            *sample = 0.0;
+        }
+        let scale = 1.0 / n_samples as f64;
+        let causal = fourier::to_spectrum(&samples);
+        let lines = causal.iter().enumerate();
+        let mobility = lines
+            .map(|(line, value)| match (self.low, line) {
+                (LowFrequency::Free(_) | LowFrequency::Fixed, 0) => Complex64::ZERO,
+                _ => value * scale + self.rigid(line) + conductance,
+            })
+            .collect();
+        Self {
+            mobility,
+            ..self.clone()
+        }
+    }
+
+    /// The same body with the lines below `from_hz` replaced by those of the weighed mass, $`i\omega G = (1 - e\omega^2)/M`$, where
+    /// $`e`$ is fitted to the lines from there up to `to_hz`; the variance of the mass takes the place of theirs.
+    ///
+    /// # Validity
+    ///
+    /// `to_hz` is well below the first antiresonance: what is neglected is of fourth order in the frequency.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::MissingZeroLine`] for a body that is not free; [`ImpulseError::EmptyInterval`];
+    /// [`ImpulseError::TooShort`] with fewer than three lines in the band.
+    pub fn completed_below(&self, from_hz: f64, to_hz: f64) -> Result<Self, ImpulseError> {
+        let LowFrequency::Free(weighed) = self.low else {
+            return Err(ImpulseError::MissingZeroLine {
+                what: "body to be completed by its mass",
+            });
+        };
+        check_positive("begin of the band of a nearly rigid body [Hz]", from_hz)?;
+        crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
+        // least squares for (Re(iωGM) - 1) = -e ω²
+        let (mut moment, mut square, mut found) = (0.0, 0.0, 0);
+        for (line, value) in self.mobility.iter().enumerate().skip(1) {
+            let frequency_hz = line as f64 * self.frequency_step_hz;
+            if frequency_hz >= from_hz && frequency_hz <= to_hz {
+                let omega = self.omega(line);
+                let excess = (Complex64::new(0.0, omega) * value).re * weighed.mass - 1.0;
+                moment -= excess * omega.powi(2);
+                square += omega.powi(4);
+                found += 1;
+            }
+        }
+        if found < FEWEST_LINES {
+            return Err(ImpulseError::TooShort {
+                what: "band of a nearly rigid body",
+                found,
+                expected: FEWEST_LINES,
+            });
+        }
+        let elastic = moment / square;
+        let mut completed = self.clone();
+        let step = self.frequency_step_hz;
+        let low = (1..self.mobility.len()).take_while(|line| (*line as f64) * step < from_hz);
+        for line in low {
+            let omega = self.omega(line);
+            let rigid = self.rigid(line) * (1.0 - elastic * omega.powi(2));
+            if let Some(value) = completed.mobility.get_mut(line) {
+                *value = rigid;
+            }
+            let variances = completed.variance.as_mut();
+            if let Some(variance) = variances.and_then(|variances| variances.get_mut(line)) {
+                let relative = weighed.standard_error / weighed.mass;
+                *variance = rigid.norm_sqr() * relative.powi(2);
+            }
+        }
+        Ok(completed)
+    }
+
+    /// $`1/Z`$ of the front.
+    fn conductance(&self) -> f64 {
+        self.given_front
+            .map_or_else(|| self.front_conductance().0, |impedance| 1.0 / impedance)
+    }
+}
+
+impl ImpactBody for MeasuredBody {
+    fn domain(&self) -> Domain {
+        Domain::Lines {
+            frequency_step_hz: self.frequency_step_hz,
+            n_lines: self.mobility.len(),
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the line is checked to be one of the body's"
+    )]
+    fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
+        let position = s.im / (TAU * self.frequency_step_hz);
+        let line = position.round();
+        let outside = s.re != 0.0
+            || (position - line).abs() > 1e-6
+            || !(0.0..self.mobility.len() as f64).contains(&line);
+        let value = self.mobility.get(line as usize);
+        match value {
+            Some(value) if !outside => Ok(*value),
+            _ => Err(ImpulseError::OutsideDomain {
+                s,
+                expected: "a line of the measurement",
+            }),
+        }
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        match self.low {
+            LowFrequency::Free(weighed) => Some(weighed.mass),
+            _ => None,
+        }
+    }
+
+    fn front_impedance(&self) -> Option<f64> {
+        Some(1.0 / self.conductance())
+    }
+}

@@ -1,0 +1,90 @@
+//! Whether two points answer each other alike.
+
+use num_complex::Complex64;
+
+use crate::ImpulseError;
+use crate::error::check_samples;
+
+/// Standard errors that chance is allowed.
+const COVERAGE: f64 = 4.0;
+
+/// Whether two transfer mobilities between two points are the same, as they must be: $`G_{12} = G_{21}`$.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Reciprocity {
+    /// $`\sum\lvert G_{12}-G_{21}\rvert^2/\sum\lvert G_{12}\rvert\lvert G_{21}\rvert`$ over the lines above 0 Hz.
+    pub relative_difference: f64,
+    /// Lines that differ by more than four standard errors.
+    pub contradicting_lines: usize,
+    /// The line that differs most, and by how many standard errors.
+    pub worst: Option<(usize, f64)>,
+}
+
+impl Reciprocity {
+    /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all `(n_lines)` from 0 Hz.
+    ///
+    /// The difference of a line has the sum of both variances; its squared magnitude over that is exponentially distributed for
+    /// lines without fault, and more than 4² happens to one in nine million.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`].
+    pub fn between(
+        forward: &[Complex64],
+        backward: &[Complex64],
+        variances: [&[f64]; 2],
+    ) -> Result<Self, ImpulseError> {
+        for (what, found) in [
+            ("backward mobility", backward.len()),
+            ("variance of the forward mobility", variances[0].len()),
+            ("variance of the backward mobility", variances[1].len()),
+        ] {
+            if found != forward.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what,
+                    found,
+                    expected: forward.len(),
+                });
+            }
+        }
+        check_samples("variance of the forward mobility", variances[0])?;
+        check_samples("variance of the backward mobility", variances[1])?;
+        let mut found = Self {
+            relative_difference: 0.0,
+            contradicting_lines: 0,
+            worst: None,
+        };
+        let (mut difference, mut scale) = (0.0, 0.0);
+        let pairs = forward.iter().zip(backward);
+        let errors = variances[0].iter().zip(variances[1]);
+        for (line, ((there, back), (first, second))) in pairs.zip(errors).enumerate().skip(1) {
+            if !(there.is_finite() && back.is_finite()) {
+                return Err(ImpulseError::NonFinite {
+                    what: "transfer mobility",
+                    index: line,
+                });
+            }
+            let square = (there - back).norm_sqr();
+            difference += square;
+            scale += there.norm() * back.norm();
+            let error = (first + second).sqrt();
+            let distance = if square > 0.0 {
+                square.sqrt() / error
+            } else {
+                0.0
+            };
+            if distance > COVERAGE {
+                found.contradicting_lines += 1;
+            }
+            if found.worst.is_none_or(|(_, worst)| distance > worst) {
+                found.worst = Some((line, distance));
+            }
+        }
+        found.relative_difference = if difference > 0.0 {
+            difference / scale
+        } else {
+            0.0
+        };
+        Ok(found)
+    }
+}

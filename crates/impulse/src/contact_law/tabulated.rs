@@ -1,0 +1,185 @@
+//! A measured contact curve.
+
+use crate::ImpulseError;
+
+/// A force-approach curve through points, straight between them, and an unloading that may be stiffer.
+///
+/// Loading follows the curve, beyond its last point along the last piece. Without an unloading stiffness the way back is the same.
+/// With one, the force falls from where loading ended along a straight line of that stiffness to zero, a dent remaining, and reloads on
+/// the same line: energy is lost between the two.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TabulatedContact {
+    /// (δ, F), the first (0, 0)
+    points: Vec<(f64, f64)>,
+    /// energy up to each point
+    energy: Vec<f64>,
+    unloading_stiffness: Option<f64>,
+}
+
+impl TabulatedContact {
+    /// A curve through `points` (δ \[m\], F \[N\]), the first of them (0, 0).
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ and F are finite and grow from
+    /// point to point.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
+        if points.len() < 2 {
+            return Err(ImpulseError::TooShort {
+                what: "contact law",
+                found: points.len(),
+                expected: 2,
+            });
+        }
+        let wrong = |index: usize, (approach, force): (f64, f64), expected| {
+            Err(ImpulseError::ContactTable {
+                index,
+                approach,
+                force,
+                expected,
+            })
+        };
+        let mut energy = Vec::with_capacity(points.len());
+        let mut before = (0.0, 0.0);
+        for (index, &point) in points.iter().enumerate() {
+            if !(point.0.is_finite() && point.1.is_finite()) {
+                return wrong(index, point, "finite values");
+            }
+            if index == 0 {
+                if point.0.abs() > 0.0 || point.1.abs() > 0.0 {
+                    return wrong(index, point, "(0, 0) as the first point");
+                }
+                energy.push(0.0);
+                continue;
+            }
+            if point.0 <= before.0 || point.1 <= before.1 {
+                return wrong(
+                    index,
+                    point,
+                    "approach and force above those of the point before",
+                );
+            }
+            let so_far = energy.last().copied().unwrap_or(0.0);
+            energy.push(so_far + 0.5 * (point.0 - before.0) * (point.1 + before.1));
+            before = point;
+        }
+        Ok(Self {
+            points: points.to_vec(),
+            energy,
+            unloading_stiffness: None,
+        })
+    }
+
+    /// The same curve with this `stiffness` [N/m] of unloading.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] unless it is finite and not below the steepest piece of the curve: the contact would give more
+    /// energy back than it has taken.
+    pub fn unloading_with(self, stiffness: f64) -> Result<Self, ImpulseError> {
+        let steepest = self.pieces().map(|(_, slope)| slope).fold(0.0, f64::max);
+        if stiffness.is_finite() && stiffness >= steepest {
+            Ok(Self {
+                unloading_stiffness: Some(stiffness),
+                ..self
+            })
+        } else {
+            Err(ImpulseError::NonPhysical {
+                quantity: "unloading stiffness [N/m]",
+                value: stiffness,
+                expected: "a finite value not below the steepest piece of the loading curve",
+            })
+        }
+    }
+
+    /// Beginning of each piece and its slope.
+    fn pieces(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.points.windows(2).enumerate().map(|(index, piece)| {
+            let slope = match piece {
+                [(x0, y0), (x1, y1)] => (y1 - y0) / (x1 - x0),
+                _ => 0.0,
+            };
+            (index, slope)
+        })
+    }
+
+    /// Force and energy of the loading curve.
+    fn loading(&self, delta: f64) -> (f64, f64) {
+        let after = self.points.partition_point(|(x, _)| *x <= delta);
+        let piece = after.clamp(1, self.points.len() - 1) - 1;
+        let (x0, y0) = self.points[piece];
+        let (x1, y1) = self.points[piece + 1];
+        let way = delta - x0;
+        let force = y0 + (y1 - y0) / (x1 - x0) * way;
+        (force, self.energy[piece] + 0.5 * way * (y0 + force))
+    }
+
+    /// Force at `delta` >= 0 when the deepest approach so far is `deepest`.
+    pub(super) fn force(&self, deepest: f64, delta: f64) -> f64 {
+        match self.unloading_stiffness {
+            Some(stiffness) if delta < deepest => {
+                (self.loading(deepest).0 - stiffness * (deepest - delta)).max(0.0)
+            }
+            _ => self.loading(delta).0,
+        }
+    }
+
+    /// Energy from some origin to `delta` >= 0 on the path of this `deepest` approach.
+    pub(super) fn energy(&self, deepest: f64, delta: f64) -> f64 {
+        match self.unloading_stiffness {
+            Some(stiffness) if delta < deepest => {
+                let (force, energy) = self.loading(deepest);
+                let left = (force - stiffness * (deepest - delta)).max(0.0);
+                energy - 0.5 * (force * force - left * left) / stiffness
+            }
+            _ => self.loading(delta).1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve() -> TabulatedContact {
+        TabulatedContact::new(&[(0.0, 0.0), (1.0, 2.0), (3.0, 3.0)]).unwrap()
+    }
+
+    #[test]
+    fn loading_follows_the_points_and_the_last_piece() {
+        for (delta, force) in [(0.0, 0.0), (0.5, 1.0), (1.0, 2.0), (2.0, 2.5), (5.0, 4.0)] {
+            assert!((curve().force(0.0, delta) - force).abs() < 1e-14, "{delta}");
+        }
+    }
+
+    #[test]
+    fn unloading_leaves_a_dent() {
+        let hysteretic = curve().unloading_with(2.0).unwrap();
+        // from (3, 3) with 2: zero at 1.5
+        for (delta, force) in [(3.0, 3.0), (2.5, 2.0), (1.5, 0.0), (0.7, 0.0)] {
+            assert!(
+                (hysteretic.force(3.0, delta) - force).abs() < 1e-14,
+                "{delta}"
+            );
+        }
+        // loading took 1 + 5 J, unloading gives 9/4 back
+        let lost = hysteretic.energy(0.0, 3.0)
+            - (hysteretic.energy(3.0, 3.0) - hysteretic.energy(3.0, 0.0));
+        assert!((lost - (6.0 - 2.25)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn curves_that_do_not_grow_are_refused() {
+        let text = |points: &[(f64, f64)]| TabulatedContact::new(points).unwrap_err().to_string();
+        assert_eq!(
+            text(&[(0.0, 0.0), (1.0, 2.0), (2.0, 1.0)]),
+            "point 2 of the contact law is (2 m, 1 N), expected approach and force above those of the point before"
+        );
+        assert_eq!(
+            text(&[(0.0, 1.0), (1.0, 2.0)]),
+            "point 0 of the contact law is (0 m, 1 N), expected (0, 0) as the first point"
+        );
+        assert!(TabulatedContact::new(&[(0.0, 0.0), (f64::NAN, 2.0)]).is_err());
+        assert!(curve().unloading_with(1.9).is_err());
+    }
+}

@@ -1,0 +1,226 @@
+//! Convolution with a history that comes into being step by step.
+
+use std::fmt;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// Steps whose mutual influence is summed directly; from there on by blocks.
+const LEAF: usize = 64;
+
+/// $`p_n = \sum_{j<n} w_{n-j} x_j`$ for a causal kernel w, with $`x_n`$ given only after $`p_n`$ has been asked for.
+///
+/// The triangle of pairs (j, n) is cut into squares that double in size away from the diagonal: when $`2^p`$ leaves are complete, what
+/// they do to as many leaves after them is one Fourier convolution. N steps cost $`O(N\log^2 N)`$ (Hairer, Lubich & Schlichte,
+/// SIAM J. Sci. Stat. Comput. 6 (1985) 532).
+pub(crate) struct OnlineConvolution<'a> {
+    kernel: &'a [f64],
+    given: Vec<f64>,
+    /// what complete blocks do to later steps
+    pending: Vec<f64>,
+    levels: Vec<Level>,
+}
+
+/// Squares of one size L: transforms of 2L points.
+struct Level {
+    length: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    /// transform of the kernel from 0 to 2L, over 2L
+    kernel: Vec<Complex64>,
+    samples: Vec<f64>,
+    lines: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl fmt::Debug for OnlineConvolution<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("OnlineConvolution")
+            .field("steps", &self.given.len())
+            .field("of", &self.kernel.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> OnlineConvolution<'a> {
+    /// For as many steps as the kernel has elements.
+    pub(crate) fn new(kernel: &'a [f64]) -> Self {
+        let mut planner = RealFftPlanner::new();
+        let mut levels = Vec::new();
+        let mut length = LEAF;
+        while length < kernel.len() {
+            levels.push(Level::new(&mut planner, kernel, length));
+            length *= 2;
+        }
+        Self {
+            kernel,
+            given: Vec::with_capacity(kernel.len()),
+            pending: vec![0.0; kernel.len()],
+            levels,
+        }
+    }
+
+    /// $`p_n`$ for the step n that is to be given next.
+    pub(crate) fn past(&self) -> f64 {
+        let n = self.given.len();
+        let begin = n - n % LEAF;
+        let recent = self.given.get(begin..).unwrap_or_default();
+        let kernel = self.kernel.get(1..=n - begin).unwrap_or_default();
+        let direct: f64 = recent
+            .iter()
+            .zip(kernel.iter().rev())
+            .map(|(x, w)| x * w)
+            .sum();
+        self.pending.get(n).copied().unwrap_or(0.0) + direct
+    }
+
+    /// Gives $`x_n`$.
+    pub(crate) fn push(&mut self, value: f64) {
+        self.given.push(value);
+        let n = self.given.len();
+        if n.is_multiple_of(LEAF) && n < self.kernel.len() {
+            let level = (n / LEAF).trailing_zeros() as usize;
+            if let Some(level) = self.levels.get_mut(level) {
+                let block = self.given.get(n - level.length..).unwrap_or_default();
+                let later = self.pending.get_mut(n..).unwrap_or_default();
+                level.add(block, later);
+            }
+        }
+    }
+
+    /// All that was given.
+    pub(crate) fn into_given(self) -> Vec<f64> {
+        self.given
+    }
+}
+
+impl Level {
+    fn new(planner: &mut RealFftPlanner<f64>, kernel: &[f64], length: usize) -> Self {
+        let forward = planner.plan_fft_forward(2 * length);
+        let inverse = planner.plan_fft_inverse(2 * length);
+        let scratch_length = forward.get_scratch_len().max(inverse.get_scratch_len());
+        let mut level = Self {
+            length,
+            kernel: forward.make_output_vec(),
+            samples: forward.make_input_vec(),
+            lines: forward.make_output_vec(),
+            scratch: vec![Complex64::ZERO; scratch_length],
+            forward,
+            inverse,
+        };
+        for (sample, weight) in level.samples.iter_mut().zip(kernel) {
+            *sample = *weight;
+        }
+        level.transform();
+        let scale = 0.5 / length as f64;
+        for (line, value) in level.kernel.iter_mut().zip(&level.lines) {
+            *line = value * scale;
+        }
+        level
+    }
+
+    /// Lines of the samples, which are destroyed.
+    #[expect(
+        clippy::expect_used,
+        reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
+    )]
+    fn transform(&mut self) {
+        self.forward
+            .process_with_scratch(&mut self.samples, &mut self.lines, &mut self.scratch)
+            .expect("buffers of the plan");
+    }
+
+    /// Adds what `block` does to the steps right after it.
+    #[expect(
+        clippy::expect_used,
+        reason = "the transform fails only on wrong buffer lengths, and on imaginary parts at both ends of the spectrum, \
+                  which products of real lines there do not have"
+    )]
+    fn add(&mut self, block: &[f64], later: &mut [f64]) {
+        self.samples.fill(0.0);
+        for (sample, value) in self.samples.iter_mut().zip(block) {
+            *sample = *value;
+        }
+        self.transform();
+        for (line, weight) in self.lines.iter_mut().zip(&self.kernel) {
+            *line *= weight;
+        }
+        self.inverse
+            .process_with_scratch(&mut self.lines, &mut self.samples, &mut self.scratch)
+            .expect("buffers of the plan");
+        // the circle has wrapped around onto the first half only
+        let result = self.samples.iter().skip(self.length);
+        for (pending, value) in later.iter_mut().zip(result) {
+            *pending += value;
+        }
+    }
+}
+
+/// $`\sum_{j\le n} w_{n-j} x_j`$ for a whole history, by one transform.
+#[expect(
+    clippy::expect_used,
+    reason = "the transform fails only on wrong buffer lengths, and on imaginary parts at both ends of the spectrum, which \
+              products of real lines there do not have"
+)]
+pub(crate) fn causal_convolution(kernel: &[f64], given: &[f64]) -> Vec<f64> {
+    let n = given.len();
+    let n_points = (2 * n).next_power_of_two().max(2);
+    let mut planner = RealFftPlanner::new();
+    let forward = planner.plan_fft_forward(n_points);
+    let transform = |values: &[f64]| {
+        let mut samples = forward.make_input_vec();
+        for (sample, value) in samples.iter_mut().zip(values.iter().take(n)) {
+            *sample = *value;
+        }
+        let mut lines = forward.make_output_vec();
+        forward
+            .process(&mut samples, &mut lines)
+            .expect("buffers of the plan");
+        lines
+    };
+    let scale = 1.0 / n_points as f64;
+    let mut product: Vec<Complex64> = transform(kernel)
+        .iter()
+        .zip(transform(given))
+        .map(|(w, x)| w * x * scale)
+        .collect();
+    let inverse = planner.plan_fft_inverse(n_points);
+    let mut samples = inverse.make_output_vec();
+    inverse
+        .process(&mut product, &mut samples)
+        .expect("buffers of the plan");
+    samples.truncate(n);
+    samples
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Kernel and input without structure.
+    fn arrays(n: usize) -> (Vec<f64>, Vec<f64>) {
+        let value = |k: usize, a: f64| (a * (k * k) as f64 + 0.3).sin();
+        (0..n)
+            .map(|k| (value(k, 0.37), value(k, 0.91) + 0.2))
+            .unzip()
+    }
+
+    #[test]
+    fn blocks_and_direct_sums_agree() {
+        for n in [1, 63, 64, 65, 128, 1000, 3001] {
+            let (kernel, given) = arrays(n);
+            let mut online = OnlineConvolution::new(&kernel);
+            let whole = causal_convolution(&kernel, &given);
+            for step in 0..n {
+                let direct: f64 = (0..step).map(|j| kernel[step - j] * given[j]).sum();
+                // rounding of sums of up to 3000 terms of size 1
+                assert!((online.past() - direct).abs() < 1e-11, "{n} {step}");
+                let now = direct + kernel[0] * given[step];
+                assert!((whole[step] - now).abs() < 1e-11, "{n} {step}");
+                online.push(given[step]);
+            }
+        }
+    }
+}

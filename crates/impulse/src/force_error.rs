@@ -1,0 +1,442 @@
+//! The error of a force history: how large it is, how it hangs together over time, and bands from it.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use crate::{ForceHistory, ImpulseError, fourier};
+
+/// Draws below which a quantile of 95 % would rest on fewer than ten of them.
+const FEWEST_DRAWS: usize = 200;
+
+/// The random error of a force history, to first order in what it comes from.
+///
+/// It is a sum of parts that are independent of each other: one from circular errors of spectral lines, which has the same standard deviation at
+/// all times of a period; one for each cause that all times share, as the impact velocity; one on a support.
+/// Each part is Gaussian and correlated over time.
+#[derive(Debug, Clone)]
+pub struct ForceError {
+    standard_error: Vec<f64>,
+    lines: Option<LineErrors>,
+    /// What one standard deviation of each common cause does to the force.
+    common: Vec<Vec<f64>>,
+    support: Option<SupportErrors>,
+    degrees_of_freedom: Option<f64>,
+}
+
+/// Errors of lines of a period.
+#[derive(Debug, Clone)]
+struct LineErrors {
+    /// $`\mathrm E\lvert\delta F_k\rvert^2`$ \[N²\] of the amplitudes, $`F(t) = \sum_k F_k e^{i\omega_k t}`$ over both sides.
+    variances: Vec<f64>,
+    n_period: usize,
+    /// Samples whose mean is added to all, with this sign.
+    reference: Option<(Range<usize>, f64)>,
+}
+
+/// Errors of the samples from `first` on: a matrix times independent standard normal numbers.
+#[derive(Debug, Clone)]
+struct SupportErrors {
+    first: usize,
+    /// By rows, `(n_support, n_support)`.
+    factor: Vec<Vec<f64>>,
+}
+
+/// How the limits of a band are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Coverage {
+    /// At each time by itself the force is inside with the stated probability.
+    Pointwise,
+    /// The whole history is inside with the stated probability.
+    Simultaneous,
+}
+
+/// A band around a force history.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ForceBand {
+    /// What the level is a probability of.
+    pub coverage: Coverage,
+    /// The probability, between 0 and 1.
+    pub level: f64,
+    /// Half width in standard errors.
+    pub factor: f64,
+    /// Lower limits \[N\]; `(n_samples)`.
+    pub lower: Vec<f64>,
+    /// Upper limits \[N\]; `(n_samples)`.
+    pub upper: Vec<f64>,
+}
+
+impl ForceBand {
+    /// Part of the samples of `force` that are inside, over the indices `window` (all of them that exist in both).
+    #[must_use]
+    pub fn part_inside(&self, force: &[f64], window: Range<usize>) -> f64 {
+        let limits = self.lower.iter().zip(&self.upper).zip(force);
+        let inside: Vec<bool> = limits
+            .skip(window.start)
+            .take(window.len())
+            .map(|((lower, upper), f)| lower <= f && f <= upper)
+            .collect();
+        inside.iter().filter(|i| **i).count() as f64 / inside.len() as f64
+    }
+
+    /// The part of the band that a force without tension can be in: no limit below zero.
+    #[must_use]
+    pub fn compressive(mut self) -> Self {
+        for limit in self.lower.iter_mut().chain(&mut self.upper) {
+            *limit = limit.max(0.0);
+        }
+        self
+    }
+}
+
+impl ForceError {
+    /// No error yet, on `n_samples` samples.
+    pub(crate) fn none(n_samples: usize) -> Self {
+        Self {
+            standard_error: vec![0.0; n_samples],
+            lines: None,
+            common: Vec::new(),
+            support: None,
+            degrees_of_freedom: None,
+        }
+    }
+
+    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is then added to all
+    /// samples with the sign beside it, as a constant that was read from the force itself.
+    pub(crate) fn with_lines(
+        mut self,
+        variances: Vec<f64>,
+        n_period: usize,
+        reference: Option<(Range<usize>, f64)>,
+    ) -> Self {
+        let lines: Vec<Complex64> = variances.iter().map(|v| (*v).into()).collect();
+        let covariance = fourier::to_samples(&lines, n_period);
+        let n_samples = self.standard_error.len();
+        // sums of the covariance over lags, periodic
+        let mut sums = vec![0.0; 2 * n_period + 1];
+        for lag in 0..2 * n_period {
+            sums[lag + 1] = sums[lag] + covariance[lag % n_period];
+        }
+        let with_reference = |time: usize, reference: &Range<usize>| -> f64 {
+            let from = reference.start + n_period - time % n_period;
+            let from = from % n_period;
+            let length = reference.len().min(n_period);
+            (sums[from + length] - sums[from]) / length as f64
+        };
+        let variance_of_mean = reference.as_ref().map(|(range, _)| {
+            range.clone().map(|t| with_reference(t, range)).sum::<f64>() / range.len() as f64
+        });
+        let variance = covariance.first().copied().unwrap_or(0.0);
+        for (time, error) in self.standard_error.iter_mut().enumerate().take(n_samples) {
+            let total = match (&reference, variance_of_mean) {
+                (Some((range, sign)), Some(of_mean)) => {
+                    variance + 2.0 * sign * with_reference(time, range) + of_mean
+                }
+                _ => variance,
+            };
+            // a difference of nearly equal numbers may round below zero
+            *error = (*error * *error + total.max(0.0)).sqrt();
+        }
+        self.lines = Some(LineErrors {
+            variances,
+            n_period,
+            reference,
+        });
+        self
+    }
+
+    /// Adds what one standard deviation of a cause does at all times.
+    pub(crate) fn with_common(mut self, effect: Vec<f64>) -> Self {
+        for (error, effect) in self.standard_error.iter_mut().zip(&effect) {
+            *error = error.hypot(*effect);
+        }
+        self.common.push(effect);
+        self
+    }
+
+    /// Adds errors of the samples from `first` on, by the rows of a square root of their covariance.
+    pub(crate) fn with_support(mut self, first: usize, factor: Vec<Vec<f64>>) -> Self {
+        for (error, row) in self.standard_error.iter_mut().skip(first).zip(&factor) {
+            let variance: f64 = row.iter().map(|x| x * x).sum();
+            *error = (*error * *error + variance).sqrt();
+        }
+        self.support = Some(SupportErrors { first, factor });
+        self
+    }
+
+    /// The standard errors rest on so many degrees of freedom: pointwise bands are Student's.
+    pub(crate) fn with_degrees_of_freedom(self, degrees_of_freedom: f64) -> Self {
+        Self {
+            degrees_of_freedom: Some(degrees_of_freedom),
+            ..self
+        }
+    }
+
+    /// Standard errors of the samples \[N\]; `(n_samples)`.
+    #[must_use]
+    pub fn standard_error(&self) -> &[f64] {
+        &self.standard_error
+    }
+
+    /// Band around `history` in which the force is at each time by itself with the probability `level`.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`].
+    pub fn pointwise(&self, history: &ForceHistory, level: f64) -> Result<ForceBand, ImpulseError> {
+        check_level(level)?;
+        let probability = 0.5 + 0.5 * level;
+        let factor = match self.degrees_of_freedom {
+            None => Normal::standard().inverse_cdf(probability),
+            Some(degrees) => StudentsT::new(0.0, 1.0, degrees).map_or(f64::NAN, |distribution| {
+                distribution.inverse_cdf(probability)
+            }),
+        };
+        self.band(history, Coverage::Pointwise, level, factor)
+    }
+
+    /// Band around `history` that holds the whole of it over the samples `window` with the probability `level`. Its half width is a
+    /// multiple of the standard error, found from `n_draws` histories of errors, correlated as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the level; [`ImpulseError::TooShort`] below 200 draws or for a window without samples;
+    /// [`ImpulseError::LengthMismatch`].
+    pub fn simultaneous(
+        &self,
+        history: &ForceHistory,
+        level: f64,
+        window: Range<usize>,
+        n_draws: usize,
+        random: &mut impl Rng,
+    ) -> Result<ForceBand, ImpulseError> {
+        check_level(level)?;
+        if n_draws < FEWEST_DRAWS {
+            return Err(ImpulseError::TooShort {
+                what: "set of draws",
+                found: n_draws,
+                expected: FEWEST_DRAWS,
+            });
+        }
+        let n_inside = self
+            .standard_error
+            .get(window.clone())
+            .map_or(0, <[f64]>::len);
+        if n_inside == 0 {
+            return Err(ImpulseError::TooShort {
+                what: "window of the band",
+                found: n_inside,
+                expected: 1,
+            });
+        }
+        let mut largest: Vec<f64> = (0..n_draws)
+            .map(|_| {
+                let draw = self.draw(random);
+                let samples = draw.iter().zip(&self.standard_error);
+                let ratios = samples.skip(window.start).take(window.len());
+                ratios
+                    .filter(|(_, error)| **error > 0.0)
+                    .map(|(draw, error)| (draw / error).abs())
+                    .fold(0.0, f64::max)
+            })
+            .collect();
+        largest.sort_by(f64::total_cmp);
+        let factor = quantile(&largest, level);
+        self.band(history, Coverage::Simultaneous, level, factor)
+    }
+
+    /// One history of errors \[N\], by chance; `(n_samples)`.
+    pub fn draw(&self, random: &mut impl Rng) -> Vec<f64> {
+        let mut normal = || -> f64 { random.sample(StandardNormal) };
+        let mut draw = vec![0.0; self.standard_error.len()];
+        if let Some(lines) = &self.lines {
+            for (sample, error) in draw.iter_mut().zip(lines.draw(&mut normal)) {
+                *sample += error;
+            }
+        }
+        for effect in &self.common {
+            let size = normal();
+            for (sample, effect) in draw.iter_mut().zip(effect) {
+                *sample += size * effect;
+            }
+        }
+        if let Some(SupportErrors { first, factor }) = &self.support {
+            let numbers: Vec<f64> = factor.iter().map(|_| normal()).collect();
+            for (sample, row) in draw.iter_mut().skip(*first).zip(factor) {
+                let terms = row.iter().zip(&numbers);
+                *sample += terms.map(|(a, z)| a * z).sum::<f64>();
+            }
+        }
+        draw
+    }
+
+    fn band(
+        &self,
+        history: &ForceHistory,
+        coverage: Coverage,
+        level: f64,
+        factor: f64,
+    ) -> Result<ForceBand, ImpulseError> {
+        let force = history.force();
+        if force.len() != self.standard_error.len() {
+            return Err(ImpulseError::LengthMismatch {
+                what: "force history of a band",
+                found: force.len(),
+                expected: self.standard_error.len(),
+            });
+        }
+        let limits = |sign: f64| {
+            let samples = force.iter().zip(&self.standard_error);
+            samples
+                .map(|(f, error)| f + sign * factor * error)
+                .collect()
+        };
+        Ok(ForceBand {
+            coverage,
+            level,
+            factor,
+            lower: limits(-1.0),
+            upper: limits(1.0),
+        })
+    }
+}
+
+impl LineErrors {
+    fn draw(&self, normal: &mut impl FnMut() -> f64) -> Vec<f64> {
+        let lines: Vec<Complex64> = self
+            .variances
+            .iter()
+            .enumerate()
+            .map(|(line, variance)| {
+                if line == 0 || 2 * line == self.n_period {
+                    Complex64::new(variance.sqrt() * normal(), 0.0)
+                } else {
+                    Complex64::new(normal(), normal()) * (0.5 * variance).sqrt()
+                }
+            })
+            .collect();
+        let mut samples = fourier::to_samples(&lines, self.n_period);
+        if let Some((range, sign)) = &self.reference {
+            let quiet = samples.get(range.clone()).unwrap_or_default();
+            let mean = sign * quiet.iter().sum::<f64>() / range.len() as f64;
+            for sample in &mut samples {
+                *sample += mean;
+            }
+        }
+        samples
+    }
+}
+
+/// The value that a part `level` of the sorted `values` does not exceed.
+pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
+    let position = level * (values.len() as f64 - 1.0);
+    let mut above = values
+        .iter()
+        .enumerate()
+        .skip_while(|(i, _)| (*i as f64) < position);
+    above.next().map_or(f64::NAN, |(_, value)| *value)
+}
+
+pub(crate) fn check_level(level: f64) -> Result<f64, ImpulseError> {
+    if level > 0.0 && level < 1.0 {
+        Ok(level)
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity: "level of a band",
+            value: level,
+            expected: "a probability between 0 and 1",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    fn coloured() -> ForceError {
+        let variances: Vec<f64> = (0..=32)
+            .map(|k| 1.0 / (1.0 + f64::from(k).powi(2)))
+            .collect();
+        let ramp: Vec<f64> = (0..48).map(|n| 0.03 * f64::from(n)).collect();
+        let factor = vec![
+            vec![0.8, 0.0, 0.0],
+            vec![0.5, 0.3, 0.0],
+            vec![0.1, 0.2, 0.9],
+        ];
+        ForceError::none(48)
+            .with_lines(variances, 64, Some((40..48, -1.0)))
+            .with_common(ramp)
+            .with_support(10, factor)
+    }
+
+    #[test]
+    fn draws_scatter_by_the_standard_errors() {
+        let error = coloured();
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let n_draws = 4000;
+        let mut squares = vec![0.0; 48];
+        for _ in 0..n_draws {
+            for (sum, x) in squares.iter_mut().zip(error.draw(&mut random)) {
+                *sum += x * x;
+            }
+        }
+        for (n, sum) in squares.iter().enumerate() {
+            let found = (sum / f64::from(n_draws)).sqrt();
+            // 1/sqrt(2*4000) = 1.1 % is the standard error of a standard deviation, five of them for 48 comparisons
+            let ratio = found / error.standard_error()[n];
+            assert!((ratio - 1.0).abs() < 0.056, "{n} {ratio}");
+        }
+    }
+
+    #[test]
+    fn bands_hold_what_they_say() {
+        let error = coloured();
+        let history = ForceHistory::new(0.0, 1.0, vec![3.0; 48]).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(6);
+        let pointwise = error.pointwise(&history, 0.95).unwrap();
+        let simultaneous = error
+            .simultaneous(&history, 0.95, 0..48, 2000, &mut random)
+            .unwrap();
+        assert!((pointwise.factor - 1.959_964).abs() < 1e-6);
+        assert!(simultaneous.factor > pointwise.factor);
+        let n_draws = 2000;
+        let (mut samples, mut histories) = (0.0, 0.0);
+        for _ in 0..n_draws {
+            let drawn: Vec<f64> = error.draw(&mut random).iter().map(|e| 3.0 + e).collect();
+            samples += pointwise.part_inside(&drawn, 0..48);
+            histories += simultaneous.part_inside(&drawn, 0..48).floor();
+        }
+        // sqrt(0.05*0.95/2000) = 0.5 %, and as much for the factor; three standard errors of the sum
+        assert!(
+            (samples / f64::from(n_draws) - 0.95).abs() < 0.015,
+            "{samples}"
+        );
+        assert!(
+            (histories / f64::from(n_draws) - 0.95).abs() < 0.021,
+            "{histories}"
+        );
+    }
+
+    #[test]
+    fn few_degrees_of_freedom_widen_the_band() {
+        let error = ForceError::none(1)
+            .with_common(vec![2.0])
+            .with_degrees_of_freedom(3.0);
+        let history = ForceHistory::new(0.0, 1.0, vec![0.0]).unwrap();
+        // tables of Student's distribution
+        let band = error.pointwise(&history, 0.95).unwrap();
+        assert!((band.factor - 3.182_446).abs() < 1e-5);
+        assert!((band.upper[0] - 6.364_893).abs() < 1e-5);
+        assert_eq!(
+            error.pointwise(&history, 1.0).unwrap_err().to_string(),
+            "level of a band is 1, expected a probability between 0 and 1"
+        );
+    }
+}

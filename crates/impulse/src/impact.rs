@@ -1,0 +1,361 @@
+//! Two bodies that meet: who, how fast, through what, and how it is computed.
+
+mod discrete;
+mod prediction;
+
+use std::fmt;
+
+use num_complex::Complex64;
+use rodwave::RodwaveError;
+use rodwave::synthesis::DampedSynthesis;
+
+use crate::error::check_positive;
+use crate::kernel::Kernel;
+use crate::{
+    ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Quadrature, StickForce,
+    StickProblem, TimeGrid, ZeroLine, lines_of,
+};
+
+pub use discrete::DiscreteImpact;
+pub use prediction::{Prediction, PredictionFlag};
+
+/// Steps of a prediction unless the caller chooses their length.
+const DEFAULT_STEPS: usize = 4096;
+
+/// Gaussian that rounds jumps in the damped transform, in intervals: 3e-14 is left at the Nyquist frequency.
+const SMOOTHING: f64 = 2.5;
+
+/// Largest relative difference between the mass of a body and that of its mobility at low frequency.
+const MASS_TOLERANCE: f64 = 1e-3;
+
+/// Frequency at which the mass is looked for, over the inverse duration.
+const AT_REST: f64 = 1e-6;
+
+/// Two bodies, from their impact faces; made by [`Impact::between`].
+#[derive(Clone, Copy)]
+pub struct Pair<'a> {
+    first: &'a dyn ImpactBody,
+    second: &'a dyn ImpactBody,
+}
+
+/// An impact: the first body meets the second, which is at rest.
+///
+/// ```
+/// use impulse::Impact;
+/// use rodwave::chain::{AnalyticChain, Termination};
+/// use rodwave::element::Circle;
+/// use rodwave::medium::Medium;
+/// use rodwave::modulus::Elastic;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // half a metre of steel rod on a long one of the same kind, 1 m/s
+/// let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
+/// let circle = Circle::of_diameter(0.010)?;
+/// let striker = AnalyticChain::analytic_from_impact_face()
+///     .rod(&steel, circle, 0.5)
+///     .end(Termination::Free)?;
+/// let long = AnalyticChain::analytic_from_impact_face()
+///     .end(Termination::semi_infinite(&steel, circle))?;
+///
+/// let impact = Impact::between(&striker, &long).at_velocity(1.0).predict(0.5e-3)?;
+/// // de Saint-Venant: Z V/2 for one round trip, and the striker stands still
+/// assert!((impact.peak().force / 1572.1 - 1.0).abs() < 1e-3);
+/// assert!((impact.duration() / 1.943e-4 - 1.0).abs() < 2e-3);
+/// assert!(impact.balance().restitution.is_some_and(|e| e.abs() < 1e-3));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct Impact<'a> {
+    first: &'a dyn ImpactBody,
+    second: &'a dyn ImpactBody,
+    velocity: f64,
+    law: ContactLaw,
+    quadrature: Quadrature,
+    time_step: Option<f64>,
+}
+
+/// A band of lines for [`Impact::stick_force_on_lines`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineBand {
+    /// Upper end \[Hz\].
+    pub highest_hz: f64,
+    /// Number of samples of the force over a period, an even number.
+    pub n_samples: usize,
+}
+
+impl LineBand {
+    /// "Frequencies up to 10 kHz were used, and the number of samples was 2048" (Ödeen 1993, paper E, section 3.2).
+    pub const PAPER_E: Self = Self {
+        highest_hz: 10e3,
+        n_samples: 2048,
+    };
+}
+
+impl<'a> Pair<'a> {
+    /// Lets them meet with this relative `velocity` V \[m/s\], which must be above 0.
+    #[must_use]
+    pub fn at_velocity(self, velocity: f64) -> Impact<'a> {
+        Impact {
+            first: self.first,
+            second: self.second,
+            velocity,
+            law: ContactLaw::Rigid,
+            quadrature: Quadrature::CellAverages,
+            time_step: None,
+        }
+    }
+}
+
+impl fmt::Debug for Pair<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Pair")
+            .field("first", &self.first.domain())
+            .field("second", &self.second.domain())
+            .finish()
+    }
+}
+
+impl fmt::Debug for Impact<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Impact")
+            .field("first", &self.first.domain())
+            .field("second", &self.second.domain())
+            .field("velocity", &self.velocity)
+            .field("law", &self.law)
+            .field("quadrature", &self.quadrature)
+            .field("time_step", &self.time_step)
+            .finish()
+    }
+}
+
+impl<'a> Impact<'a> {
+    /// Two bodies, from their impact faces.
+    #[must_use]
+    pub fn between(first: &'a dyn ImpactBody, second: &'a dyn ImpactBody) -> Pair<'a> {
+        Pair { first, second }
+    }
+
+    /// The same impact with this contact law between the faces; they are rigid unless one is given.
+    #[must_use]
+    pub fn through(self, law: ContactLaw) -> Self {
+        Self { law, ..self }
+    }
+
+    /// The same impact with another discretisation of time.
+    #[must_use]
+    pub fn by(self, quadrature: Quadrature) -> Self {
+        Self { quadrature, ..self }
+    }
+
+    /// The same impact in steps of this length \[s\]. Otherwise a duration has 4096 steps, or as many more as fit the period of a
+    /// measured body.
+    #[must_use]
+    pub fn in_steps_of(self, time_step: f64) -> Self {
+        Self {
+            time_step: Some(time_step),
+            ..self
+        }
+    }
+
+    /// The force between faces that stick (Ödeen 1993, paper E, eq. 2), by marching in time: an equation of the second kind,
+    /// $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. Through a linear contact the faces stick to its ends.
+    ///
+    /// # Validity
+    ///
+    /// Any two bodies. Laws of contact other than rigid and linear ones do not stick: for them this is the rigid contact.
+    ///
+    /// # Errors
+    ///
+    /// As [`Impact::predict`].
+    pub fn stick_force(&self, duration: f64) -> Result<ForceHistory, ImpulseError> {
+        self.discretised(duration)?.stick_force()
+    }
+
+    /// The same on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$ by the damped Fourier transform, at intervals of
+    /// `interval` \[s\]. Jumps are rounded by a Gaussian with a standard deviation of 2.5 intervals; the history begins 20 intervals ahead
+    /// of the contact at time 0.
+    ///
+    /// # Validity
+    ///
+    /// Bodies that are known off the frequency axis, two finite elastic ones included: away from jumps $`1.1\cdot10^{-7}`$ of the force a period
+    /// of twice the duration later. A linear contact counts as part of the mobilities.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::OutsideDomain`] for a body on lines or on the frequency axis; [`ImpulseError::NonPhysical`];
+    /// [`ImpulseError::VanishingMobility`]; what the bodies report.
+    pub fn stick_force_damped(
+        &self,
+        duration: f64,
+        interval: f64,
+    ) -> Result<ForceHistory, ImpulseError> {
+        let synthesis_error = |source: RodwaveError| ImpulseError::Body {
+            s: Complex64::ZERO,
+            source,
+        };
+        check_positive("impact velocity [m/s]", self.velocity)?;
+        check_positive("interval [s]", interval)?;
+        let synthesis = DampedSynthesis::new(duration, interval)
+            .and_then(|synthesis| synthesis.smoothed(SMOOTHING * interval))
+            .map_err(synthesis_error)?;
+        let compliance = match self.law {
+            ContactLaw::Linear { stiffness } => 1.0 / stiffness,
+            _ => 0.0,
+        };
+        let mut transform = Vec::new();
+        for (index, s) in synthesis.arguments().enumerate() {
+            let mobility =
+                self.first.mobility_at(s)? + self.second.mobility_at(s)? + s * compliance;
+            let force = self.velocity / (s * mobility);
+            if !force.is_finite() {
+                return Err(ImpulseError::VanishingMobility { index });
+            }
+            transform.push(force);
+        }
+        let history = synthesis.history(&transform).map_err(synthesis_error)?;
+        ForceHistory::new(history.start, history.interval, history.samples)
+    }
+
+    /// The same by the plain Fourier transform, as in paper E: see [`StickProblem`] for its validity.
+    ///
+    /// The line at 0 Hz is that of the masses of the free bodies; where none is free the velocity is a square wave. The ends of the
+    /// spectrum are not rolled off.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with other lines; as
+    /// [`StickProblem::solve`].
+    pub fn stick_force_on_lines(&self, band: LineBand) -> Result<StickForce, ImpulseError> {
+        check_positive("upper end of the band [Hz]", band.highest_hz)?;
+        let n_lines = band.n_samples / 2 + 1;
+        if n_lines < 3 || !band.n_samples.is_multiple_of(2) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "number of samples",
+                value: band.n_samples as f64,
+                expected: "an even number above 2",
+            });
+        }
+        let frequency_step_hz = band.highest_hz / (n_lines - 1) as f64;
+        let inverse: f64 = self.masses().iter().flatten().map(|mass| 1.0 / mass).sum();
+        let zero_line = if inverse > 0.0 {
+            ZeroLine::EffectiveMass(1.0 / inverse)
+        } else {
+            ZeroLine::SquareWave
+        };
+        StickProblem {
+            first: &lines_of(self.first, frequency_step_hz, n_lines)?,
+            second: &lines_of(self.second, frequency_step_hz, n_lines)?,
+            frequency_step_hz,
+            impact_velocity: self.velocity,
+            zero_line,
+            roll_off_from_hz: None,
+        }
+        .solve()
+    }
+
+    /// The impact for `duration` \[s\]: faces that press, part, and meet again, with the balance of momentum and energy.
+    ///
+    /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps, and eight times N evaluations of each mobility.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
+    /// [`ImpulseError::RigidFaces`] where two masses meet without anything soft between; [`ImpulseError::ActiveFaces`] and
+    /// [`ImpulseError::Diverged`] for mobilities that make energy; as [`Kernel::of`].
+    pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
+        self.discretised(duration)?.predict()
+    }
+
+    fn masses(&self) -> [Option<f64>; 2] {
+        [self.first.free_mass(), self.second.free_mass()]
+    }
+
+    /// The impact in discrete time: both kernels, which take longer to make than the march. To be used where the same bodies meet more
+    /// than once, at several velocities.
+    ///
+    /// # Errors
+    ///
+    /// As [`Impact::predict`].
+    pub fn discretised(&self, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
+        check_positive("impact velocity [m/s]", self.velocity)?;
+        let grid = self.grid(duration)?;
+        for (name, body) in [("first", self.first), ("second", self.second)] {
+            check_mass(name, body, duration)?;
+        }
+        let kernels = [
+            Kernel::of(self.first, grid, self.quadrature)?,
+            Kernel::of(self.second, grid, self.quadrature)?,
+        ];
+        DiscreteImpact::new(self.velocity, [self.first, self.second], kernels, &self.law)
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "counts follow from checked positive times, and too large ones saturate and are refused"
+    )]
+    fn grid(&self, duration: f64) -> Result<TimeGrid, ImpulseError> {
+        check_positive("duration [s]", duration)?;
+        let measured = [self.first, self.second]
+            .into_iter()
+            .find_map(|body| match body.domain() {
+                Domain::Lines {
+                    frequency_step_hz, ..
+                } => Some(1.0 / frequency_step_hz),
+                _ => None,
+            });
+        let time_step = match (self.time_step, measured) {
+            (Some(time_step), _) => time_step,
+            (None, None) => duration / DEFAULT_STEPS as f64,
+            (None, Some(period)) => period / (DEFAULT_STEPS as f64 * period / duration).ceil(),
+        };
+        TimeGrid {
+            time_step,
+            n_steps: (duration / time_step * (1.0 - 1e-12)).ceil() as usize,
+        }
+        .check()
+    }
+}
+
+/// A free body begins as its mass, another one does not begin as one. Of a measured body [`MeasuredBody::screen`](crate::MeasuredBody::screen)
+/// judges that by its errors.
+fn check_mass(
+    name: &'static str,
+    body: &dyn ImpactBody,
+    duration: f64,
+) -> Result<(), ImpulseError> {
+    let rate = AT_REST / duration;
+    let inertia = |rate: f64| -> Result<Option<f64>, ImpulseError> {
+        let s = match body.domain() {
+            Domain::RightHalfPlane => Complex64::new(rate, 0.0),
+            Domain::FrequencyAxis => Complex64::new(0.0, rate),
+            Domain::Lines { .. } => return Ok(None),
+        };
+        let mobility = body.mobility_at(s)?;
+        if !mobility.is_finite() {
+            return Err(ImpulseError::InfiniteMobility { body: name, s });
+        }
+        Ok(Some(1.0 / (s * mobility).norm()))
+    };
+    let Some(found) = inertia(rate)? else {
+        return Ok(());
+    };
+    let agrees = match body.free_mass() {
+        Some(mass) => (found / mass - 1.0).abs() < MASS_TOLERANCE,
+        // that of a rod, a spring or a damper grows without limit
+        None if found.is_infinite() => true,
+        None => inertia(0.1 * rate)?.is_none_or(|slower| slower / found >= 1.0 + MASS_TOLERANCE),
+    };
+    if agrees {
+        Ok(())
+    } else {
+        Err(ImpulseError::MassContradictsMobility {
+            body: name,
+            found,
+            expected: body.free_mass().unwrap_or(f64::INFINITY),
+        })
+    }
+}

@@ -1,0 +1,165 @@
+//! An impact in discrete time.
+
+use super::Prediction;
+use crate::error::check_positive;
+use crate::unilateral::March;
+use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
+
+/// Two faces whose mobility falls over a decade to less than this part are those of masses.
+const RIGID: f64 = 0.2;
+
+/// Two bodies as their kernels, and what lies between them; made by [`Impact::discretised`](crate::Impact::discretised).
+///
+/// ```
+/// use impulse::{Impact, MobilityLaw};
+///
+/// # fn main() -> Result<(), impulse::ImpulseError> {
+/// let mass = MobilityLaw::analytic(|s| 1.0 / (0.5 * s)).free(0.5)?;
+/// let rod = MobilityLaw::analytic(|_| num_complex::Complex64::from(1e-3));
+/// let at_one = Impact::between(&mass, &rod).at_velocity(1.0).discretised(1e-3)?;
+/// let slow = at_one.predict()?;
+/// let fast = at_one.at_velocity(2.0).predict()?;
+/// assert!((fast.peak().force / slow.peak().force - 2.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct DiscreteImpact {
+    velocity: f64,
+    masses: [Option<f64>; 2],
+    measured: [bool; 2],
+    kernels: [Kernel; 2],
+    /// their sum
+    kernel: Vec<f64>,
+    law: ContactLaw,
+    /// compliance \[m/N\] of springs at the faces that stand in the sum, not in the law
+    springs: f64,
+}
+
+impl DiscreteImpact {
+    /// From the kernels of both bodies on one grid.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::RigidFaces`]; [`ImpulseError::NonPhysical`].
+    pub(super) fn new(
+        velocity: f64,
+        bodies: [&dyn ImpactBody; 2],
+        kernels: [Kernel; 2],
+        law: &ContactLaw,
+    ) -> Result<Self, ImpulseError> {
+        let [near, far] = [
+            kernels[0].front().near + kernels[1].front().near,
+            kernels[0].front().far + kernels[1].front().far,
+        ];
+        let compliance = kernels[0].face_compliance() + kernels[1].face_compliance();
+        let mut kernel: Vec<f64> = kernels[0]
+            .weights()
+            .iter()
+            .zip(kernels[1].weights())
+            .map(|(first, second)| first + second)
+            .collect();
+        let mut springs = 0.0;
+        let law = match law {
+            law if compliance <= 0.0 => law.clone(),
+            ContactLaw::Rigid => ContactLaw::linear(1.0 / compliance)?,
+            ContactLaw::Linear { stiffness } => {
+                ContactLaw::linear(1.0 / (compliance + 1.0 / stiffness))?
+            }
+            law => {
+                // the spring in series by backward differences: of first order, the only place
+                let jump = compliance / kernels[0].grid().time_step;
+                for (weight, change) in kernel.iter_mut().zip([jump, -jump]) {
+                    *weight += change;
+                }
+                springs = compliance;
+                law.clone()
+            }
+        };
+        if law == ContactLaw::Rigid && far < RIGID * near {
+            return Err(ImpulseError::RigidFaces { ratio: far / near });
+        }
+        Ok(Self {
+            velocity,
+            masses: bodies.map(ImpactBody::free_mass),
+            measured: bodies.map(|body| matches!(body.domain(), Domain::Lines { .. })),
+            kernels,
+            kernel,
+            law,
+            springs,
+        })
+    }
+
+    /// The same bodies at another relative `velocity` V \[m/s\], which must be above 0.
+    #[must_use]
+    pub fn at_velocity(&self, velocity: f64) -> Self {
+        Self {
+            velocity,
+            ..self.clone()
+        }
+    }
+
+    /// Force, contacts and balance: [`Impact::predict`](crate::Impact::predict).
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the velocity; [`ImpulseError::ActiveFaces`]; [`ImpulseError::Diverged`].
+    pub fn predict(&self) -> Result<Prediction, ImpulseError> {
+        let marched = self.march()?.run()?;
+        Prediction::new(self, marched)
+    }
+
+    /// The force between faces that stick: [`Impact::stick_force`](crate::Impact::stick_force).
+    ///
+    /// # Errors
+    ///
+    /// As [`DiscreteImpact::predict`].
+    pub fn stick_force(&self) -> Result<ForceHistory, ImpulseError> {
+        let force = self.march()?.run_sticking()?;
+        self.history(force)
+    }
+
+    /// The kernels of the first and of the second body.
+    #[must_use]
+    pub fn kernels(&self) -> &[Kernel; 2] {
+        &self.kernels
+    }
+
+    pub(super) fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
+    pub(super) fn masses(&self) -> [Option<f64>; 2] {
+        self.masses
+    }
+
+    /// Which bodies are known by a measurement.
+    pub(super) fn measured(&self) -> [bool; 2] {
+        self.measured
+    }
+
+    pub(super) fn springs(&self) -> f64 {
+        self.springs
+    }
+
+    /// What both faces answer in the first step [m/(N s)].
+    pub(super) fn first_weight(&self) -> f64 {
+        self.kernel.first().copied().unwrap_or(0.0)
+    }
+
+    fn march(&self) -> Result<March<'_>, ImpulseError> {
+        Ok(March {
+            kernel: &self.kernel,
+            time_step: self.kernels[0].grid().time_step,
+            velocity: check_positive("impact velocity [m/s]", self.velocity)?,
+            law: &self.law,
+        })
+    }
+
+    /// Forces stand for the middle of their steps. That holds for convolution quadrature as well: the step of the velocity that it is
+    /// given at time 0 is one that the rules see half a step earlier.
+    pub(super) fn history(&self, force: Vec<f64>) -> Result<ForceHistory, ImpulseError> {
+        let time_step = self.kernels[0].grid().time_step;
+        ForceHistory::new(0.5 * time_step, time_step, force)
+    }
+}

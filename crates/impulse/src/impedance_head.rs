@@ -1,0 +1,150 @@
+//! What an impedance head measures of a body, and what the body is without it.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::ImpulseError;
+use crate::error::{check_not_negative, check_positive};
+
+/// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section 3.1).
+///
+/// What is between the gauge and the body moves with the face and takes its part of the force: the face gets
+/// $`F = F_g - ma`$.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImpedanceHead {
+    mass_below_gauge: f64,
+}
+
+/// A mobility of the face with its variance.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct FaceMobility {
+    /// Mobility \[m/(N s)\]; `(n_lines)`.
+    pub mobility: Vec<Complex64>,
+    /// $`\mathrm E\lvert\delta G\rvert^2`$ \[(m/(N s))²\]; `(n_lines)`.
+    pub variance: Vec<f64>,
+}
+
+impl ImpedanceHead {
+    /// A head with this mass \[kg\] between the gauge and the body, the screw included.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a mass that is negative or not finite.
+    pub fn new(mass_below_gauge: f64) -> Result<Self, ImpulseError> {
+        check_not_negative("mass below the force gauge [kg]", mass_below_gauge)?;
+        Ok(Self { mass_below_gauge })
+    }
+
+    /// The mobility of the bare face from an `accelerance` $`A = \hat a/\hat F_g`$ [1/kg] at the gauge with its `variance`
+    /// $`\mathrm E\lvert\delta A\rvert^2`$, on lines `frequency_step_hz` apart from 0 Hz,
+    ///
+    /// ```math
+    /// G = \frac{1}{i\omega}\,\frac{A}{1 - mA}, \qquad \delta G = \frac{1}{i\omega}\,\frac{\delta A}{(1-mA)^2} .
+    /// ```
+    ///
+    /// Line 0, which a free body has no mobility at, becomes 0 and must not be read.
+    ///
+    /// # Validity
+    ///
+    /// The part below the gauge is rigid and the accelerometer sees its motion. Where $`mA`$ is near 1 the gauge feels nothing, as the
+    /// body and the mass resonate on each other, and the variance says so. The error of the mass itself is not propagated: it moves
+    /// G by $`i\omega G^2\delta m`$.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the step; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a line above 0 Hz.
+    pub fn face_mobility(
+        self,
+        accelerance: &[Complex64],
+        variance: &[f64],
+        frequency_step_hz: f64,
+    ) -> Result<FaceMobility, ImpulseError> {
+        check_positive("frequency step [Hz]", frequency_step_hz)?;
+        if variance.len() != accelerance.len() {
+            return Err(ImpulseError::LengthMismatch {
+                what: "variance of the accelerance",
+                found: variance.len(),
+                expected: accelerance.len(),
+            });
+        }
+        let mut face = FaceMobility {
+            mobility: vec![Complex64::ZERO; accelerance.len()],
+            variance: vec![0.0; accelerance.len()],
+        };
+        let lines = accelerance.iter().zip(variance).enumerate().skip(1);
+        for (index, (measured, variance)) in lines {
+            let omega = TAU * frequency_step_hz * index as f64;
+            let without_head = 1.0 - self.mass_below_gauge * measured;
+            let mobility = measured / without_head / Complex64::new(0.0, omega);
+            let variance = variance / without_head.norm_sqr().powi(2) / (omega * omega);
+            if !(mobility.is_finite() && variance.is_finite()) {
+                return Err(ImpulseError::NonFinite {
+                    what: "accelerance at the force gauge, or its variance,",
+                    index,
+                });
+            }
+            face.mobility[index] = mobility;
+            face.variance[index] = variance;
+        }
+        Ok(face)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rigid body of 0.3 kg on a spring, and 5 g of head on it.
+    #[test]
+    fn the_mass_below_the_gauge_is_taken_off() {
+        let (head, step_hz) = (0.005, 10.0);
+        let body = |line: usize| {
+            let s = Complex64::new(0.0, TAU * step_hz * line as f64);
+            s / (0.3 * s * s + 20.0 * s + 1e5)
+        };
+        let loaded: Vec<Complex64> = (0..50)
+            .map(|line| {
+                let s = Complex64::new(0.0, TAU * step_hz * line as f64);
+                // impedances add: F_g = (1/G + s m) v
+                if line == 0 {
+                    Complex64::ZERO
+                } else {
+                    s / (1.0 / body(line) + s * head)
+                }
+            })
+            .collect();
+        let variance = vec![1e-6; 50];
+        let corrected = ImpedanceHead::new(head).unwrap();
+        let face = corrected
+            .face_mobility(&loaded, &variance, step_hz)
+            .unwrap();
+        let step = 1e-6;
+        let moved: Vec<Complex64> = loaded.iter().map(|a| a + step).collect();
+        let moved = corrected.face_mobility(&moved, &variance, step_hz).unwrap();
+        for line in 1..50 {
+            assert!((face.mobility[line] - body(line)).norm() < 1e-12 * body(line).norm());
+            // the slope by a difference, to its second order
+            let slope = (moved.mobility[line] - face.mobility[line]).norm() / step;
+            let expected = slope * slope * 1e-6;
+            assert!(
+                (face.variance[line] / expected - 1.0).abs() < 1e-4,
+                "{line}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_head_without_mass_integrates_only_and_nonsense_is_refused() {
+        assert!(ImpedanceHead::new(-1.0).is_err());
+        let head = ImpedanceHead::new(0.0).unwrap();
+        let lines = vec![Complex64::ONE; 4];
+        let face = head.face_mobility(&lines, &[0.0; 4], 1.0).unwrap();
+        assert!((face.mobility[2] * Complex64::new(0.0, 2.0 * TAU) - 1.0).norm() < 1e-15);
+        assert!(head.face_mobility(&lines, &[0.0; 3], 1.0).is_err());
+        let mut lines = lines;
+        lines[2].re = f64::NAN;
+        assert!(head.face_mobility(&lines, &[0.0; 4], 1.0).is_err());
+    }
+}

@@ -1,0 +1,267 @@
+//! What a face does in each time step after a force in one: the mobility in discrete time.
+
+mod cell_averages;
+mod convolution_quadrature;
+
+use num_complex::Complex64;
+
+use crate::error::check_positive;
+use crate::{Domain, ImpactBody, ImpulseError};
+
+/// Largest number of time steps.
+const MOST_STEPS: usize = 1 << 24;
+
+/// How far beyond the band the answer at once is looked for, twice a decade apart.
+const BEYOND: f64 = 1e3;
+
+/// A massless spring at the face shows as a mobility that grows with s by at least this part of it over the band.
+const SPRING: f64 = 1e-4;
+
+/// Real over imaginary part of the s at which the answer at once is looked for.
+const OFF_AXIS: f64 = 0.02;
+
+/// Frequencies over which echoes are averaged.
+const POINTS_BEYOND: u32 = 256;
+
+/// How $`v = G * F`$ becomes $`v_n = \sum_j w_{n-j}F_j`$.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quadrature {
+    /// The force is constant in each step, and $`v_n`$ is the mean of the velocity over step n:
+    ///
+    /// ```math
+    /// w_n = \int \left(1 - \frac{\lvert t - nh\rvert}{h}\right)_{\!+} G(t)\,dt ,\qquad
+    /// \hat w = h\,G(s)\left(\frac{2\sinh(sh/2)}{sh}\right)^{\!2} .
+    /// ```
+    ///
+    /// Nothing else is approximated: the body is exact, work and impulse of the force are those of the body itself, and a passive
+    /// body stays passive. Second order where the force is smooth; a jump is smeared over the step that holds it.
+    CellAverages,
+    /// Lubich's convolution quadrature with the backward differences of second order, $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$.
+    /// Second order where the force is smooth; damps what the steps do not resolve.
+    Bdf2,
+    /// The same with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no damping, for elastic bodies; jumps ring.
+    Trapezoid,
+}
+
+/// Time steps of a kernel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeGrid {
+    /// Length h of a step \[s\].
+    pub time_step: f64,
+    /// Number of steps.
+    pub n_steps: usize,
+}
+
+impl TimeGrid {
+    pub(crate) fn check(self) -> Result<Self, ImpulseError> {
+        check_positive("time step [s]", self.time_step)?;
+        if (2..=MOST_STEPS).contains(&self.n_steps) {
+            Ok(self)
+        } else {
+            Err(ImpulseError::NonPhysical {
+                quantity: "number of time steps",
+                value: self.n_steps as f64,
+                expected: "from 2 to 2^24",
+            })
+        }
+    }
+}
+
+/// The weights $`w_n`$ of one body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kernel {
+    grid: TimeGrid,
+    quadrature: Quadrature,
+    weights: Vec<f64>,
+    face_compliance: f64,
+    front: FrontDecade,
+    acausal: f64,
+    activity: f64,
+}
+
+/// The mobility \[m/(N s)\] beyond the band, and a decade further.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FrontDecade {
+    pub(crate) near: f64,
+    pub(crate) far: f64,
+}
+
+impl Kernel {
+    /// The weights of `body` for `grid`.
+    ///
+    /// Of a body that is known on lines, or on the frequency axis only, the rigid-body motion $`1/(sM)`$ and the answer at once $`1/Z`$ are
+    /// exact, and the rest comes from a period of Fourier's transform, in which it must die out: [`Kernel::acausal`] tells.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a convolution quadrature of a body that is not
+    /// known off the frequency axis; [`ImpulseError::TooShort`] if the lines of a measured body are too far apart for
+    /// the duration; [`ImpulseError::InfiniteMobility`]; what the body reports.
+    pub fn of<B: ImpactBody + ?Sized>(
+        body: &B,
+        grid: TimeGrid,
+        quadrature: Quadrature,
+    ) -> Result<Self, ImpulseError> {
+        let grid = grid.check()?;
+        let front = Front::of(body, grid)?;
+        let made = match quadrature {
+            Quadrature::CellAverages => cell_averages::weights(body, grid, front)?,
+            Quadrature::Bdf2 | Quadrature::Trapezoid => {
+                let weights = convolution_quadrature::weights(body, grid, quadrature, front)?;
+                Weights {
+                    weights,
+                    acausal: 0.0,
+                    activity: 0.0,
+                }
+            }
+        };
+        if let Some(index) = made.weights.iter().position(|weight| !weight.is_finite()) {
+            return Err(ImpulseError::NonFinite {
+                what: "kernel of a body",
+                index,
+            });
+        }
+        Ok(Self {
+            grid,
+            quadrature,
+            weights: made.weights,
+            face_compliance: front.compliance,
+            front: front.decade,
+            acausal: made.acausal,
+            activity: made.activity,
+        })
+    }
+
+    /// The weights \[m/(N s)\], without the compliance of the face.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The time steps.
+    #[must_use]
+    pub fn grid(&self) -> TimeGrid {
+        self.grid
+    }
+
+    /// The quadrature.
+    #[must_use]
+    pub fn quadrature(&self) -> Quadrature {
+        self.quadrature
+    }
+
+    /// Compliance \[m/N\] of a massless spring at the face, $`G \to s\,c`$ for $`s \to \infty`$; 0 without one.
+    #[must_use]
+    pub fn face_compliance(&self) -> f64 {
+        self.face_compliance
+    }
+
+    /// Root mean square of what the kernel has ahead of time 0 \[m/(N s)\]. Rounding for an analytic body; for others what the band
+    /// limit smears, noise, and what has not died out within the period and came round.
+    #[must_use]
+    pub fn acausal(&self) -> f64 {
+        self.acausal
+    }
+
+    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines that were used: 0 for a passive body, up to 1 for one that generates
+    /// energy somewhere, and anything between by the noise of a measured one
+    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) judges that by its variance). Not looked for, and 0, with convolution
+    /// quadrature.
+    #[must_use]
+    pub fn activity(&self) -> f64 {
+        self.activity
+    }
+
+    pub(crate) fn front(&self) -> FrontDecade {
+        self.front
+    }
+}
+
+/// Weights and what they are worth.
+struct Weights {
+    weights: Vec<f64>,
+    acausal: f64,
+    activity: f64,
+}
+
+/// What the face does at once.
+#[derive(Debug, Clone, Copy)]
+struct Front {
+    /// $`y`$ \[m/(N s)\], split off so that the rest falls with frequency
+    conductance: f64,
+    /// c \[m/N\]
+    compliance: f64,
+    decade: FrontDecade,
+}
+
+impl Front {
+    fn of<B: ImpactBody + ?Sized>(body: &B, grid: TimeGrid) -> Result<Self, ImpulseError> {
+        let edge = std::f64::consts::PI / grid.time_step * cell_averages::BANDS as f64;
+        if let Some(impedance) = body.front_impedance() {
+            let conductance = 1.0 / impedance;
+            return Ok(Self {
+                conductance,
+                compliance: 0.0,
+                decade: FrontDecade {
+                    near: conductance,
+                    far: conductance,
+                },
+            });
+        }
+        let at = |rate: f64| mobility_beyond(body, rate);
+        let rates = [edge, BEYOND * edge, 10.0 * BEYOND * edge];
+        let [here, near, far] = [at(rates[0])?, at(rates[1])?, at(rates[2])?];
+        // a spring shows in the imaginary part, G → s c
+        let slope = (far.im - near.im) / (rates[2] - rates[1]);
+        let compliance = if slope * edge > SPRING * here.norm() {
+            slope
+        } else {
+            0.0
+        };
+        let without_spring =
+            |mobility: Complex64, rate: f64| mobility - compliance * rate * direction(body);
+        Ok(Self {
+            conductance: without_spring(here, rates[0]).re,
+            compliance,
+            decade: FrontDecade {
+                near: without_spring(near, rates[1]).norm(),
+                far: without_spring(far, rates[2]).norm(),
+            },
+        })
+    }
+}
+
+/// s over the rate at which a body is looked at: near the frequency axis, where the lines are, but far enough from it for echoes to
+/// have died out if the body is known there.
+fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
+    match body.domain() {
+        Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
+        _ => Complex64::I,
+    }
+}
+
+/// Mobility without echoes at the `rate` [1/s]; where only the frequency axis is known the mean over frequencies, in which the
+/// echoes cancel.
+fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Complex64, ImpulseError> {
+    let value = |s: Complex64| {
+        let mobility = body.mobility_at(s)?;
+        if mobility.is_finite() {
+            Ok(mobility)
+        } else {
+            Err(ImpulseError::InfiniteMobility {
+                body: "impacting",
+                s,
+            })
+        }
+    };
+    if body.domain() == Domain::RightHalfPlane {
+        return value(rate * direction(body));
+    }
+    let mut sum = Complex64::ZERO;
+    for point in 0..POINTS_BEYOND {
+        let fraction = f64::from(point) / f64::from(POINTS_BEYOND);
+        sum += value(Complex64::new(0.0, rate * (1.0 - 0.1 * fraction)))?;
+    }
+    Ok(sum / f64::from(POINTS_BEYOND))
+}

@@ -1,0 +1,251 @@
+//! The sums over sensors at every spectral line.
+
+use num_complex::Complex64;
+
+use super::modes::{Filter, Modes};
+use super::outcome::{ExcludedLine, ExclusionReason};
+use super::sensor::Sensor;
+use super::{FrequencyBand, Penalty};
+use crate::ImpulseError;
+
+/// Lines of a record of `n_samples` samples.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) n_samples: usize,
+    pub(super) sampling_rate_hz: f64,
+}
+
+impl Grid {
+    pub(super) fn n_lines(self) -> usize {
+        self.n_samples / 2 + 1
+    }
+
+    pub(super) fn frequency_hz(self, line: usize) -> f64 {
+        line as f64 * self.sampling_rate_hz / self.n_samples as f64
+    }
+
+    pub(super) fn omega(self, line: usize) -> f64 {
+        std::f64::consts::TAU * self.frequency_hz(line)
+    }
+
+    /// 2 for the lines that stand for two sides, 1 at 0 Hz and at the Nyquist frequency.
+    pub(super) fn sides(self, line: usize) -> f64 {
+        if line == 0 || 2 * line == self.n_samples {
+            1.0
+        } else {
+            2.0
+        }
+    }
+}
+
+/// What the sensors say of the force on every line, with weights w.
+pub(super) struct WeightedLines {
+    pub(super) grid: Grid,
+    /// $`\sum_r w_r|H_r|^2`$; 0 on lines that are not used.
+    pub(super) power: Vec<f64>,
+    /// $`\sum_r w_r H_r^* \hat x_r`$.
+    pub(super) cross: Vec<Complex64>,
+    /// $`\sum w_r\lvert\hat x_r\rvert^2`$ over sensors and both sides.
+    pub(super) energy: f64,
+    /// Number of real data.
+    pub(super) n_data: f64,
+    pub(super) excluded: Vec<ExcludedLine>,
+}
+
+/// The sensors with the transforms of their responses.
+pub(super) struct Transformed<'a> {
+    pub(super) grid: Grid,
+    pub(super) sensors: &'a [Sensor<'a>],
+    pub(super) responses: Vec<Vec<Complex64>>,
+    pub(super) band: Option<FrequencyBand>,
+}
+
+impl Transformed<'_> {
+    /// The sums, with the errors of the frequency response weighed for a force of the lines `force`, if there is one yet.
+    pub(super) fn weighted(
+        &self,
+        force: Option<&[Complex64]>,
+    ) -> Result<WeightedLines, ImpulseError> {
+        let n_lines = self.grid.n_lines();
+        let mut lines = WeightedLines {
+            grid: self.grid,
+            power: vec![0.0; n_lines],
+            cross: vec![Complex64::ZERO; n_lines],
+            energy: 0.0,
+            n_data: 0.0,
+            excluded: Vec::new(),
+        };
+        for line in 0..n_lines {
+            if let Some(reason) = self.add(&mut lines, line, force)? {
+                lines.excluded.push(ExcludedLine {
+                    index: line,
+                    frequency_hz: self.grid.frequency_hz(line),
+                    reason,
+                });
+            }
+        }
+        if lines.excluded.len() == n_lines {
+            return Err(ImpulseError::NoUsableLine { n_lines });
+        }
+        Ok(lines)
+    }
+
+    fn add(
+        &self,
+        lines: &mut WeightedLines,
+        line: usize,
+        force: Option<&[Complex64]>,
+    ) -> Result<Option<ExclusionReason>, ImpulseError> {
+        let is_outside = self.is_outside_band(line);
+        let sides = self.grid.sides(line);
+        let mut reason = ExclusionReason::LeftOut;
+        for (sensor, response) in self.sensors.iter().zip(&self.responses) {
+            if sensor.is_left_out(line) {
+                continue;
+            }
+            let (h, x) = (sensor.frequency_response[line], response[line]);
+            if !h.is_finite() {
+                return Err(ImpulseError::NonFinite {
+                    what: "frequency response",
+                    index: line,
+                });
+            }
+            if is_outside {
+                reason = ExclusionReason::OutsideBand;
+                continue;
+            }
+            let weight = weight(sensor, line, force);
+            lines.power[line] += weight * h.norm_sqr();
+            lines.cross[line] += weight * h.conj() * x;
+            lines.energy += sides * weight * x.norm_sqr();
+            lines.n_data += sides;
+            reason = ExclusionReason::VanishingResponse;
+        }
+        if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
+            return Err(ImpulseError::SpectrumOverflow { index: line });
+        }
+        Ok((lines.power[line] <= 0.0).then_some(reason))
+    }
+
+    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of the lines `force`: that of the responses as stated, or
+    /// `unit_noise` where it is not, and that of the frequency responses.
+    pub(super) fn cross_variance(
+        &self,
+        weights_for: Option<&[Complex64]>,
+        force: &[Complex64],
+        unit_noise: f64,
+    ) -> Vec<f64> {
+        self.cross_variance_of(weights_for, |sensor, line| {
+            let noise = sensor.noise_at(line).unwrap_or(unit_noise);
+            noise + sensor.variance_at(line) * force[line].norm_sqr()
+        })
+    }
+
+    /// The same under white noise of standard deviation 1 on all responses.
+    pub(super) fn white_cross_variance(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
+        self.cross_variance_of(weights_for, |_, _| self.grid.n_samples as f64)
+    }
+
+    fn cross_variance_of(
+        &self,
+        weights_for: Option<&[Complex64]>,
+        variance: impl Fn(&Sensor<'_>, usize) -> f64,
+    ) -> Vec<f64> {
+        let of_line = |line: usize| -> f64 {
+            if self.is_outside_band(line) {
+                return 0.0;
+            }
+            let used = self.sensors.iter().filter(|s| !s.is_left_out(line));
+            used.map(|sensor| {
+                let gain = weight(sensor, line, weights_for).powi(2)
+                    * sensor.frequency_response[line].norm_sqr();
+                gain * variance(sensor, line)
+            })
+            .sum()
+        };
+        (0..self.grid.n_lines()).map(of_line).collect()
+    }
+
+    fn is_outside_band(&self, line: usize) -> bool {
+        let frequency_hz = self.grid.frequency_hz(line);
+        self.band
+            .is_some_and(|band| frequency_hz < band.from_hz || frequency_hz > band.to_hz)
+    }
+
+    /// ‖x - h*F‖/‖x‖ over all sensors and the lines of each that were not left out, by Parseval's relation.
+    pub(super) fn relative_residual(&self, force: &[Complex64]) -> f64 {
+        let (mut left, mut all) = (0.0, 0.0);
+        for (sensor, response) in self.sensors.iter().zip(&self.responses) {
+            for (line, x) in response.iter().enumerate() {
+                if sensor.is_left_out(line) {
+                    continue;
+                }
+                let missing = x - sensor.frequency_response[line] * force[line];
+                left += self.grid.sides(line) * missing.norm_sqr();
+                all += self.grid.sides(line) * x.norm_sqr();
+            }
+        }
+        if all > 0.0 { (left / all).sqrt() } else { 0.0 }
+    }
+}
+
+/// $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 where the noise is not known.
+fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64]>) -> f64 {
+    sensor.noise_at(line).map_or(1.0, |noise| {
+        let force = force.map_or(0.0, |force| force[line].norm_sqr());
+        1.0 / (noise + sensor.variance_at(line) * force)
+    })
+}
+
+impl WeightedLines {
+    /// Every line used as a component of its own.
+    pub(super) fn modes(&self, penalty: Penalty) -> Modes {
+        let mut modes = Modes {
+            strengths: Vec::new(),
+            energies: Vec::new(),
+            dimensions: Vec::new(),
+            unexplained: 0.0,
+            n_data: self.n_data,
+        };
+        let mut explained = 0.0;
+        for (line, (power, cross)) in self.power.iter().zip(&self.cross).enumerate() {
+            if *power > 0.0 {
+                let sides = self.grid.sides(line);
+                let energy = sides * cross.norm_sqr() / power;
+                explained += energy;
+                modes
+                    .strengths
+                    .push(power / penalty.weight(self.grid.omega(line)));
+                modes.energies.push(energy);
+                modes.dimensions.push(sides);
+            }
+        }
+        modes.unexplained = self.unexplained(explained);
+        modes
+    }
+
+    /// What is left of the energy of the responses; a difference at the rounding of its terms is nothing.
+    pub(super) fn unexplained(&self, explained: f64) -> f64 {
+        let rest = self.energy - explained;
+        if rest > self.n_data.sqrt() * f64::EPSILON * self.energy {
+            rest
+        } else {
+            0.0
+        }
+    }
+
+    /// Gain $`\varphi/\sum w|H|^2`$ from the cross sums to the force, on every line.
+    pub(super) fn gains(&self, filter: Filter, penalty: Penalty, parameter: f64) -> Vec<f64> {
+        let lines = self.power.iter().enumerate();
+        lines
+            .map(|(line, power)| {
+                if *power > 0.0 {
+                    let strength = power / penalty.weight(self.grid.omega(line));
+                    filter.kept(strength, parameter) / power
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,209 @@
+//! Forces that act in a part of the record only.
+
+use faer::{Mat, Side};
+use num_complex::Complex64;
+
+use super::lines::WeightedLines;
+use super::modes::{Filter, Modes};
+use super::{Penalty, TimeInterval};
+use crate::{ImpulseError, fourier};
+
+/// The equations of a support are dense, and their decomposition costs the cube of its length.
+pub(super) const LONGEST: usize = 2048;
+
+/// Samples of the record on which the force acts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Support {
+    pub(super) first: usize,
+    pub(super) length: usize,
+}
+
+impl Support {
+    /// The samples of `interval`.
+    pub(super) fn of(
+        interval: TimeInterval,
+        n_samples: usize,
+        sampling_rate_hz: f64,
+    ) -> Result<Self, ImpulseError> {
+        let TimeInterval { from, to } = interval;
+        let is_inside = |index: &usize| {
+            let time = *index as f64 / sampling_rate_hz;
+            time >= from && time <= to
+        };
+        let Some(first) = (0..n_samples).find(is_inside) else {
+            return Err(ImpulseError::SupportOutsideRecord { from, to });
+        };
+        let length = (first..n_samples).take_while(is_inside).count();
+        if length > LONGEST {
+            return Err(ImpulseError::SupportTooLong {
+                found: length,
+                expected: LONGEST,
+            });
+        }
+        Ok(Self { first, length })
+    }
+}
+
+/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. Q and D are Toeplitz: the convolution does not know where the
+/// support begins.
+pub(super) struct SupportProblem {
+    /// $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
+    pub(super) autocorrelation: Vec<f64>,
+    pub(super) right_side: Vec<f64>,
+    /// Eigenvectors $`V`$ with $`V^T D V = 1`$, $`V^T Q V = \mathrm{diag}(\mu)`$.
+    vectors: Mat<f64>,
+    pub(super) modes: Modes,
+    /// D, by its first row.
+    penalty: Vec<f64>,
+}
+
+impl SupportProblem {
+    pub(super) fn new(
+        lines: &WeightedLines,
+        support: Support,
+        penalty: Penalty,
+    ) -> Result<Self, ImpulseError> {
+        let Support { first, length } = support;
+        let n_samples = lines.grid.n_samples;
+        let autocorrelation = lags(&lines.power, n_samples, length);
+        let right_side: Vec<f64> = fourier::to_samples(&lines.cross, n_samples)
+            .into_iter()
+            .skip(first)
+            .take(length)
+            .collect();
+        let weights: Vec<f64> = (0..lines.grid.n_lines())
+            .map(|line| penalty.weight(lines.grid.omega(line)))
+            .collect();
+        let penalty_lags = lags(&weights, n_samples, length);
+        let quadratic = toeplitz(&autocorrelation);
+        // columns W with W^T D W = 1
+        let whitening = match penalty {
+            Penalty::Size => {
+                // the sum of all turns: D is N times the unit matrix
+                Mat::from_fn(length, length, |i, j| {
+                    if i == j {
+                        penalty_lags[0].sqrt().recip()
+                    } else {
+                        0.0
+                    }
+                })
+            }
+            Penalty::Slope | Penalty::Curvature => {
+                let (values, vectors) = eigen(&toeplitz(&penalty_lags), length)?;
+                Mat::from_fn(length, length, |i, j| vectors[(i, j)] / values[j].sqrt())
+            }
+        };
+        let reduced = whitening.transpose() * &quadratic * &whitening;
+        let (values, rotation) = eigen(&reduced, length)?;
+        let vectors = whitening * rotation;
+        let mut modes = Modes {
+            strengths: Vec::new(),
+            energies: Vec::new(),
+            dimensions: vec![1.0; length],
+            unexplained: 0.0,
+            n_data: lines.n_data,
+        };
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        let rounding = length as f64 * f64::EPSILON * largest;
+        let mut explained = 0.0;
+        for (index, value) in values.iter().enumerate() {
+            // what is rounding has nothing to say
+            let strength = if *value > rounding { *value } else { 0.0 };
+            let energy = if strength > 0.0 {
+                let projection: f64 = right_side
+                    .iter()
+                    .enumerate()
+                    .map(|(i, b)| vectors[(i, index)] * b)
+                    .sum();
+                projection * projection / strength
+            } else {
+                0.0
+            };
+            explained += energy;
+            modes.strengths.push(strength);
+            modes.energies.push(energy);
+        }
+        modes.unexplained = lines.unexplained(explained);
+        for (dimension, strength) in modes.dimensions.iter_mut().zip(&modes.strengths) {
+            if *strength <= 0.0 {
+                *dimension = 0.0;
+            }
+        }
+        Ok(Self {
+            autocorrelation,
+            right_side,
+            vectors,
+            modes,
+            penalty: penalty_lags,
+        })
+    }
+
+    /// The matrix from the right side to the force, $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
+    pub(super) fn inverse(&self, filter: Filter, parameter: f64) -> Mat<f64> {
+        let n = self.vectors.nrows();
+        let scaled = Mat::from_fn(n, n, |i, j| {
+            let strength = self.modes.strengths[j];
+            if strength > 0.0 {
+                self.vectors[(i, j)] * filter.kept(strength, parameter) / strength
+            } else {
+                0.0
+            }
+        });
+        scaled * self.vectors.transpose()
+    }
+
+    /// $`Q + \lambda D`$ by its first row.
+    pub(super) fn regularised(&self, filter: Filter, parameter: f64) -> Vec<f64> {
+        let lambda = if filter == Filter::Tikhonov {
+            parameter
+        } else {
+            0.0
+        };
+        let lags = self.autocorrelation.iter().zip(&self.penalty);
+        lags.map(|(q, d)| q + lambda * d).collect()
+    }
+
+    /// Number of components of which the responses say nothing above rounding.
+    pub(super) fn n_silent(&self) -> usize {
+        self.modes.strengths.iter().filter(|s| **s <= 0.0).count()
+    }
+
+    /// Square root S of the covariance $`G T G^T = S S^T`$, with G from the right side to the force and T the covariance of the right
+    /// side by its lines.
+    pub(super) fn error_factor(
+        gain: &Mat<f64>,
+        variance: &[f64],
+        n_samples: usize,
+    ) -> Result<Mat<f64>, ImpulseError> {
+        let length = gain.nrows();
+        let covariance = toeplitz(&lags(variance, n_samples, length));
+        let (values, vectors) = eigen(&covariance, length)?;
+        // rounding may leave a variance of nothing below zero
+        let roots = Mat::from_fn(length, length, |i, j| {
+            vectors[(i, j)] * values[j].max(0.0).sqrt()
+        });
+        Ok(gain * roots)
+    }
+}
+
+/// $`\sum_k s_k e^{i\theta_k l}`$ over both sides, for the lags of a support.
+pub(super) fn lags(lines: &[f64], n_samples: usize, length: usize) -> Vec<f64> {
+    let lines: Vec<Complex64> = lines.iter().map(|s| (*s).into()).collect();
+    let mut lags = fourier::to_samples(&lines, n_samples);
+    lags.truncate(length);
+    lags
+}
+
+pub(super) fn toeplitz(first_row: &[f64]) -> Mat<f64> {
+    let n = first_row.len();
+    Mat::from_fn(n, n, |i, j| first_row[i.abs_diff(j)])
+}
+
+fn eigen(matrix: &Mat<f64>, size: usize) -> Result<(Vec<f64>, Mat<f64>), ImpulseError> {
+    let decomposition = matrix
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|_| ImpulseError::NoDecomposition { size })?;
+    let diagonal = decomposition.S().column_vector();
+    let values = (0..size).map(|i| diagonal[i]).collect();
+    Ok((values, decomposition.U().to_owned()))
+}

@@ -1,0 +1,166 @@
+//! How sure a predicted force is: from the errors of the mobilities, of the impact velocity and of the masses.
+
+mod contact_end;
+mod monte_carlo;
+
+pub use contact_end::{EndError, EndVerdict, contact_band};
+pub use monte_carlo::MonteCarlo;
+
+use num_complex::Complex64;
+
+use crate::error::check_not_negative;
+use crate::{ForceError, ImpulseError, StickProblem, ZeroLine};
+
+/// Errors of what a stick force is computed from. What is left at its default has no error.
+///
+/// | field | shape | unit |
+/// |---|---|---|
+/// | variances $`\mathrm E\lvert\delta G\rvert^2`$ | `(n_lines)`, the element at 0 Hz is not read | (m/(N s))² |
+/// | standard errors | scalar | as stated |
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StickUncertainty<'a> {
+    /// Variance of the first body's mobility: circular, independent between lines, as averaging of hits gives it.
+    pub first_variance: Option<&'a [f64]>,
+    /// Variance of the second body's mobility.
+    pub second_variance: Option<&'a [f64]>,
+    /// Relative standard error of the scale of the first mobility, the same on all lines, as of a sensitivity \[1\].
+    pub first_scale: f64,
+    /// Relative standard error of the scale of the second mobility \[1\].
+    pub second_scale: f64,
+    /// Standard error of the impact velocity [m/s].
+    pub impact_velocity: f64,
+    /// Standard error of the effective mass \[kg\]; read with [`ZeroLine::EffectiveMass`] only. For one free body it is that of the
+    /// weighing; for two, $`\delta M = M^2\sqrt{(\delta M_1/M_1^2)^2 + (\delta M_2/M_2^2)^2}`$.
+    pub effective_mass: f64,
+}
+
+impl StickProblem<'_> {
+    /// The random error of the stick force, to first order. With $`\hat F = V/(i\omega(G_1+G_2))`$,
+    ///
+    /// ```math
+    /// \delta\hat F = \hat F\left[\frac{\delta V}{V} - \frac{\delta G_1 + \delta G_2}{G_1+G_2}\right], \qquad
+    /// \delta\hat F(0) = V\,\delta M + M\,\delta V .
+    /// ```
+    ///
+    /// Circular errors of independent lines give a force error that is as large before the contact as after it, with the
+    /// covariance $`\Delta f^2\sum_k\mathrm E\lvert\delta\hat F_k\rvert^2 e^{i\omega_k\tau}`$. Scales, velocity and mass act on all times at
+    /// once.
+    ///
+    /// # Validity
+    ///
+    /// Errors of a line are small against $`|G_1+G_2|`$: near a resonance of the sum, where it is small, they need not
+    /// be. [`StickUncertainty::monte_carlo`] does not linearise. Measured lines that were corrected by one weighed mass have errors
+    /// in common, which this takes as independent.
+    ///
+    /// # Errors
+    ///
+    /// As [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`], [`ImpulseError::NonPhysical`] for the
+    /// uncertainty.
+    pub fn error(&self, uncertainty: &StickUncertainty<'_>) -> Result<ForceError, ImpulseError> {
+        let (lines, _) = self.force_lines()?;
+        uncertainty.check(self)?;
+        let (n_period, n_shown) = self.n_samples();
+        let scale = self.frequency_step_hz.powi(2);
+        let mobilities = || self.first.iter().zip(self.second);
+        let variances: Vec<f64> = lines
+            .iter()
+            .zip(mobilities())
+            .enumerate()
+            .map(|(line, (force, (first, second)))| {
+                if line == 0 {
+                    return 0.0;
+                }
+                let variance = uncertainty.variance_at(line);
+                scale * force.norm_sqr() * variance / (first + second).norm_sqr()
+            })
+            .collect();
+        let mut error = ForceError::none(n_shown).with_lines(variances, n_period, self.reference());
+        let effect = |part: &dyn Fn(usize, Complex64) -> Complex64| {
+            let changed = lines.iter().enumerate().map(|(k, f)| part(k, *f));
+            let (history, _) = self.history_of(&changed.collect::<Vec<_>>())?;
+            Ok::<_, ImpulseError>(history.force().to_vec())
+        };
+        let share = |line: usize, of: &[Complex64]| {
+            if line == 0 {
+                Complex64::ZERO
+            } else {
+                of[line] / (self.first[line] + self.second[line])
+            }
+        };
+        if uncertainty.first_scale > 0.0 {
+            error = error.with_common(effect(&|k, f| {
+                -uncertainty.first_scale * f * share(k, self.first)
+            })?);
+        }
+        if uncertainty.second_scale > 0.0 {
+            error = error.with_common(effect(&|k, f| {
+                -uncertainty.second_scale * f * share(k, self.second)
+            })?);
+        }
+        if uncertainty.impact_velocity > 0.0 {
+            let relative = uncertainty.impact_velocity / self.impact_velocity;
+            error = error.with_common(effect(&|_, f| relative * f)?);
+        }
+        if uncertainty.effective_mass > 0.0
+            && let ZeroLine::EffectiveMass(_) = self.zero_line
+        {
+            let impulse = self.impact_velocity * uncertainty.effective_mass;
+            error = error.with_common(effect(&|k, _| {
+                Complex64::from(if k == 0 { impulse } else { 0.0 })
+            })?);
+        }
+        Ok(error)
+    }
+}
+
+impl StickUncertainty<'_> {
+    fn check(&self, problem: &StickProblem<'_>) -> Result<(), ImpulseError> {
+        for (what, variance) in [
+            ("variance of the first mobility", self.first_variance),
+            ("variance of the second mobility", self.second_variance),
+        ] {
+            let Some(variance) = variance else { continue };
+            if variance.len() != problem.first.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what,
+                    found: variance.len(),
+                    expected: problem.first.len(),
+                });
+            }
+            let mut lines = variance.iter().enumerate().skip(1);
+            if let Some((index, value)) = lines.find(|(_, v)| !(v.is_finite() && **v >= 0.0)) {
+                if value.is_finite() {
+                    check_not_negative("variance of a mobility [(m/(N s))^2]", *value)?;
+                }
+                return Err(ImpulseError::NonFinite { what, index });
+            }
+        }
+        for (quantity, value) in [
+            ("standard error of the first scale", self.first_scale),
+            ("standard error of the second scale", self.second_scale),
+            (
+                "standard error of the impact velocity [m/s]",
+                self.impact_velocity,
+            ),
+            (
+                "standard error of the effective mass [kg]",
+                self.effective_mass,
+            ),
+        ] {
+            check_not_negative(quantity, value)?;
+        }
+        Ok(())
+    }
+
+    /// Variance of the sum of the mobilities.
+    fn variance_at(&self, line: usize) -> f64 {
+        [self.first_variance, self.second_variance]
+            .into_iter()
+            .flatten()
+            .map(|variance| variance[line])
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,166 @@
+//! The error of a force by drawing what it is computed from.
+
+use num_complex::Complex64;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
+
+use super::StickUncertainty;
+use crate::force_error::{check_level, quantile};
+use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
+
+/// Below this a standard deviation is hardly known.
+const FEWEST_DRAWS: usize = 50;
+
+/// Forces of drawn mobilities, velocities and masses.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MonteCarlo {
+    /// Mean of the stick forces \[N\]; `(n_samples)`.
+    pub stick_mean: Vec<f64>,
+    /// Standard deviation of the stick forces \[N\]; `(n_samples)`.
+    pub stick_deviation: Vec<f64>,
+    /// The impact forces, until separation \[N\]; `(n_draws, n_samples)`.
+    pub impact_forces: Vec<Vec<f64>>,
+    /// Ends of those contacts that end \[s\], in increasing order.
+    pub contact_ends: Vec<f64>,
+    /// Number of draws that are still in contact at the end of the history, or never were.
+    pub without_end: usize,
+}
+
+impl StickUncertainty<'_> {
+    /// Solves `problem` for `n_draws` draws: Gaussian, circular and independent between lines for the mobilities. Contacts end as by
+    /// [`separate`] with `threshold` \[N\].
+    ///
+    /// # Errors
+    ///
+    /// As [`StickProblem::error`] and [`separate`]; [`ImpulseError::TooShort`] below 50 draws;
+    /// [`ImpulseError::NonPhysical`] for a velocity or mass so uncertain that a draw of it is not above zero.
+    pub fn monte_carlo(
+        &self,
+        problem: &StickProblem<'_>,
+        threshold: f64,
+        n_draws: usize,
+        random: &mut impl Rng,
+    ) -> Result<MonteCarlo, ImpulseError> {
+        problem.force_lines()?;
+        self.check(problem)?;
+        if n_draws < FEWEST_DRAWS {
+            return Err(ImpulseError::TooShort {
+                what: "set of draws",
+                found: n_draws,
+                expected: FEWEST_DRAWS,
+            });
+        }
+        let (_, n_shown) = problem.n_samples();
+        let mut result = MonteCarlo {
+            stick_mean: vec![0.0; n_shown],
+            stick_deviation: vec![0.0; n_shown],
+            impact_forces: Vec::with_capacity(n_draws),
+            contact_ends: Vec::new(),
+            without_end: 0,
+        };
+        let mut normal = || -> f64 { random.sample(StandardNormal) };
+        for count in 1..=n_draws {
+            let first = drawn(
+                problem.first,
+                self.first_variance,
+                self.first_scale,
+                &mut normal,
+            );
+            let second = drawn(
+                problem.second,
+                self.second_variance,
+                self.second_scale,
+                &mut normal,
+            );
+            let zero_line = match problem.zero_line {
+                ZeroLine::EffectiveMass(mass) => {
+                    ZeroLine::EffectiveMass(mass + self.effective_mass * normal())
+                }
+                other => other,
+            };
+            let draw = StickProblem {
+                first: &first,
+                second: &second,
+                impact_velocity: problem.impact_velocity + self.impact_velocity * normal(),
+                zero_line,
+                ..*problem
+            };
+            let stick = draw.solve()?;
+            let samples = stick.history.force().iter();
+            let moments = result
+                .stick_mean
+                .iter_mut()
+                .zip(&mut result.stick_deviation);
+            for ((mean, squares), force) in moments.zip(samples) {
+                // running mean and sum of squares about it
+                let from_mean = force - *mean;
+                *mean += from_mean / count as f64;
+                *squares += from_mean * (force - *mean);
+            }
+            let impact = separate(&stick.history, threshold)?;
+            match impact.end {
+                ContactEnd::Separated { time } => result.contact_ends.push(time),
+                ContactEnd::InContact | ContactEnd::NoContact => result.without_end += 1,
+            }
+            result.impact_forces.push(impact.history.force().to_vec());
+        }
+        for squares in &mut result.stick_deviation {
+            *squares = (*squares / (n_draws as f64 - 1.0)).sqrt();
+        }
+        result.contact_ends.sort_by(f64::total_cmp);
+        Ok(result)
+    }
+}
+
+impl MonteCarlo {
+    /// Pointwise band of the impact force: the middle part `level` of the draws at each time. The factor is that of no standard
+    /// error, NaN.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
+        check_level(level)?;
+        let n_samples = self.stick_mean.len();
+        let mut band = ForceBand {
+            coverage: Coverage::Pointwise,
+            level,
+            factor: f64::NAN,
+            lower: Vec::with_capacity(n_samples),
+            upper: Vec::with_capacity(n_samples),
+        };
+        for sample in 0..n_samples {
+            let mut values: Vec<f64> = self.impact_forces.iter().map(|f| f[sample]).collect();
+            values.sort_by(f64::total_cmp);
+            band.lower.push(quantile(&values, 0.5 - 0.5 * level));
+            band.upper.push(quantile(&values, 0.5 + 0.5 * level));
+        }
+        Ok(band)
+    }
+}
+
+fn drawn(
+    mobility: &[Complex64],
+    variance: Option<&[f64]>,
+    scale: f64,
+    normal: &mut impl FnMut() -> f64,
+) -> Vec<Complex64> {
+    let factor = 1.0 + scale * normal();
+    let last = mobility.len() - 1;
+    let lines = mobility.iter().enumerate();
+    lines
+        .map(|(line, g)| {
+            let Some(variance) = variance.filter(|_| line > 0) else {
+                return g * factor;
+            };
+            let error = if line == last {
+                // of this line only the real part of the force is seen
+                Complex64::new(normal(), normal())
+            } else {
+                Complex64::new(normal(), normal()) * 0.5_f64.sqrt()
+            };
+            (g + error * variance[line].sqrt()) * factor
+        })
+        .collect()
+}

@@ -1,0 +1,303 @@
+//! What is asked wrongly is refused with the reason, and never becomes a force.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+
+use impulse::{
+    ContactLaw, Impact, ImpactBody, ImpulseError, Kernel, LineBand, LowFrequency, MeasuredBody,
+    MobilityLaw, PredictionFlag, Quadrature, TimeGrid, WeighedMass,
+};
+use num_complex::Complex64;
+use rodwave::chain::{AnalyticChain, Chain, Termination};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::{Elastic, PowerLawPropagation};
+
+const DURATION: f64 = 1e-3;
+
+fn rod() -> MobilityLaw<impl Fn(Complex64) -> Complex64> {
+    MobilityLaw::analytic(|_| Complex64::from(1e-3))
+}
+
+fn mass(kilograms: f64) -> MobilityLaw<impl Fn(Complex64) -> Complex64> {
+    MobilityLaw::analytic(move |s| 1.0 / (s * kilograms))
+        .free(kilograms)
+        .unwrap()
+}
+
+fn nylon() -> Chain {
+    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    Chain::from_impact_face()
+        .rod(
+            &Medium::new(1150.0, law).unwrap(),
+            Circle::of_diameter(0.03).unwrap(),
+            0.3,
+        )
+        .end(Termination::Free)
+        .unwrap()
+}
+
+fn elastic() -> AnalyticChain {
+    AnalyticChain::analytic_from_impact_face()
+        .rod(
+            &Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap(),
+            Circle::of_diameter(0.01).unwrap(),
+            0.3,
+        )
+        .end(Termination::Free)
+        .unwrap()
+}
+
+fn refusal(first: &dyn ImpactBody, second: &dyn ImpactBody) -> ImpulseError {
+    Impact::between(first, second)
+        .at_velocity(1.0)
+        .predict(DURATION)
+        .unwrap_err()
+}
+
+#[test]
+fn velocities_times_and_steps() {
+    let (first, second) = (mass(0.5), rod());
+    let pair = Impact::between(&first, &second);
+    for velocity in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        let impact = pair.at_velocity(velocity);
+        let wrong = |error: ImpulseError| {
+            matches!(
+                error,
+                ImpulseError::NonPhysical {
+                    quantity: "impact velocity [m/s]",
+                    ..
+                }
+            )
+        };
+        assert!(wrong(impact.predict(DURATION).unwrap_err()));
+        assert!(wrong(impact.stick_force(DURATION).unwrap_err()));
+        assert!(wrong(
+            impact.stick_force_damped(DURATION, 1e-6).unwrap_err()
+        ));
+        assert!(wrong(
+            impact.stick_force_on_lines(LineBand::PAPER_E).unwrap_err()
+        ));
+    }
+    let impact = pair.at_velocity(1.0);
+    for duration in [-1.0, 0.0, f64::NAN] {
+        assert!(impact.predict(duration).is_err());
+    }
+    for step in [-1e-6, 0.0, f64::NAN, 1.0, 1e-12] {
+        assert!(
+            impact.clone().in_steps_of(step).predict(DURATION).is_err(),
+            "{step}"
+        );
+    }
+    let odd = LineBand {
+        highest_hz: 1e4,
+        n_samples: 2047,
+    };
+    assert_eq!(
+        impact.stick_force_on_lines(odd).unwrap_err().to_string(),
+        "number of samples is 2047, expected an even number above 2"
+    );
+}
+
+#[test]
+fn masses_that_contradict_the_mobility() {
+    let lighter = MobilityLaw::analytic(|s: Complex64| 1.0 / (0.5 * s))
+        .free(0.4)
+        .unwrap();
+    assert!(matches!(
+        refusal(&lighter, &rod()),
+        ImpulseError::MassContradictsMobility { body: "first", found, expected }
+            if (found - 0.5).abs() < 1e-9 && (expected - 0.4).abs() < 1e-9
+    ));
+    let unweighed = MobilityLaw::analytic(|s: Complex64| 1.0 / (0.5 * s));
+    assert!(matches!(
+        refusal(&rod(), &unweighed),
+        ImpulseError::MassContradictsMobility { body: "second", .. }
+    ));
+}
+
+#[test]
+fn methods_outside_their_domain() {
+    let (nylon, steel) = (nylon(), elastic());
+    let impact = Impact::between(&nylon, &steel).at_velocity(1.0);
+    // off the frequency axis eq. 7 is not known
+    for error in [
+        impact.stick_force_damped(DURATION, 1e-6).unwrap_err(),
+        impact
+            .clone()
+            .by(Quadrature::Bdf2)
+            .predict(DURATION)
+            .unwrap_err(),
+    ] {
+        assert!(
+            matches!(error, ImpulseError::OutsideDomain { .. }),
+            "{error}"
+        );
+    }
+    // a free elastic body on the frequency axis rings longer than any period
+    let chain = Chain::from_impact_face()
+        .rod(
+            &Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap(),
+            Circle::of_diameter(0.01).unwrap(),
+            0.3,
+        )
+        .end(Termination::Free)
+        .unwrap();
+    let outcome = Impact::between(&chain, &rod())
+        .at_velocity(1.0)
+        .predict(DURATION);
+    // a pole on a line is refused, lines beside the poles are flagged
+    assert!(
+        outcome.is_err()
+            || outcome.is_ok_and(|prediction| {
+                prediction
+                    .flags
+                    .iter()
+                    .any(|flag| matches!(flag, PredictionFlag::Acausal { body: 0, .. }))
+            })
+    );
+}
+
+#[test]
+fn bodies_that_make_energy() {
+    let active = MobilityLaw::analytic(|_| Complex64::from(-2e-3));
+    let error = refusal(&mass(0.5), &active);
+    assert!(
+        matches!(error, ImpulseError::ActiveFaces { weight, .. } if weight < 0.0),
+        "{error}"
+    );
+    // active in a band only: a resonance with negative damping grows, and is flagged or stopped, never NaN
+    let growing = MobilityLaw::on_axis(|s| 1e-3 - 4.0 * s / (s * s + 800.0 * s + 1e9));
+    match Impact::between(&mass(0.5), &growing)
+        .at_velocity(1.0)
+        .predict(20e-3)
+    {
+        Ok(prediction) => {
+            assert!(
+                prediction
+                    .flags
+                    .iter()
+                    .any(|flag| matches!(flag, PredictionFlag::Active { body: 1, .. }))
+            );
+            assert!(
+                prediction
+                    .history
+                    .force()
+                    .iter()
+                    .all(|force| force.is_finite())
+            );
+        }
+        Err(error) => assert!(matches!(error, ImpulseError::Diverged { .. }), "{error}"),
+    }
+    let broken = MobilityLaw::analytic(|_| Complex64::new(f64::NAN, 0.0));
+    assert!(matches!(
+        refusal(&mass(0.5), &broken),
+        ImpulseError::InfiniteMobility { .. }
+    ));
+    let infinite = MobilityLaw::analytic(|_| Complex64::new(f64::INFINITY, 0.0));
+    assert!(matches!(
+        refusal(&mass(0.5), &infinite),
+        ImpulseError::InfiniteMobility { .. }
+    ));
+}
+
+#[test]
+fn measured_bodies_on_other_grids() {
+    let lines = |step_hz: f64| -> MeasuredBody {
+        let mobility: Vec<Complex64> = (0..2000)
+            .map(|line| {
+                let s = Complex64::new(0.0, std::f64::consts::TAU * step_hz * f64::from(line));
+                if line == 0 {
+                    Complex64::ZERO
+                } else {
+                    1.0 / (0.5 * s) + 1e-3
+                }
+            })
+            .collect();
+        let low = LowFrequency::Free(WeighedMass {
+            mass: 0.5,
+            standard_error: 1e-4,
+        });
+        MeasuredBody::from_mobility(&mobility, step_hz, low).unwrap()
+    };
+    let (first, second) = (lines(10.0), lines(12.5));
+    let pair = Impact::between(&first, &second).at_velocity(1.0);
+    let band = LineBand {
+        highest_hz: 1e4,
+        n_samples: 2000,
+    };
+    assert_eq!(
+        pair.stick_force_on_lines(band).unwrap_err().to_string(),
+        "the lines of the measured body are 12.5 Hz apart, expected 10 Hz as those of the other body"
+    );
+    // the march needs no common lines, but whole steps in either period
+    assert!(pair.clone().in_steps_of(1e-5).predict(10e-3).is_ok());
+    assert!(matches!(
+        pair.clone().in_steps_of(3e-5).predict(10e-3),
+        Err(ImpulseError::NonPhysical { value, expected: "a whole number", .. })
+            if (value - 1e4 / 3.0).abs() < 1e-6
+    ));
+    // and half a period for the time ahead of the impulse
+    let long = pair.in_steps_of(1e-5).predict(60e-3).unwrap_err();
+    assert_eq!(
+        long.to_string(),
+        "the period of the measured lines, in time steps, has 10000 elements, expected at least 12000"
+    );
+}
+
+#[test]
+fn a_kernel_says_what_it_is() {
+    let grid = TimeGrid {
+        time_step: 1e-6,
+        n_steps: 256,
+    };
+    let kernel = Kernel::of(&elastic(), grid, Quadrature::CellAverages).unwrap();
+    assert_eq!(kernel.weights().len(), 256);
+    assert_eq!(kernel.grid(), grid);
+    // analytic: nothing ahead of the impulse but the alias of the next period, 1.5e-8
+    assert!(kernel.acausal() < 1e-7 * kernel.weights()[0]);
+    // 300 mm of steel rod answer at once with 1/Z
+    let impedance = (206e9_f64 * 7780.0).sqrt() * 0.25 * std::f64::consts::PI * 1e-4;
+    assert!((kernel.weights()[0] * impedance - 1.0).abs() < 1e-3);
+    assert!(kernel.face_compliance().abs() < f64::MIN_POSITIVE);
+    let spring = MobilityLaw::analytic(|s| 1e-3 + s / 1e7);
+    let kernel = Kernel::of(&spring, grid, Quadrature::CellAverages).unwrap();
+    assert!((kernel.face_compliance() * 1e7 - 1.0).abs() < 1e-9);
+    let one = TimeGrid { n_steps: 1, ..grid };
+    assert!(Kernel::of(&elastic(), one, Quadrature::Bdf2).is_err());
+}
+
+#[test]
+fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
+    // first order, the only place; against the same spring as a piece of the contact curve, which is exact
+    let ground = MobilityLaw::analytic(|s: Complex64| s / 1e7);
+    let striker = mass(0.2);
+    let both = Impact::between(&striker, &ground)
+        .at_velocity(1.0)
+        .through(ContactLaw::hertz(5e9).unwrap())
+        .predict(DURATION)
+        .unwrap();
+    assert!(
+        both.balance().energy_residual.abs() < 1e-6,
+        "{:?}",
+        both.balance()
+    );
+    let curve: Vec<(f64, f64)> = (0..=2000)
+        .map(|n| {
+            let force = 4000.0 * (f64::from(n) / 2000.0).powi(3);
+            ((force / 5e9).powf(2.0 / 3.0) + force / 1e7, force)
+        })
+        .collect();
+    let wall = MobilityLaw::analytic(|_| Complex64::ZERO);
+    let exact = Impact::between(&striker, &wall)
+        .at_velocity(1.0)
+        .through(ContactLaw::Tabulated(
+            impulse::TabulatedContact::new(&curve).unwrap(),
+        ))
+        .predict(DURATION)
+        .unwrap();
+    // half a step of 0.24 us in a contact of half a millisecond
+    assert!((both.peak().force / exact.peak().force - 1.0).abs() < 2e-3);
+    assert!((both.duration() / exact.duration() - 1.0).abs() < 2e-3);
+}
