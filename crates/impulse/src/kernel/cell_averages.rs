@@ -17,6 +17,9 @@ pub(super) const BANDS: usize = 8;
 /// up to the middle of the period, where the weights end.
 const DAMPING_OVER_PERIOD: f64 = 18.0;
 
+/// Steps over which the roll-off of the bands smears what happens at time 0.
+const SMEARED: usize = 16;
+
 /// Periods for a body on the frequency axis, in durations: what rings may take three of them to die out.
 const AXIS_PERIODS: usize = 8;
 
@@ -82,8 +85,13 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         }
         _ => rms(weights.get(n_points / 2..).unwrap_or_default()),
     };
-    if body.domain() != Domain::RightHalfPlane {
-        mirror(&mut weights, n_steps);
+    match body.domain() {
+        Domain::RightHalfPlane => {
+            // only the roll-off of the bands stands ahead, grown by a period
+            let near = SMEARED.min(n_steps / 2);
+            mirror(&mut weights, near, (-DAMPING_OVER_PERIOD).exp());
+        }
+        _ => mirror(&mut weights, n_steps, 1.0),
     }
     weights.truncate(n_steps);
     if let Some(mass) = rigid {
@@ -106,13 +114,14 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
 ///
 /// This keeps the real part of every line, to which of all causal responses only one belongs: a step that the band limit has smeared about
 /// time 0 becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the kernel is passive. Dropping what stands ahead would
-/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz.
-fn mirror(weights: &mut [f64], n_steps: usize) {
+/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz. `scale` undoes what the damping has made of the end of the
+/// period.
+fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     let n_points = weights.len();
     for step in 1..n_steps {
         let ahead = weights.get(n_points - step).copied().unwrap_or(0.0);
         if let Some(weight) = weights.get_mut(step) {
-            *weight += ahead;
+            *weight += scale * ahead;
         }
     }
 }

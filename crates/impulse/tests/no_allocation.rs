@@ -1,0 +1,35 @@
+//! A march allocates its arrays before it begins, and nothing in a step.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+
+use impulse::{ContactLaw, Impact, MobilityLaw};
+use num_complex::Complex64;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let striker = MobilityLaw::analytic(|s| 1.0 / (0.1 * s))
+        .free(0.1)
+        .unwrap();
+    let rod = MobilityLaw::analytic(|_| Complex64::from(1e-3));
+    for law in [ContactLaw::Rigid, ContactLaw::hertz(5e9).unwrap()] {
+        let allocations = [4096.0, 8192.0].map(|n_steps| {
+            let impact = Impact::between(&striker, &rod)
+                .at_velocity(1.0)
+                .through(law.clone())
+                .in_steps_of(1e-3 / n_steps)
+                .discretised(1e-3)
+                .unwrap();
+            allocation_counter::measure(|| {
+                impact.predict().unwrap();
+            })
+            .count_total
+        });
+        // twice the steps: one more size of blocks with its transforms, far from one allocation for each of 4096 more steps
+        assert!(
+            allocations[1] < allocations[0] + 100,
+            "{law:?} {allocations:?}"
+        );
+    }
+}
