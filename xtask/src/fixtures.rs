@@ -12,6 +12,7 @@ pub(crate) mod paper_c;
     reason = "the loader offers all of paper D; what a task does not read of it is still part of the paper"
 )]
 pub(crate) mod paper_d;
+pub(crate) mod paper_e;
 mod printed_table;
 mod si_table;
 mod unit;

@@ -43,6 +43,8 @@ enum Task {
     ReproducePaperC(Comparison),
     /// Reproduce the tables of paper D (identification of viscoelastic materials) on virtual tests.
     ReproducePaperD(Comparison),
+    /// Reproduce the figures of paper E (impact force from impulse responses) on virtual bodies and measurements.
+    ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
     /// Run the software on measured records and print its figures next to what is known of them.
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
         Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
+        Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
         Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
         Task::Validate { data } => validate::run(data.as_deref()),
     };

@@ -7,6 +7,7 @@ mod number;
 mod paper_b;
 mod paper_c;
 mod paper_d;
+mod paper_e;
 mod table;
 
 use std::time::Instant;
@@ -27,17 +28,19 @@ pub(crate) enum Paper {
     B,
     C,
     D,
+    E,
 }
 
 impl Paper {
     /// In the order of the thesis.
-    pub(crate) const ALL: [Self; 3] = [Self::B, Self::C, Self::D];
+    pub(crate) const ALL: [Self; 4] = [Self::B, Self::C, Self::D, Self::E];
 
     fn letter(self) -> &'static str {
         match self {
             Self::B => "b",
             Self::C => "c",
             Self::D => "d",
+            Self::E => "e",
         }
     }
 
@@ -46,6 +49,7 @@ impl Paper {
             Self::B => paper_b::reproduce(),
             Self::C => paper_c::reproduce(),
             Self::D => paper_d::reproduce(),
+            Self::E => paper_e::reproduce(),
         }
     }
 }
