@@ -137,6 +137,64 @@ pub enum CmodError {
         /// The value found.
         variance: f64,
     },
+    /// Two spectra of a ratio have different numbers of tests.
+    #[error("numerator has {found} tests, expected {expected} as the denominator has")]
+    TestCount {
+        /// Tests of the numerator.
+        found: usize,
+        /// Tests of the denominator.
+        expected: usize,
+    },
+    /// The sections chosen have a ratio that does not depend on the material.
+    #[error("{what}, expected sections whose ratio depends on the material")]
+    NoInformation {
+        /// Why.
+        what: &'static str,
+    },
+    /// Without noise there is no floor to compare with.
+    #[error("{what} {index} is 0, expected noise to compare with")]
+    NoNoise {
+        /// What is 0, as `the noise of line`.
+        what: &'static str,
+        /// Position of the line or channel, from 0.
+        index: usize,
+    },
+    /// A history is too short for what is asked of it.
+    #[error("{what} has {found} samples, expected at least {expected}")]
+    TooFewSamples {
+        /// Which stretch of which history.
+        what: &'static str,
+        /// Samples there.
+        found: usize,
+        /// Samples needed.
+        expected: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("sample {index} of channel {channel} is {value}, expected a finite value")]
+    NonFiniteSample {
+        /// Which channel, from 0.
+        channel: usize,
+        /// Which sample, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A coherence that cannot be.
+    #[error("coherence of line {index} is {coherence}, expected a value from 0 to 1")]
+    Coherence {
+        /// Position of the line, from 0.
+        index: usize,
+        /// The value found.
+        coherence: f64,
+    },
+    /// A variance cannot be told from so few averages.
+    #[error(
+        "{found} averages, expected at least 2: the coherence of one is 1 whatever was measured"
+    )]
+    TooFewAverages {
+        /// The number found.
+        found: f64,
+    },
     /// A load history without segments.
     #[error("no load segment")]
     NoLoad,

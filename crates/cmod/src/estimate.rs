@@ -1,23 +1,97 @@
 //! The result of every method: a modulus a line, with its error, its validity and how it was found.
+//!
+//! | part | where |
+//! |---|---|
+//! | numbers of a line | [`ModulusLine`] |
+//! | standard errors, random and systematic, their covariances | [`Uncertainty`], [`StandardError`] |
+//! | whether a line may be believed | [`crate::validity`] |
+//! | the method and its settings | [`Method`] |
+//! | a table for a file | [`ModulusEstimate::columns`] |
+//! | curves and bands for a figure | [`ModulusEstimate::curve`] |
+
+mod columns;
+mod curve;
+mod solution;
+mod uncertainty;
+
+pub use columns::{Column, Columns};
+pub use curve::{Curve, CurveSegment, PlottedQuantity};
+pub(crate) use solution::Solution;
+pub use uncertainty::{
+    ComplexCovariance, ErrorSource, LineCovariance, StandardError, SystematicShift, Uncertainty,
+    coverage_factor,
+};
 
 use std::fmt;
 
 use num_complex::Complex64;
 
 use crate::branch::ResolvedRoot;
+use crate::free_end::FreeEnd;
+use crate::multi_point::{MultiPoint, ThreePoint};
+use crate::one_gauge::OneGauge;
+use crate::pulses::SeparatePulses;
+use crate::resonance::Resonances;
+use crate::two_point::TwoPoint;
 use crate::validity::Validity;
 
 /// Complex modulus on the lines of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ModulusEstimate {
+    method: Method,
     lines: Vec<ModulusLine>,
     refused: Vec<RefusedLine>,
 }
 
+/// What has made an estimate, with all its settings.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Method {
+    /// The ends of a rod (paper A).
+    TwoPoint(TwoPoint),
+    /// Three equidistant gauges in closed form (paper B).
+    ThreePoint(ThreePoint),
+    /// Three or more gauges at any positions, by least squares.
+    MultiPoint(MultiPoint),
+    /// Two sections of a rod with a free end (Lundberg and Blanc).
+    FreeEnd(FreeEnd),
+    /// One pulse at two sections (Blanc).
+    SeparatePulses(SeparatePulses),
+    /// The incident and the reflected pulse at one section (Bacon).
+    OneGauge(OneGauge),
+    /// Resonances of a rod that is driven at one end (Norris and Young).
+    Resonances(Resonances),
+}
+
+/// The name of the method.
+impl fmt::Display for Method {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::TwoPoint(_) => "two-point method",
+            Self::ThreePoint(_) => "three-point method",
+            Self::MultiPoint(_) => "several gauges by least squares",
+            Self::FreeEnd(_) => "two sections and a free end",
+            Self::SeparatePulses(_) => "separate pulses at two sections",
+            Self::OneGauge(_) => "one gauge and a free end",
+            Self::Resonances(_) => "resonances",
+        })
+    }
+}
+
 impl ModulusEstimate {
-    pub(crate) fn new(lines: Vec<ModulusLine>, refused: Vec<RefusedLine>) -> Self {
-        Self { lines, refused }
+    pub(crate) fn new(method: Method, lines: Vec<ModulusLine>, refused: Vec<RefusedLine>) -> Self {
+        Self {
+            method,
+            lines,
+            refused,
+        }
+    }
+
+    /// The method and its settings.
+    #[must_use]
+    pub fn method(&self) -> &Method {
+        &self.method
     }
 
     /// All lines that have a modulus, valid or not, in order of frequency. All their numbers are finite.
@@ -54,11 +128,16 @@ pub struct ModulusLine {
     pub loss_factor: f64,
     /// Phase velocity ω/k [m/s].
     pub phase_velocity: f64,
-    /// Standard errors that the variance of what was measured gives to first order.
+    /// Standard errors of this line by everything that is uncertain, noise and specimen, to first order.
     pub standard_error: StandardError,
+    /// The covariances behind them, random and systematic part apart.
+    pub uncertainty: Uncertainty,
     /// |dE/E| by |dΨ/Ψ|: how many times the relative error of what was measured comes out in the modulus. Of several gauges
     /// it is the relative error of their root mean square.
     pub error_amplification: f64,
+    /// Second-order part of the random error by its first-order part, at one standard error: what the standard errors do
+    /// not tell.
+    pub second_order: f64,
     /// The root in closed form with its branch, from which the solution starts: that without end mass of the two-point
     /// method, that of the three-point method. `None` for gauges at any positions, where there is no closed form.
     pub closed_form: Option<ResolvedRoot>,
@@ -69,56 +148,49 @@ pub struct ModulusLine {
 }
 
 impl ModulusLine {
+    /// Covariance of E' and E'' \[Pa²\] by everything that is uncertain.
+    #[must_use]
+    pub fn covariance(&self) -> ComplexCovariance {
+        self.uncertainty.total_covariance().modulus
+    }
+
+    /// Standard errors by the noise alone: independent from line to line.
+    #[must_use]
+    pub fn random_error(&self) -> StandardError {
+        self.standard_error_of(&self.uncertainty.random)
+    }
+
+    /// Standard errors by the specimen alone: the same error on all lines.
+    #[must_use]
+    pub fn systematic_error(&self) -> StandardError {
+        self.standard_error_of(&self.uncertainty.systematic_covariance())
+    }
+
+    fn standard_error_of(&self, covariance: &LineCovariance) -> StandardError {
+        StandardError::of(
+            self.modulus,
+            self.propagation_coefficient,
+            self.frequency_hz,
+            covariance,
+        )
+    }
+
+    /// Damping coefficient α [1/m].
+    #[must_use]
+    pub fn damping_coefficient(&self) -> f64 {
+        self.propagation_coefficient.re
+    }
+
+    /// Wave number k [rad/m].
+    #[must_use]
+    pub fn wave_number(&self) -> f64 {
+        self.propagation_coefficient.im
+    }
+
     /// Wavelength λ = 2π/k \[m\]; its sign is that of k.
     #[must_use]
     pub fn wavelength(&self) -> f64 {
         std::f64::consts::TAU / self.propagation_coefficient.im
-    }
-}
-
-/// Standard errors of one line, to first order in the noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct StandardError {
-    /// Of E' \[Pa\].
-    pub storage_modulus: f64,
-    /// Of E'' \[Pa\].
-    pub loss_modulus: f64,
-    /// Of E''/E'.
-    pub loss_factor: f64,
-}
-
-impl StandardError {
-    /// From `sensitivity` dE/dΨ \[Pa\] of the `modulus` E \[Pa\] and the `variance` E|δΨ|² of a circular error of Ψ.
-    ///
-    /// E is an analytic function of Ψ, so its error is circular as well: half of the variance each for E' and E'', and
-    /// no correlation. By that, the error of E''/E' is |E| σ/E'².
-    #[must_use]
-    pub fn propagated(modulus: Complex64, sensitivity: Complex64, variance: f64) -> Self {
-        let sigma = sensitivity.norm() * (0.5 * variance).sqrt();
-        Self {
-            storage_modulus: sigma,
-            loss_modulus: sigma,
-            loss_factor: sigma * modulus.norm() / (modulus.re * modulus.re),
-        }
-    }
-
-    fn of_modulus(&self) -> Complex64 {
-        Complex64::new(self.storage_modulus, self.loss_modulus)
-    }
-}
-
-/// Written as the modulus is, `E'+E''i`, in Pa.
-impl fmt::Display for StandardError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.of_modulus(), formatter)
-    }
-}
-
-/// As [`Display`](fmt::Display), with exponents.
-impl fmt::LowerExp for StandardError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::LowerExp::fmt(&self.of_modulus(), formatter)
     }
 }
 
@@ -184,33 +256,10 @@ pub enum Refusal {
     /// waves apart.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
+    /// The wave is none of the first branch of the theory by which lateral inertia was to be removed.
+    #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
+    LateralInertia,
     /// The iteration ran to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]
     NoRoot,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// σ of E''/E' by central differences over an even sample of phases of δE.
-    #[test]
-    fn error_of_the_loss_factor_is_the_gradient_of_a_circular_error() {
-        let modulus = Complex64::new(2.0e9, 0.3e9);
-        let error = StandardError::propagated(modulus, Complex64::new(3e9, 4e9), 2e-6);
-        // |dE/dΨ| = 5e9, σ = 5e9 (1e-6)^½
-        assert!((error.storage_modulus / 5e6 - 1.0).abs() < 1e-14);
-        let phases = 64;
-        let mean_square: f64 = (0..phases)
-            .map(|j| {
-                let angle = std::f64::consts::TAU * f64::from(j) / f64::from(phases);
-                let delta = Complex64::from_polar(5e6 * 2.0_f64.sqrt(), angle);
-                let (plus, minus) = (modulus + delta, modulus - delta);
-                (0.5 * (plus.im / plus.re - minus.im / minus.re)).powi(2)
-            })
-            .sum::<f64>()
-            / f64::from(phases);
-        // Differences at 0.35 % of E: second-order error 1e-5.
-        assert!((error.loss_factor / mean_square.sqrt() - 1.0).abs() < 3e-5);
-    }
 }

@@ -32,8 +32,8 @@ use std::f64::consts::TAU;
 
 use crate::branch::BranchDoubt;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{ModulusEstimate, ModulusLine, Refusal, RefusedLine};
-use crate::validity::Violation;
+use crate::estimate::{Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine};
+use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;
 use projection::{Projection, TestWaves};
@@ -58,7 +58,7 @@ use waves::LineOfWaves;
 /// let result = MultiPoint::new(rod)?.estimate(&GaugeSpectra {
 ///     frequency_hz: &frequency_hz,
 ///     tests: &[&spectra],
-///     noise: &vec![vec![1e-3; 200]; 4],
+///     noise: &vec![vec![1e-4; 200]; 4],
 /// })?;
 /// for line in result.modulus().valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);
@@ -71,6 +71,7 @@ pub struct MultiPoint {
     rod: GaugedRod,
     quantity: Quantity,
     wave_speed: Option<f64>,
+    limits: AcceptanceLimits,
 }
 
 impl MultiPoint {
@@ -84,6 +85,7 @@ impl MultiPoint {
             rod,
             quantity: Quantity::default(),
             wave_speed: None,
+            limits: AcceptanceLimits::default(),
         })
     }
 
@@ -101,6 +103,16 @@ impl MultiPoint {
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
     pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
         self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked of gauges.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.limits = limits.check()?;
         Ok(self)
     }
 
@@ -123,6 +135,7 @@ impl MultiPoint {
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         let n_gauges = self.rod.positions.len();
         spectra.check(n_gauges)?;
+        let acceptance = Acceptance::new(self.limits, None)?;
         let mut white = WhiteLine::for_spectra(spectra, n_gauges);
         let mut refused = Vec::new();
         let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
@@ -174,7 +187,7 @@ impl MultiPoint {
                 (index, frequency_hz),
                 &white,
                 (&mut projection, expectation),
-                start.doubt,
+                (start.doubt, &acceptance),
                 &mut amplitudes,
             );
             match line {
@@ -190,7 +203,7 @@ impl MultiPoint {
         }
         refused.sort_by_key(|line| line.index);
         Ok(MultiPointEstimate {
-            modulus: ModulusEstimate::new(lines, refused),
+            modulus: ModulusEstimate::new(Method::MultiPoint(self.clone()), lines, refused),
             fits,
             amplitudes,
             n_tests,
@@ -205,7 +218,7 @@ impl MultiPoint {
         (index, frequency_hz): (usize, f64),
         white: &WhiteLine,
         (projection, expectation): (&mut Projection, &mut Expectation),
-        start: Option<BranchDoubt>,
+        (start, acceptance): (Option<BranchDoubt>, &Acceptance),
         amplitudes: &mut Vec<TestWaves>,
     ) -> Result<(ModulusLine, LineFit), Refusal> {
         let omega = TAU * frequency_hz;
@@ -255,7 +268,7 @@ impl MultiPoint {
             termination: minimum.termination,
             violations,
         }
-        .into_modulus(&self.rod)?;
+        .into_modulus(&self.rod, acceptance)?;
         let (forward, backward, shared) = details.waves_covariance;
         let fit = LineFit {
             propagation_variance: variance,

@@ -10,59 +10,36 @@
 //! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end of which the boundary condition is known
 //! is in the denominator. A heavy accelerometer at the impacted end changes the impact, not the ratio.
 
+mod averages;
 mod end_mass;
+mod expected_root;
+mod specimen;
 
-pub use end_mass::{
-    CONTINUATION_STEPS, EndMassEquation, EndMassRoot, MOST_NEWTON_STEPS, MassSeries,
-    NEWTON_STEPS_EACH,
-};
+pub use averages::{AveragedRatio, variance_from_coherence};
+pub use end_mass::{EndMassEquation, EndMassRoot, MOST_NEWTON_STEPS, MassSeries};
+pub use specimen::{Specimen, SpecimenUncertainty};
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
 use crate::branch::{ResolvedRoot, resolve};
-use crate::error::{
-    CmodError, check_frequencies, check_length, check_not_negative, check_positive,
-};
+use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::{
-    ModulusEstimate, ModulusLine, Refusal, RefusedLine, StandardError, Termination,
+    ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
+    Solution, SystematicShift,
 };
-use crate::validity::{Validity, Violation, conditions};
-
-/// A straight cylindrical rod with an accelerometer at each end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Specimen {
-    /// Length L \[m\].
-    pub length: f64,
-    /// Diameter D \[m\].
-    pub diameter: f64,
-    /// Density ρ [kg/m³].
-    pub density: f64,
-    /// Mass m of the accelerometer at the free end, with its connector \[kg\]; 0 for a contactless transducer.
-    pub accelerometer_mass: f64,
-}
-
-impl Specimen {
-    /// Cross-sectional area A = πD²/4 \[m²\].
-    #[must_use]
-    pub fn area(&self) -> f64 {
-        0.25 * PI * self.diameter * self.diameter
-    }
-
-    /// Mass ratio μ = m/(ρAL).
-    #[must_use]
-    pub fn mass_ratio(&self) -> f64 {
-        self.accelerometer_mass / (self.density * self.area() * self.length)
-    }
-}
+use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
+use end_mass::Slopes;
+use expected_root::ExpectedRoot;
 
 /// How equation 1 is solved on a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. Follows the branch at low losses, too.
+    /// Continuation in the mass ratio. Follows the branch at low losses, too. Where two roots come near to each other, the one
+    /// next to what the lines before lead to expect is taken.
     #[default]
     Continuation,
     /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). Kept for comparison: at low
@@ -96,7 +73,9 @@ pub enum Solver {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoPoint {
     specimen: Specimen,
+    specimen_uncertainty: SpecimenUncertainty,
     solver: Solver,
+    limits: AcceptanceLimits,
 }
 
 impl TwoPoint {
@@ -106,14 +85,12 @@ impl TwoPoint {
     /// [`CmodError::NonPhysical`] unless length, diameter and density are finite and above 0, and the mass of the
     /// accelerometer is finite and not negative.
     pub fn new(specimen: Specimen) -> Result<Self, CmodError> {
-        check_positive("length [m]", specimen.length)?;
-        check_positive("diameter [m]", specimen.diameter)?;
-        check_positive("density [kg/m^3]", specimen.density)?;
-        check_not_negative("accelerometer mass [kg]", specimen.accelerometer_mass)?;
-        check_not_negative("mass ratio", specimen.mass_ratio())?;
+        specimen.check()?;
         Ok(Self {
             specimen,
+            specimen_uncertainty: SpecimenUncertainty::default(),
             solver: Solver::default(),
+            limits: AcceptanceLimits::default(),
         })
     }
 
@@ -124,13 +101,60 @@ impl TwoPoint {
         self
     }
 
+    /// The same with standard uncertainties of the specimen: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_specimen_uncertainty(
+        mut self,
+        uncertainty: SpecimenUncertainty,
+    ) -> Result<Self, CmodError> {
+        uncertainty.check()?;
+        self.specimen_uncertainty = uncertainty;
+        Ok(self)
+    }
+
+    /// The specimen.
+    #[must_use]
+    pub fn specimen(&self) -> &Specimen {
+        &self.specimen
+    }
+
+    /// The solver.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
+    /// The errors accepted of a valid line.
+    #[must_use]
+    pub fn limits(&self) -> &AcceptanceLimits {
+        &self.limits
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.limits = limits.check()?;
+        Ok(self)
+    }
+
     /// The complex modulus from `acceleration_ratio` Ψ = â₁/â₂, impacted end over free end, at the increasing
     /// frequencies `frequency_hz` \[Hz\].
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase. From n averages
-    /// with the ordinary coherence γ² it is |Ψ|² (1 - γ²)/(n γ²); 0 stands for data without noise. The errors of the
-    /// result follow to first order, dE/E = -2 dΨ/(γL f'(γL)). They are large near kL = nπ, where f' is small, and for
-    /// kL → 0.
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, and known; 0 stands
+    /// for data without noise. If it comes from the coherence of a few blows, take [`TwoPoint::estimate_averaged`]. The
+    /// errors of the result follow to first order,
+    ///
+    /// ```text
+    /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
+    /// dμ/μ = dm/m - dρ/ρ - dL/L - 2 dD/D .
+    /// ```
+    ///
+    /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ matters, the line is
+    /// marked as [near to a singular one](Violation::NearSingular).
     ///
     /// All three arrays have one entry a line. The lines must start below the first half wavelength of the specimen and be
     /// dense enough to count the next ones, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
@@ -144,6 +168,47 @@ impl TwoPoint {
         frequency_hz: &[f64],
         acceleration_ratio: &[Complex64],
         variance: &[f64],
+    ) -> Result<ModulusEstimate, CmodError> {
+        let acceptance = Acceptance::new(self.limits, None)?;
+        self.judged(
+            frequency_hz,
+            (acceleration_ratio, variance, None),
+            &acceptance,
+        )
+    }
+
+    /// The complex modulus from spectra averaged over several blows: the variance follows from their coherence by
+    /// [`variance_from_coherence`], and the errors have 2(n - 1) degrees of freedom.
+    ///
+    /// # Errors
+    /// As [`TwoPoint::estimate`] and [`variance_from_coherence`].
+    pub fn estimate_averaged(
+        &self,
+        averaged: &AveragedRatio<'_>,
+    ) -> Result<ModulusEstimate, CmodError> {
+        let variance = variance_from_coherence(
+            averaged.acceleration_ratio,
+            averaged.coherence,
+            averaged.averages,
+        )?;
+        let freedom = averages::degrees_of_freedom(averaged.averages);
+        let acceptance = Acceptance::new(self.limits, Some(freedom))?;
+        self.judged(
+            averaged.frequency_hz,
+            (
+                averaged.acceleration_ratio,
+                &variance,
+                Some(averaged.coherence),
+            ),
+            &acceptance,
+        )
+    }
+
+    fn judged(
+        &self,
+        frequency_hz: &[f64],
+        (acceleration_ratio, variance, coherence): (&[Complex64], &[f64], Option<&[f64]>),
+        acceptance: &Acceptance,
     ) -> Result<ModulusEstimate, CmodError> {
         check_frequencies(frequency_hz)?;
         let count = frequency_hz.len();
@@ -171,6 +236,7 @@ impl TwoPoint {
                     frequency_hz,
                     ratio,
                     variance,
+                    coherence: coherence.and_then(|coherence| coherence.get(index).copied()),
                 });
                 continue;
             };
@@ -182,10 +248,11 @@ impl TwoPoint {
         }
 
         let mut lines = Vec::with_capacity(measured.len());
+        let mut expected = ExpectedRoot::default();
         for (line, free_end) in measured.iter().zip(resolve_branches(&measured)?) {
-            match self.line(line, free_end) {
-                Some(line) => lines.push(line),
-                None => refused.push(RefusedLine {
+            match self.line(line, free_end, &mut expected, acceptance) {
+                Ok(line) => lines.push(line),
+                Err(_) => refused.push(RefusedLine {
                     index: line.index,
                     frequency_hz: line.frequency_hz,
                     reason: Refusal::NoRoot,
@@ -193,11 +260,21 @@ impl TwoPoint {
             }
         }
         refused.sort_by_key(|line| line.index);
-        Ok(ModulusEstimate::new(lines, refused))
+        Ok(ModulusEstimate::new(
+            Method::TwoPoint(*self),
+            lines,
+            refused,
+        ))
     }
 
-    /// Solves one line; `None` if nothing finite comes of it.
-    fn line(&self, measured: &MeasuredLine, free_end: ResolvedRoot) -> Option<ModulusLine> {
+    /// Solves one line; refuses it if nothing finite comes of it.
+    fn line(
+        &self,
+        measured: &MeasuredLine,
+        free_end: ResolvedRoot,
+        expected: &mut ExpectedRoot,
+        acceptance: &Acceptance,
+    ) -> Result<ModulusLine, Refusal> {
         let Specimen {
             length,
             diameter,
@@ -210,12 +287,18 @@ impl TwoPoint {
         };
         let omega = TAU * measured.frequency_hz;
         let modulus_of = |gamma_length: Complex64| {
-            modulus_from_propagation(gamma_length / length, omega, density).ok()
+            modulus_from_propagation(gamma_length / length, omega, density)
+                .map_err(|_| Refusal::NoRoot)
         };
 
         let mut violations = Vec::new();
         let root = match self.solver {
-            Solver::Continuation => equation.continuation(free_end.gamma_length),
+            Solver::Continuation => {
+                let root = equation.continuation(free_end.gamma_length);
+                let root = expected.choose(&equation, root, measured.frequency_hz);
+                expected.update(&equation, &root, measured.frequency_hz);
+                root
+            }
             Solver::Newton => equation.newton(free_end.gamma_length),
             Solver::Series => {
                 let series = MassSeries::about(free_end.gamma_length);
@@ -223,66 +306,107 @@ impl TwoPoint {
                 let four = modulus_of(gamma_length)?;
                 let two = modulus_of(series.two_terms(equation.mass_ratio))?;
                 violations.extend(series_truncated(two, four));
-                EndMassRoot {
-                    gamma_length,
-                    termination: Termination::ClosedForm,
-                }
+                EndMassRoot::in_closed_form(gamma_length)
             }
         };
         let gamma_length = root.gamma_length;
         let modulus = modulus_of(gamma_length)?;
-        let propagation_coefficient = gamma_length / length;
+        let gamma = gamma_length / length;
 
-        violations.extend(conditions(propagation_coefficient, diameter, length));
+        violations.extend(conditions(gamma, diameter, length));
         violations.extend(
             free_end
                 .doubt
                 .filter(|doubt| doubt.is_ambiguous())
                 .map(Violation::BranchAmbiguous),
         );
-        if let Termination::LostPatience {
-            iterations,
-            residual,
-        } = root.termination
-        {
-            violations.push(Violation::NotConverged {
-                iterations,
-                residual,
+        if let Some(mass_ratio) = root.lost_at {
+            violations.push(Violation::RootNotFollowed {
+                mass_ratio,
+                expected: equation.mass_ratio,
             });
         }
+        violations.extend(
+            measured
+                .coherence
+                .and_then(|coherence| acceptance.incoherent(coherence)),
+        );
 
-        // dE/E = -2 d(γL)/(γL), d(γL) = dΨ/f'
-        let relative_sensitivity = -2.0 / (gamma_length * equation.derivative(gamma_length));
-        let line = ModulusLine {
+        let slopes = equation.slopes(gamma_length);
+        // dE/E = -2 dx/x, dx = dΨ/f'
+        let relative_sensitivity = -2.0 / (gamma_length * slopes.first);
+        Solution {
             index: measured.index,
             frequency_hz: measured.frequency_hz,
-            propagation_coefficient,
-            modulus,
-            loss_factor: modulus.im / modulus.re,
-            phase_velocity: omega / propagation_coefficient.im,
-            standard_error: StandardError::propagated(
-                modulus,
-                modulus * relative_sensitivity,
-                measured.variance,
+            gamma,
+            density,
+            random: ComplexCovariance::circular(
+                measured.variance / (length * length * slopes.first.norm_sqr()),
             ),
+            systematic: self.systematic(&slopes, gamma, modulus),
             error_amplification: measured.ratio.norm() * relative_sensitivity.norm(),
+            second_order: bend(gamma_length, &slopes) * measured.variance.sqrt(),
+            distance: length,
             closed_form: Some(free_end),
             termination: root.termination,
-            validity: Validity::from_violations(violations),
-        };
-        let numbers = [
-            modulus.norm(),
-            line.loss_factor,
-            line.phase_velocity,
-            line.standard_error.storage_modulus,
-            line.standard_error.loss_factor,
-            line.error_amplification,
-        ];
-        numbers
-            .iter()
-            .all(|number| number.is_finite())
-            .then_some(line)
+            violations,
+        }
+        .into_line(acceptance)
     }
+
+    /// Shifts of a line by one standard uncertainty of each quantity of the specimen that is uncertain.
+    fn systematic(
+        &self,
+        slopes: &Slopes,
+        gamma: Complex64,
+        modulus: Complex64,
+    ) -> Vec<SystematicShift> {
+        let uncertainty = &self.specimen_uncertainty;
+        if *uncertainty == SpecimenUncertainty::default() {
+            return Vec::new();
+        }
+        let specimen = &self.specimen;
+        let length = uncertainty.length / specimen.length;
+        let diameter = uncertainty.diameter / specimen.diameter;
+        let density = uncertainty.density / specimen.density;
+        // not relative: the mass itself may be 0
+        let mass =
+            uncertainty.accelerometer_mass / (specimen.density * specimen.area() * specimen.length);
+        let mass_ratio = specimen.mass_ratio();
+        // dx/x for dμ = 1
+        let root = -slopes.by_mass_ratio / (slopes.first * gamma * specimen.length);
+        // each with its dμ, dL/L and dρ/ρ
+        let sources = [
+            (ErrorSource::Length, -mass_ratio * length, length, 0.0),
+            (
+                ErrorSource::Diameter,
+                -2.0 * mass_ratio * diameter,
+                0.0,
+                0.0,
+            ),
+            (ErrorSource::Density, -mass_ratio * density, 0.0, density),
+            (ErrorSource::AccelerometerMass, mass, 0.0, 0.0),
+        ];
+        sources
+            .into_iter()
+            .zip([length, diameter, density, mass])
+            .filter(|(_, uncertainty)| *uncertainty > 0.0)
+            .map(|((source, of_mass_ratio, of_length, of_density), _)| {
+                let of_root = root * of_mass_ratio;
+                SystematicShift::new(
+                    source,
+                    modulus * (of_density + 2.0 * of_length - 2.0 * of_root),
+                    gamma * (of_root - of_length),
+                )
+            })
+            .collect()
+    }
+}
+
+/// Second order of the error of E by its first order, for |δΨ| = 1: ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
+fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
+    let first = slopes.first;
+    0.5 * (3.0 / (gamma_length * first) + slopes.second / (first * first)).norm()
 }
 
 /// What was measured on a line that can be evaluated.
@@ -291,6 +415,7 @@ struct MeasuredLine {
     frequency_hz: f64,
     ratio: Complex64,
     variance: f64,
+    coherence: Option<f64>,
 }
 
 /// The roots without end mass of all lines that can be evaluated, of which there may be none.

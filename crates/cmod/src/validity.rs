@@ -1,4 +1,13 @@
-//! When a line may be believed: the conditions (i)-(iii) of paper A, section 4, and what the solution itself reports.
+//! When a line may be believed: the conditions (i)-(iii) of paper A, section 4, what the solution itself reports, and the
+//! errors that are accepted.
+
+mod acceptance;
+
+pub(crate) use acceptance::Acceptance;
+pub use acceptance::{
+    AcceptanceLimits, GREATEST_ERROR_AMPLIFICATION, GREATEST_LOSS_FACTOR_ERROR,
+    GREATEST_SECOND_ORDER, GREATEST_STORAGE_MODULUS_ERROR, STANDARD_ERRORS_WITHIN,
+};
 
 use std::fmt;
 
@@ -106,6 +115,16 @@ pub enum Violation {
         /// |f(γL)| where it stopped.
         residual: f64,
     },
+    /// The continuation came so near to a double root that it may have left its branch there.
+    #[error(
+        "root followed up to a mass ratio of {mass_ratio:.2e}, expected up to {expected:.2e}: two roots meet nearby"
+    )]
+    RootNotFollowed {
+        /// Mass ratio where the steps became too small.
+        mass_ratio: f64,
+        /// That of the specimen.
+        expected: f64,
+    },
     /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four differ by more than one
     /// third (paper A, section 5).
     #[error(
@@ -121,15 +140,41 @@ pub enum Violation {
     /// the first, and the stated standard error means little.
     #[error(
         "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
-         {half_waves:.2} half waves between neighbouring gauges"
+         {half_waves:.2} half waves between neighbouring sensors"
     )]
     NearSingular {
         /// Second-order part of the error by its first-order part, at one standard error.
         second_order: f64,
         /// What is accepted.
         limit: f64,
-        /// ka/π, a being the least distance between gauges.
+        /// ka/π, a being the least distance between sensors.
         half_waves: f64,
+    },
+    /// The stated error is larger than what is accepted, see [`AcceptanceLimits`].
+    #[error("error of {quantity} may reach {error:.1e} of it, expected at most {limit:.1e}")]
+    ErrorTooLarge {
+        /// `E'` or `the loss factor`.
+        quantity: &'static str,
+        /// Five standard errors by the value, more if the variance is from few averages.
+        error: f64,
+        /// What is accepted.
+        limit: f64,
+    },
+    /// A small error of what was measured comes out large, whatever its cause.
+    #[error("relative errors are amplified {amplification:.1} times, expected at most {limit}")]
+    ErrorAmplified {
+        /// |dE/E| by |dΨ/Ψ|.
+        amplification: f64,
+        /// What is accepted.
+        limit: f64,
+    },
+    /// The ends do not move together as a linear rod without noise would make them.
+    #[error("coherence {coherence:.4}, expected at least {limit:.4}")]
+    CoherenceTooLow {
+        /// Ordinary coherence.
+        coherence: f64,
+        /// What is accepted.
+        limit: f64,
     },
     /// The middle gauge of three lies at a node: the ratio Ψ has noise below the line, which biases it low.
     #[error(
@@ -245,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn violations_of_gauges_name_their_numbers() {
+    fn violations_name_their_numbers() {
         let violations = vec![
             Violation::NearSingular {
                 second_order: 0.251,
@@ -256,6 +301,19 @@ mod tests {
                 noise_to_signal: 0.3,
                 limit: 0.1,
             },
+            Violation::ErrorTooLarge {
+                quantity: "E'",
+                error: 0.0234,
+                limit: 0.01,
+            },
+            Violation::ErrorAmplified {
+                amplification: 23.42,
+                limit: 10.0,
+            },
+            Violation::CoherenceTooLow {
+                coherence: 0.93,
+                limit: 0.99,
+            },
             Violation::Misfit {
                 chi_square: 31.4,
                 degrees_of_freedom: 4,
@@ -265,8 +323,11 @@ mod tests {
         assert_eq!(
             Validity::from_violations(violations).to_string(),
             "second-order error is 0.25 of the standard error, expected at most 0.1; \
-             0.99 half waves between neighbouring gauges; \
+             0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
+             error of E' may reach 2.3e-2 of it, expected at most 1.0e-2; \
+             relative errors are amplified 23.4 times, expected at most 10; \
+             coherence 0.9300, expected at least 0.9900; \
              misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"
         );
     }

@@ -89,7 +89,8 @@ const ROUNDING: f64 = 1e-10;
 pub struct KramersKronig {
     /// The lines in the given order.
     pub lines: Vec<ResidualLine>,
-    /// Root of the mean square of |E - E_causal|/|E| over the lines.
+    /// Root of the mean square of |E - E_causal|/|E| over the lines; of |E - E_causal| by its standard error, if each line
+    /// has its own.
     pub residual: f64,
     /// The residual of the best causal material is not below this.
     pub residual_lower_bound: f64,
@@ -157,24 +158,64 @@ impl KramersKronig {
         modulus: &[Complex64],
         relative_error: f64,
     ) -> Result<Self, RodwaveError> {
-        let band = check(omega, modulus, relative_error)?;
+        check_not_negative("relative standard error of the modulus", relative_error)?;
+        let scale: Vec<f64> = modulus.iter().map(|modulus| modulus.norm()).collect();
+        Self::nearest(omega, modulus, &scale, relative_error)
+    }
+
+    /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its own `standard_error`
+    /// (E|δE|²)^½ \[Pa\] of both parts together.
+    ///
+    /// The nearest causal material is nearest in units of these errors, and [`residual`](Self::residual),
+    /// [`residual_lower_bound`](Self::residual_lower_bound) and [`threshold`](Self::threshold) are root mean squares of
+    /// |E - E_causal| by its standard error. As the material itself lies in the cone, the residual is on the average at most 1, and
+    /// n lines add 1 + 3/(2√n) to the threshold.
+    ///
+    /// # Errors
+    /// As [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are finite and above 0.
+    pub fn of_measured_modulus(
+        omega: &[f64],
+        modulus: &[Complex64],
+        standard_error: &[f64],
+    ) -> Result<Self, RodwaveError> {
+        if standard_error.len() != modulus.len() {
+            return Err(RodwaveError::LengthMismatch {
+                what: "array of standard errors",
+                found: standard_error.len(),
+                expected: modulus.len(),
+            });
+        }
+        for &error in standard_error {
+            check_positive("standard error of the modulus [Pa]", error)?;
+        }
+        Self::nearest(omega, modulus, standard_error, 1.0)
+    }
+
+    /// The nearest material in units of `scale`, in which the values scatter by `scatter`.
+    fn nearest(
+        omega: &[f64],
+        modulus: &[Complex64],
+        scale: &[f64],
+        scatter: f64,
+    ) -> Result<Self, RodwaveError> {
+        let band = check(omega, modulus)?;
         let elements = elements(band);
         let mut target = Vec::with_capacity(2 * omega.len());
-        for modulus in modulus {
-            let weighted = modulus / modulus.norm();
+        for (modulus, scale) in modulus.iter().zip(scale) {
+            let weighted = modulus / scale;
             target.extend([weighted.re, weighted.im]);
         }
         let columns = elements.iter().map(|element| {
             omega
                 .iter()
-                .zip(modulus)
-                .flat_map(|(&omega, modulus)| {
-                    let weighted = element.at(omega) / modulus.norm();
+                .zip(scale)
+                .flat_map(|(&omega, scale)| {
+                    let weighted = element.at(omega) / scale;
                     [weighted.re, weighted.im]
                 })
                 .collect()
         });
-        let threshold = threshold(modulus, relative_error);
+        let threshold = threshold(modulus, scale, scatter);
         let n = omega.len() as f64;
         // Far below the threshold the verdict is clear, and a closer fit says nothing more.
         let enough = 0.1 * threshold * n.sqrt();
@@ -248,7 +289,7 @@ struct Band {
     highest: f64,
 }
 
-fn check(omega: &[f64], modulus: &[Complex64], relative_error: f64) -> Result<Band, RodwaveError> {
+fn check(omega: &[f64], modulus: &[Complex64]) -> Result<Band, RodwaveError> {
     if omega.len() != modulus.len() {
         return Err(RodwaveError::LengthMismatch {
             what: "array of moduli",
@@ -263,14 +304,6 @@ fn check(omega: &[f64], modulus: &[Complex64], relative_error: f64) -> Result<Ba
             expected: 3,
         });
     }
-    if relative_error < 0.0 {
-        return Err(RodwaveError::NonPhysical {
-            quantity: "relative standard error of the modulus",
-            value: relative_error,
-            expected: "a finite value, 0 or above",
-        });
-    }
-    check_finite("relative standard error of the modulus", relative_error)?;
     let mut band = Band {
         lowest: f64::INFINITY,
         highest: 0.0,
@@ -307,14 +340,30 @@ fn elements(band: Band) -> Vec<Element> {
         .collect()
 }
 
-fn threshold(modulus: &[Complex64], relative_error: f64) -> f64 {
+fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    if value < 0.0 {
+        return Err(RodwaveError::NonPhysical {
+            quantity,
+            value,
+            expected: "a finite value, 0 or above",
+        });
+    }
+    check_finite(quantity, value)
+}
+
+fn threshold(modulus: &[Complex64], scale: &[f64], scatter: f64) -> f64 {
     let n = modulus.len() as f64;
-    let loss: f64 = modulus
-        .iter()
-        .map(|modulus| (modulus.im.max(0.0) / modulus.norm()).powi(2))
-        .sum();
+    let mean_square = |part: fn(&Complex64) -> f64| -> f64 {
+        let scaled = modulus.iter().zip(scale);
+        scaled
+            .map(|(m, scale)| (part(m) / scale).powi(2))
+            .sum::<f64>()
+            / n
+    };
     let grid = grid_step().powi(2) / 8.0 * grid_step().exp();
-    grid * (loss / n).sqrt() + relative_error * (1.0 + 1.5 / n.sqrt()) + ROUNDING
+    grid * mean_square(|modulus| modulus.im.max(0.0)).sqrt()
+        + scatter * (1.0 + 1.5 / n.sqrt())
+        + ROUNDING * mean_square(|modulus| modulus.norm()).sqrt()
 }
 
 fn lines(omega: &[f64], modulus: &[Complex64], material: &[(Element, f64)]) -> Vec<ResidualLine> {

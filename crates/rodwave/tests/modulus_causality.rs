@@ -203,6 +203,51 @@ fn scatter_has_to_be_known() {
     assert_eq!(verdict(&measured, 0.01), Verdict::Causal);
 }
 
+/// Each line counts by its own error: bad lines neither hide what good ones show, nor spoil what they are.
+#[test]
+fn lines_count_by_their_own_errors() {
+    let omega = band(500.0, 1e4);
+    // every other line is a hundred times worse
+    let error = |index: usize| 2.6e9 * if index.is_multiple_of(2) { 1e-3 } else { 0.1 };
+    let errors: Vec<f64> = (0..omega.len()).map(error).collect();
+    let measured = |law: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
+        let lines = omega.iter().enumerate();
+        lines
+            .map(|(index, &omega)| {
+                let direction = TAU * 0.618_033_988_749_895 * index as f64;
+                law(omega) + Complex64::from_polar(error(index), direction)
+            })
+            .collect()
+    };
+    let test = |modulus: &[Complex64]| {
+        KramersKronig::of_measured_modulus(&omega, modulus, &errors).unwrap()
+    };
+    let law = ConstantQ::new(2.6e9, 0.07, 1e4).unwrap();
+    let causal = test(&measured(&|omega| law.at(omega)));
+    assert_eq!(causal.verdict(), Verdict::Causal);
+    // the material itself is at a distance of exactly 1
+    assert!(causal.residual <= 1.0 + 1e-3, "{}", causal.residual);
+    let not_causal = measured(&|_| Complex64::new(2.6e9, 0.07 * 2.6e9));
+    assert_eq!(test(&not_causal).verdict(), Verdict::NotCausal);
+    // with one error for all the bad lines hide it
+    let worst = KramersKronig::of_modulus(&omega, &not_causal, 0.1).unwrap();
+    assert_eq!(worst.verdict(), Verdict::Causal);
+
+    let refused = |errors: &[f64]| {
+        KramersKronig::of_measured_modulus(&omega[..3], &not_causal[..3], errors)
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        refused(&[1.0]),
+        "array of standard errors has 1 entries, expected 3"
+    );
+    assert_eq!(
+        refused(&[1.0, 0.0, 1.0]),
+        "standard error of the modulus [Pa] is 0, expected a finite value above 0"
+    );
+}
+
 #[test]
 fn impossible_spectra_are_refused() {
     let omega = [1.0, 2.0, 3.0];

@@ -1,18 +1,11 @@
 //! From a propagation coefficient and its variance to a line of the result.
 
-use std::f64::consts::{PI, TAU};
-
 use num_complex::Complex64;
-use rodwave::medium::modulus_from_propagation;
 
 use super::spectra::GaugedRod;
 use crate::branch::ResolvedRoot;
-use crate::estimate::{ModulusLine, Refusal, StandardError, Termination};
-use crate::validity::{Validity, Violation, conditions};
-
-/// At most so large a part of the standard error may its second order be. At 0.1 it is a bias of a tenth of σ and the
-/// bounds of 1σ and 2σ keep their meaning.
-pub(super) const MOST_SECOND_ORDER: f64 = 0.1;
+use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
+use crate::validity::{Acceptance, Violation, conditions};
 
 /// γ of one line and all that goes with it.
 pub(super) struct SolvedLine {
@@ -31,59 +24,28 @@ pub(super) struct SolvedLine {
 }
 
 impl SolvedLine {
-    pub(super) fn into_modulus(self, rod: &GaugedRod) -> Result<ModulusLine, Refusal> {
+    pub(super) fn into_modulus(
+        self,
+        rod: &GaugedRod,
+        acceptance: &Acceptance,
+    ) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
-        let omega = TAU * self.frequency_hz;
-        let modulus =
-            modulus_from_propagation(gamma, omega, rod.density).map_err(|_| Refusal::NoRoot)?;
         let mut violations = conditions(gamma, rod.diameter, rod.aperture());
         violations.extend(self.violations);
-        let second_order = self.curvature * self.variance.sqrt();
-        if second_order > MOST_SECOND_ORDER {
-            violations.push(Violation::NearSingular {
-                second_order,
-                limit: MOST_SECOND_ORDER,
-                half_waves: gamma.im * rod.least_distance() / PI,
-            });
-        }
-        if let Termination::LostPatience {
-            iterations,
-            residual,
-        } = self.termination
-        {
-            violations.push(Violation::NotConverged {
-                iterations,
-                residual,
-            });
-        }
-        // E = -ρω²/γ²: dE/E = -2 dγ/γ
-        let sensitivity = -2.0 * modulus / gamma;
-        let line = ModulusLine {
+        Solution {
             index: self.index,
             frequency_hz: self.frequency_hz,
-            propagation_coefficient: gamma,
-            modulus,
-            loss_factor: modulus.im / modulus.re,
-            phase_velocity: omega / gamma.im,
-            standard_error: StandardError::propagated(modulus, sensitivity, self.variance),
+            gamma,
+            density: rod.density,
+            random: ComplexCovariance::circular(self.variance),
+            systematic: Vec::new(),
             error_amplification: 2.0 * self.amplification / gamma.norm(),
+            second_order: self.curvature * self.variance.sqrt(),
+            distance: rod.least_distance(),
             closed_form: self.closed_form,
             termination: self.termination,
-            validity: Validity::from_violations(violations),
-        };
-        let numbers = [
-            modulus.norm(),
-            line.loss_factor,
-            line.phase_velocity,
-            line.standard_error.storage_modulus,
-            line.standard_error.loss_factor,
-            line.error_amplification,
-            second_order,
-        ];
-        if numbers.iter().all(|number| number.is_finite()) {
-            Ok(line)
-        } else {
-            Err(Refusal::Undetermined)
+            violations,
         }
+        .into_line(acceptance)
     }
 }

@@ -101,7 +101,7 @@ pub struct GaugeSpectra<'a> {
 }
 
 impl GaugeSpectra<'_> {
-    pub(super) fn check(&self, n_gauges: usize) -> Result<(), CmodError> {
+    pub(crate) fn check(&self, n_gauges: usize) -> Result<(), CmodError> {
         check_frequencies(self.frequency_hz)?;
         let expected = self.frequency_hz.len();
         if self.tests.is_empty() {

@@ -13,8 +13,8 @@ use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
 use crate::branch::resolve;
 use crate::error::CmodError;
-use crate::estimate::{ModulusEstimate, Refusal, RefusedLine, Termination};
-use crate::validity::Violation;
+use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 
 /// Relative difference of the distances up to which they count as equal: rounding of positions in metres.
 const EQUAL: f64 = 1e-9;
@@ -35,7 +35,7 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 /// let estimate = ThreePoint::new(rod)?.estimate(&GaugeSpectra {
 ///     frequency_hz: &frequency_hz,
 ///     tests: &[&[at(0.0), at(0.2), at(0.4)]],
-///     noise: &vec![vec![1e-3; 100]; 3],
+///     noise: &vec![vec![1e-4; 100]; 3],
 /// })?;
 /// for line in estimate.valid() {
 ///     assert!((line.phase_velocity - 1700.0).abs() < 1e-6);
@@ -47,6 +47,7 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 pub struct ThreePoint {
     rod: GaugedRod,
     distance: f64,
+    limits: AcceptanceLimits,
 }
 
 /// Ψ of one line.
@@ -85,7 +86,18 @@ impl ThreePoint {
         Ok(Self {
             distance: 0.5 * (last - first),
             rod,
+            limits: AcceptanceLimits::default(),
         })
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked of gauges.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.limits = limits.check()?;
+        Ok(self)
     }
 
     /// Distance a between neighbouring gauges \[m\].
@@ -131,9 +143,13 @@ impl ThreePoint {
         } else {
             resolve(&frequency_hz, &values)?
         };
+        let acceptance = Acceptance::new(self.limits, None)?;
         let mut lines = Vec::with_capacity(ratios.len());
         for (ratio, root) in ratios.iter().zip(roots) {
-            match self.solved(ratio, root).into_modulus(&self.rod) {
+            match self
+                .solved(ratio, root)
+                .into_modulus(&self.rod, &acceptance)
+            {
                 Ok(line) => lines.push(line),
                 Err(reason) => refused.push(RefusedLine {
                     index: ratio.index,
@@ -143,7 +159,11 @@ impl ThreePoint {
             }
         }
         refused.sort_by_key(|line| line.index);
-        Ok(ModulusEstimate::new(lines, refused))
+        Ok(ModulusEstimate::new(
+            Method::ThreePoint(self.clone()),
+            lines,
+            refused,
+        ))
     }
 
     fn solved(&self, ratio: &Ratio, root: crate::branch::ResolvedRoot) -> SolvedLine {

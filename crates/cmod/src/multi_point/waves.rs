@@ -23,7 +23,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Powers of ∂/∂x and ∂/∂t that make it of u.
-    fn derivatives(self) -> (i32, i32) {
+    pub(crate) fn derivatives(self) -> (i32, i32) {
         match self {
             Self::Strain => (1, 0),
             Self::Displacement => (0, 0),

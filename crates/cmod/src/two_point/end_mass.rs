@@ -4,14 +4,21 @@ use num_complex::Complex64;
 
 use crate::estimate::Termination;
 
-/// Number of steps in the mass ratio, from 0 to its value, of the continuation.
-pub const CONTINUATION_STEPS: u32 = 20;
-
-/// Newton steps at each mass ratio of the continuation.
-pub const NEWTON_STEPS_EACH: u32 = 4;
-
 /// Newton steps after which the iteration is ended.
 pub const MOST_NEWTON_STEPS: u32 = 50;
+
+/// Newton steps at an intermediate mass ratio.
+const NEWTON_STEPS_EACH: u32 = 5;
+
+/// Newton's iteration surely converges to the root next to its start where |f f''|/|f'|² is below one half (Kantorovich), if f''
+/// were constant; the rest is for its change over the step.
+const SURE_CONVERGENCE: f64 = 0.2;
+
+/// Root of an intermediate mass ratio: so near in the sense of Kantorovich that the next step may start there.
+const NEAR_ENOUGH: f64 = 1e-4;
+
+/// Steps in the mass ratio smaller than this part of it are not tried.
+const SMALLEST_PART: f64 = 1.0 / 1024.0;
 
 /// Relative size of a Newton step below which the next one would be lost in rounding: convergence is quadratic.
 const SMALLEST_STEP: f64 = 1e-12;
@@ -33,6 +40,88 @@ pub struct EndMassRoot {
     pub gamma_length: Complex64,
     /// How the iteration ended.
     pub termination: Termination,
+    /// Steps in the mass ratio: more than one where another root is near.
+    pub steps: u32,
+    /// Mass ratio at which the continuation came so near to a double root that it may have left its branch.
+    pub lost_at: Option<f64>,
+}
+
+impl EndMassRoot {
+    pub(super) fn in_closed_form(gamma_length: Complex64) -> Self {
+        Self {
+            gamma_length,
+            termination: Termination::ClosedForm,
+            steps: 0,
+            lost_at: None,
+        }
+    }
+}
+
+/// Derivatives of f at one γL.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slopes {
+    /// f'(x), also dΨ/dx.
+    pub(super) first: Complex64,
+    /// f''(x).
+    pub(super) second: Complex64,
+    /// ∂f/∂μ = x sinh x.
+    pub(super) by_mass_ratio: Complex64,
+}
+
+/// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow without another one.
+#[derive(Clone, Copy)]
+struct Hyperbolic {
+    x: Complex64,
+    cosh: Complex64,
+    sinh: Complex64,
+}
+
+impl Hyperbolic {
+    /// One exponential, and sine and cosine; by the exponential less 1, so that a small α keeps its digits.
+    fn of(x: Complex64) -> Self {
+        let less_one = x.re.exp_m1();
+        let exponential = less_one + 1.0;
+        let sinh = 0.5 * (less_one + less_one / exponential);
+        let cosh = 0.5 * (exponential + exponential.recip());
+        let (sine, cosine) = x.im.sin_cos();
+        Self {
+            x,
+            cosh: Complex64::new(cosh * cosine, sinh * sine),
+            sinh: Complex64::new(sinh * cosine, cosh * sine),
+        }
+    }
+
+    fn by_mass_ratio(&self) -> Complex64 {
+        self.x * self.sinh
+    }
+
+    fn value(&self, equation: &EndMassEquation, mass_ratio: f64) -> Complex64 {
+        self.cosh + mass_ratio * self.by_mass_ratio() - equation.acceleration_ratio
+    }
+
+    fn first(&self, mass_ratio: f64) -> Complex64 {
+        self.sinh + mass_ratio * (self.sinh + self.x * self.cosh)
+    }
+
+    fn second(&self, mass_ratio: f64) -> Complex64 {
+        self.cosh + mass_ratio * (2.0 * self.cosh + self.x * self.sinh)
+    }
+
+    /// Whether |f f''|/|f'|² is at most `limit`; not if it is NaN.
+    fn is_near_root(&self, equation: &EndMassEquation, mass_ratio: f64, limit: f64) -> bool {
+        let first = self.first(mass_ratio).norm_sqr();
+        let second = self.second(mass_ratio).norm_sqr();
+        self.value(equation, mass_ratio).norm_sqr() * second <= (limit * first).powi(2)
+    }
+
+    /// The size of f that rounding alone can give.
+    fn rounding(&self, equation: &EndMassEquation) -> f64 {
+        let size = |z: Complex64| z.re.abs() + z.im.abs();
+        4.0 * f64::EPSILON
+            * (size(self.cosh)
+                + equation.mass_ratio * size(self.by_mass_ratio())
+                + size(equation.acceleration_ratio))
+    }
 }
 
 /// Coefficients of γL = x₀ + x₁μ + x₂μ² + x₃μ³ + ... (paper A, eqs. 6-7, times L).
@@ -52,23 +141,28 @@ impl EndMassEquation {
     /// f(γL).
     #[must_use]
     pub fn value(&self, gamma_length: Complex64) -> Complex64 {
-        gamma_length.cosh() + self.mass_ratio * gamma_length * gamma_length.sinh()
-            - self.acceleration_ratio
+        Hyperbolic::of(gamma_length).value(self, self.mass_ratio)
     }
 
     /// f'(γL) = sinh γL + μ (sinh γL + γL cosh γL), which is also dΨ/d(γL).
     #[must_use]
     pub fn derivative(&self, gamma_length: Complex64) -> Complex64 {
-        let sinh = gamma_length.sinh();
-        sinh + self.mass_ratio * (sinh + gamma_length * gamma_length.cosh())
+        Hyperbolic::of(gamma_length).first(self.mass_ratio)
     }
 
-    /// The size of f(γL) that rounding alone can give.
-    fn rounding(&self, gamma_length: Complex64) -> f64 {
-        4.0 * f64::EPSILON
-            * (gamma_length.cosh().norm()
-                + self.mass_ratio * (gamma_length * gamma_length.sinh()).norm()
-                + self.acceleration_ratio.norm())
+    /// f''(γL) = cosh γL + μ (2 cosh γL + γL sinh γL).
+    #[must_use]
+    pub fn second_derivative(&self, gamma_length: Complex64) -> Complex64 {
+        Hyperbolic::of(gamma_length).second(self.mass_ratio)
+    }
+
+    pub(super) fn slopes(&self, gamma_length: Complex64) -> Slopes {
+        let at = Hyperbolic::of(gamma_length);
+        Slopes {
+            first: at.first(self.mass_ratio),
+            second: at.second(self.mass_ratio),
+            by_mass_ratio: at.by_mass_ratio(),
+        }
     }
 
     /// Newton's iteration from `start`, as printed (paper A, eq. 5).
@@ -81,59 +175,84 @@ impl EndMassEquation {
     }
 
     fn newton_after(&self, start: Complex64, already: u32) -> EndMassRoot {
-        let mut gamma_length = start;
+        let ended = |at: &Hyperbolic, termination: fn(u32, f64) -> Termination, iterations| {
+            let residual = at.value(self, self.mass_ratio).norm();
+            EndMassRoot {
+                gamma_length: at.x,
+                termination: termination(iterations, residual),
+                steps: 1,
+                lost_at: None,
+            }
+        };
+        let converged = |iterations, residual| Termination::Converged {
+            iterations,
+            residual,
+        };
+        let lost = |iterations, residual| Termination::LostPatience {
+            iterations,
+            residual,
+        };
+        let mut at = Hyperbolic::of(start);
         for iterations in already..already + MOST_NEWTON_STEPS {
-            let value = self.value(gamma_length);
-            let step = value / self.derivative(gamma_length);
-            let at_rounding = value.norm() <= self.rounding(gamma_length);
-            if !at_rounding {
-                gamma_length -= step;
+            let value = at.value(self, self.mass_ratio);
+            if value.norm_sqr() <= at.rounding(self).powi(2) {
+                return ended(&at, converged, iterations);
             }
-            if at_rounding || step.norm() <= SMALLEST_STEP * gamma_length.norm() {
-                return EndMassRoot {
-                    gamma_length,
-                    termination: Termination::Converged {
-                        iterations: iterations + u32::from(!at_rounding),
-                        residual: self.value(gamma_length).norm(),
-                    },
-                };
+            let step = value / at.first(self.mass_ratio);
+            at = Hyperbolic::of(at.x - step);
+            if step.norm_sqr() <= SMALLEST_STEP * SMALLEST_STEP * at.x.norm_sqr() {
+                return ended(&at, converged, iterations + 1);
             }
-            if !gamma_length.is_finite() {
+            if !at.x.is_finite() {
                 break;
             }
         }
-        EndMassRoot {
-            gamma_length,
-            termination: Termination::LostPatience {
-                iterations: already + MOST_NEWTON_STEPS,
-                residual: self.value(gamma_length).norm(),
-            },
-        }
+        ended(&at, lost, already + MOST_NEWTON_STEPS)
     }
 
-    /// Continuation in the mass ratio from the root `free_end` of μ = 0: [`CONTINUATION_STEPS`] steps, at each
-    /// [`NEWTON_STEPS_EACH`] Newton steps, at the last as many as it takes.
+    /// Continuation in the mass ratio from the root `free_end` of μ = 0.
     ///
-    /// The mass is put on little by little, and the root follows on its branch: a step moves it by |γL| μ/20 only.
+    /// The mass is put on in steps, and the root followed on its branch. A step is as large as Newton's iteration surely
+    /// finds the next root, |f f''| <= |f'|²/5 at its start: f is linear in μ, so that the same is true of all mass ratios
+    /// between, and the roots of all of them are one branch. Mostly one step does; where two roots come near to each other it
+    /// takes many, and where they meet within 1/1024 of the mass the root counts as [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
-            return EndMassRoot {
-                gamma_length: free_end,
-                termination: Termination::ClosedForm,
-            };
+            return EndMassRoot::in_closed_form(free_end);
         }
-        let mut gamma_length = free_end;
-        for step in 1..CONTINUATION_STEPS {
-            let lighter = Self {
-                mass_ratio: self.mass_ratio * f64::from(step) / f64::from(CONTINUATION_STEPS),
-                ..*self
-            };
-            for _ in 0..NEWTON_STEPS_EACH {
-                gamma_length -= lighter.value(gamma_length) / lighter.derivative(gamma_length);
+        let mut at = Hyperbolic::of(free_end);
+        let mut reached = 0.0;
+        let mut iterations = 0;
+        let mut steps = 0;
+        let mut lost_at = None;
+        loop {
+            steps += 1;
+            let mut next = self.mass_ratio;
+            while !at.is_near_root(self, next, SURE_CONVERGENCE) {
+                next = reached + 0.5 * (next - reached);
+                if next - reached < SMALLEST_PART * self.mass_ratio {
+                    next = reached + SMALLEST_PART * self.mass_ratio;
+                    lost_at = lost_at.or(Some(reached));
+                    break;
+                }
             }
+            if next >= self.mass_ratio {
+                return EndMassRoot {
+                    steps,
+                    lost_at,
+                    ..self.newton_after(at.x, iterations)
+                };
+            }
+            for _ in 0..NEWTON_STEPS_EACH {
+                at = Hyperbolic::of(at.x - at.value(self, next) / at.first(next));
+                iterations += 1;
+                if at.is_near_root(self, next, NEAR_ENOUGH) {
+                    break;
+                }
+            }
+            reached = next;
         }
-        self.newton_after(gamma_length, (CONTINUATION_STEPS - 1) * NEWTON_STEPS_EACH)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use cmod::multi_point::Quantity;
+use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusLine, MultiPoint, ThreePoint};
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -73,7 +74,10 @@ fn closed_form_states_its_errors() {
     let positions = [0.25, 0.4, 0.55];
     for structure in STRUCTURES {
         let (frequency_hz, spectra, noise) = set_up(structure, &positions, &[2e-3, 1e-3, 3e-3]);
-        let method = ThreePoint::new(rod(&positions)).unwrap();
+        let method = ThreePoint::new(rod(&positions))
+            .unwrap()
+            .with_limits(AcceptanceLimits::NONE)
+            .unwrap();
         let mut coverage = Coverage::default();
         for seed in 0..SEEDS {
             let strains = noisy(&spectra, &noise, seed);
@@ -92,7 +96,10 @@ fn least_squares_state_their_errors() {
     for structure in STRUCTURES {
         let (frequency_hz, spectra, noise) =
             set_up(structure, &positions, &[1e-2, 5e-3, 1e-2, 3e-2, 1e-2]);
-        let method = MultiPoint::new(rod(&positions)).unwrap();
+        let method = MultiPoint::new(rod(&positions))
+            .unwrap()
+            .with_limits(AcceptanceLimits::NONE)
+            .unwrap();
         let mut coverage = Coverage::default();
         let (mut chi_square, mut freedom, mut misfits, mut lines) = (0.0, 0.0, 0.0, 0.0);
         for seed in 0..SEEDS {
@@ -126,7 +133,10 @@ fn least_squares_state_their_errors() {
 fn ten_tests_together_state_their_errors() {
     let positions = [0.25, 0.35, 0.55];
     let (frequency_hz, spectra, noise) = set_up(Structure::II, &positions, &[2e-2; 3]);
-    let method = MultiPoint::new(rod(&positions)).unwrap();
+    let method = MultiPoint::new(rod(&positions))
+        .unwrap()
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap();
     let mut coverage = Coverage::default();
     let mut waves = Coverage::default();
     let mut single = Coverage::default();
@@ -182,7 +192,10 @@ fn the_estimate_does_not_depend_on_the_ends() {
         let (frequency_hz, spectra, noise) = set_up(structure, &positions, &[1e-2; 5]);
         let of_seed = |seed| {
             let strains = noisy(&spectra, &noise, seed);
-            let method = MultiPoint::new(rod(&positions)).unwrap();
+            let method = MultiPoint::new(rod(&positions))
+                .unwrap()
+                .with_limits(AcceptanceLimits::NONE)
+                .unwrap();
             let result = method.estimate(&clean(&frequency_hz, &[&strains], &noise));
             result.unwrap().modulus().lines().to_vec()
         };
@@ -221,7 +234,10 @@ fn the_branch_survives_bad_lines() {
         vec![(0..frequency_hz.len()).map(of_line).collect(); 5]
     };
     let (noise, rubbish) = (relative(0.05), relative(1.0));
-    let method = MultiPoint::new(rod(&positions)).unwrap();
+    let method = MultiPoint::new(rod(&positions))
+        .unwrap()
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap();
     for seed in 0..20 {
         let mut strains = noisy(&spectra, &noise, seed);
         let nothing = vec![vec![Complex64::ZERO; frequency_hz.len()]; 5];
@@ -261,9 +277,8 @@ fn the_branch_survives_bad_lines() {
     }
 }
 
-/// What the method is for: ten tests of 0.1 % noise give E' within 1 % and the loss factor within 5 % in any structure, on
-/// the lines that promise as much: valid, with a stated standard error of the loss factor of at most 1 % of it. Those are
-/// most of the band.
+/// What the method is for: ten tests of 0.1 % noise give E' within 1 % and the loss factor within 5 % in any structure,
+/// wherever a line is valid by the usual limits. Those are most of the band.
 #[test]
 fn storage_modulus_and_loss_factor_are_good_where_promised() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
@@ -284,13 +299,9 @@ fn storage_modulus_and_loss_factor_are_good_where_promised() {
             let result = method
                 .estimate(&clean(&frequency_hz, &tests, &noise))
                 .unwrap();
-            let (mut valid, mut good) = (0, 0);
+            let mut valid = 0;
             for line in result.modulus().valid() {
                 valid += 1;
-                if line.standard_error.loss_factor > 0.01 * line.loss_factor {
-                    continue;
-                }
-                good += 1;
                 let exact = polypropylene().modulus(TAU * line.frequency_hz);
                 let name = format!("{structure:?}, seed {seed}, {} Hz", line.frequency_hz);
                 let storage = line.modulus.re / exact.re - 1.0;
@@ -298,12 +309,11 @@ fn storage_modulus_and_loss_factor_are_good_where_promised() {
                 let loss = line.loss_factor / (exact.im / exact.re) - 1.0;
                 assert!(loss.abs() < 0.05, "{name}: loss factor off by {loss}");
             }
-            // 72 of the 76 lines have wavelengths below 5 · 0.4 m
+            // 72 of the 76 lines have wavelengths below 5 · 0.4 m; near the nodes of a structure errors are larger
             assert!(
-                valid >= 70,
+                valid >= 55,
                 "{structure:?}, seed {seed}: {valid} valid lines"
             );
-            assert!(good >= 55, "{structure:?}, seed {seed}: {good} good lines");
         }
     }
 }

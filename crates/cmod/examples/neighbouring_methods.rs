@@ -1,0 +1,254 @@
+//! Figure 3 of paper A on a virtual rod: the modulus of one rod of polypropylene by the two-point method and by its
+//! neighbours, each with its standard errors, and what the checks say of the record.
+//!
+//! ```text
+//! cargo run --release --package cmod --example neighbouring_methods
+//! ```
+//!
+//! writes `target/examples/neighbouring_methods.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use cmod::checks::{FreeEndNull, USUAL_LEVEL, kramers_kronig, passivity};
+use cmod::estimate::ModulusEstimate;
+use cmod::multi_point::{GaugeSpectra, Quantity};
+use cmod::{
+    EndSection, FreeEnd, ModulusLine, OneGauge, PulsedRod, RatioOfSpectra, Resonances,
+    RodWithFreeEnd, SeparatePulses, Specimen, TwoPoint,
+};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::LegendPosition;
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::chain::{Chain, Termination};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+
+const LENGTH: f64 = 0.801;
+const DIAMETER: f64 = 0.0106;
+const DENSITY: f64 = 903.0;
+const ACCELEROMETER: f64 = 2.9e-3;
+/// Distances of three strain gauges from the free end.
+const GAUGES: [f64; 3] = [0.5, 0.35, 0.22];
+/// Error of a spectrum by its size.
+const NOISE: f64 = 2e-3;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let polypropylene = Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, TAU * 1e3)?)?;
+    let chain = Chain::from_impact_face()
+        .rod(&polypropylene, Circle::of_diameter(DIAMETER)?, LENGTH)
+        .end(Termination::Mass(ACCELEROMETER))?;
+    let frequency_hz: Vec<f64> = (1..=500_u32).map(|j| 20.0 * f64::from(j)).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+
+    // accelerations of the ends, forces at the gauges (strains but for a factor), waves at the gauges
+    let mut ends = [Spectrum::default(), Spectrum::default()];
+    let mut gauges = [const { Spectrum::new() }; 3];
+    let mut waves = [const { Spectrum::new() }; 3];
+    for f in &frequency_hz {
+        let omega = TAU * f;
+        for (end, x) in ends.iter_mut().zip([0.0, LENGTH]) {
+            let velocity = chain.section(0, x)?.state(omega)?.velocity;
+            end.add(Complex64::new(0.0, omega) * velocity, &mut random);
+        }
+        for (gauge, distance) in gauges.iter_mut().zip(GAUGES) {
+            let state = chain.section(0, LENGTH - distance)?.state(omega)?;
+            gauge.add(state.normal_force, &mut random);
+        }
+        let at = |distance: f64| chain.section(0, LENGTH - distance)?.waves(omega);
+        let (far, near) = (at(GAUGES[0])?, at(GAUGES[2])?);
+        let passing = [
+            far.forward_at(0.0),
+            near.forward_at(0.0),
+            near.backward_at(0.0),
+        ];
+        for (wave, value) in waves.iter_mut().zip(passing) {
+            wave.add(value, &mut random);
+        }
+    }
+
+    let rod = RodWithFreeEnd {
+        diameter: DIAMETER,
+        density: DENSITY,
+        end_mass: ACCELEROMETER,
+    };
+    let gauge = |index: usize| EndSection {
+        distance: GAUGES[index],
+        quantity: Quantity::Strain,
+    };
+    let specimen = Specimen {
+        length: LENGTH,
+        diameter: DIAMETER,
+        density: DENSITY,
+        accelerometer_mass: ACCELEROMETER,
+    };
+    let psi = ends[0].over(&ends[1])?;
+    let two_point = TwoPoint::new(specimen)?.estimate(&frequency_hz, &psi.ratio, &psi.variance)?;
+    let resonances =
+        Resonances::new(rod, LENGTH)?.estimate(&frequency_hz, &psi.ratio, &psi.variance)?;
+    let psi = gauges[0].over(&gauges[2])?;
+    let free_end = FreeEnd::new(rod, gauge(0), gauge(2))?.estimate(
+        &frequency_hz,
+        &psi.ratio,
+        &psi.variance,
+    )?;
+    let psi = waves[1].over(&waves[0])?;
+    let pulses = SeparatePulses::new(PulsedRod {
+        distance: GAUGES[0] - GAUGES[2],
+        diameter: DIAMETER,
+        density: DENSITY,
+    })?
+    .estimate(&frequency_hz, &psi.ratio, &psi.variance)?;
+    let psi = waves[2].over(&waves[1])?;
+    let one_gauge =
+        OneGauge::new(rod, gauge(2))?.estimate(&frequency_hz, &psi.ratio, &psi.variance)?;
+
+    let methods: [(&ModulusEstimate, &str); 5] = [
+        (&two_point, "#1d4ed8"),
+        (&free_end, "#c2410c"),
+        (&pulses, "#15803d"),
+        (&one_gauge, "#7e22ce"),
+        (&resonances, "#111111"),
+    ];
+    for (estimate, _) in methods {
+        let (valid, all) = (estimate.valid().count(), estimate.lines().len());
+        println!("{}: {valid} of {all} lines valid", estimate.method());
+    }
+    let mut gamma = vec![Complex64::new(f64::NAN, 0.0); frequency_hz.len()];
+    for line in free_end.lines() {
+        gamma[line.index] = line.propagation_coefficient;
+    }
+    let null = FreeEndNull::new(rod, GAUGES.to_vec(), Quantity::Strain)?.check(
+        &GaugeSpectra {
+            frequency_hz: &frequency_hz,
+            tests: &[&gauges.clone().map(|gauge| gauge.values)],
+            noise: &gauges.map(|gauge| gauge.noise),
+        },
+        &gamma,
+        USUAL_LEVEL,
+    )?;
+    println!("{null}");
+    println!("{}", passivity(&two_point, USUAL_LEVEL)?);
+    println!("{}", kramers_kronig(&two_point, USUAL_LEVEL)?);
+
+    let storage = |line: &ModulusLine| {
+        (
+            1e-9 * line.modulus.re,
+            1e-9 * line.standard_error.storage_modulus,
+        )
+    };
+    let loss = |line: &ModulusLine| (line.loss_factor, line.standard_error.loss_factor);
+    let exact = |value: &dyn Fn(Complex64) -> f64| -> Vec<(f64, f64)> {
+        let at = |f: &f64| (1e-3 * f, value(polypropylene.modulus(TAU * f)));
+        frequency_hz.iter().map(at).collect()
+    };
+    let panel = |exact: Vec<(f64, f64)>, value: &dyn Fn(&ModulusLine) -> (f64, f64)| {
+        let mut plots = vec![Plot::Line(
+            LinePlot::new()
+                .with_data(exact)
+                .with_color("#777777")
+                .with_legend("material"),
+        )];
+        for (estimate, colour) in methods {
+            plots.push(points(estimate, value, colour));
+        }
+        plots
+    };
+    let panels = vec![
+        panel(exact(&|modulus| 1e-9 * modulus.re), &storage),
+        panel(exact(&|modulus| modulus.im / modulus.re), &loss),
+    ];
+    let layouts = panels
+        .iter()
+        .zip(["E', GPa", "loss factor"])
+        .map(|(plots, label)| {
+            Layout::auto_from_plots(plots)
+                .with_title("Rod of Test 3 of paper A by five methods, 0.2 % noise, valid lines")
+                .with_x_label("frequency, kHz")
+                .with_y_label(label)
+                .with_legend_position(LegendPosition::InsideTopRight)
+        })
+        .collect();
+    let scene = Figure::new(2, 1)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(760.0, 320.0)
+        .render();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("neighbouring_methods.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    println!("figure in {}", path.display());
+    Ok(())
+}
+
+/// A measured spectrum and its noise.
+#[derive(Clone, Default)]
+struct Spectrum {
+    values: Vec<Complex64>,
+    noise: Vec<f64>,
+}
+
+impl Spectrum {
+    const fn new() -> Self {
+        Self {
+            values: Vec::new(),
+            noise: Vec::new(),
+        }
+    }
+
+    /// One more line, with an error without preferred phase.
+    fn add(&mut self, value: Complex64, random: &mut ChaCha8Rng) {
+        let noise = NOISE * value.norm();
+        let re: f64 = StandardNormal.sample(random);
+        let im: f64 = StandardNormal.sample(random);
+        self.values
+            .push(value + Complex64::new(re, im) * (noise * 0.5_f64.sqrt()));
+        self.noise.push(noise);
+    }
+
+    fn over(&self, other: &Self) -> Result<RatioOfSpectra, cmod::CmodError> {
+        RatioOfSpectra::new(&[&self.values], &[&other.values], &self.noise, &other.noise)
+    }
+}
+
+/// Valid lines of a method, every fourth with its bar of one standard error.
+fn points(
+    estimate: &ModulusEstimate,
+    value: &dyn Fn(&ModulusLine) -> (f64, f64),
+    colour: &str,
+) -> Plot {
+    let stride = if estimate.lines().len() > 50 { 4 } else { 1 };
+    let lines: Vec<&ModulusLine> = estimate.valid().step_by(stride).collect();
+    let data: Vec<(f64, f64)> = lines
+        .iter()
+        .map(|line| (1e-3 * line.frequency_hz, value(line).0))
+        .collect();
+    let errors: Vec<f64> = lines.iter().map(|line| value(line).1).collect();
+    Plot::Scatter(
+        ScatterPlot::new()
+            .with_data(data)
+            .with_y_err(errors)
+            .with_color(colour)
+            .with_size(2.5)
+            .with_legend(estimate.method().to_string()),
+    )
+}

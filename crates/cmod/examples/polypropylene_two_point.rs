@@ -1,0 +1,234 @@
+//! Virtual test 6 of paper A: a polypropylene rod is struck ten times, the accelerations of its ends are recorded with noise and
+//! twelve bits, and its modulus is found with bands of error.
+//!
+//! ```text
+//! cargo run --release --package cmod --example polypropylene_two_point
+//! ```
+//!
+//! writes `target/examples/polypropylene_two_point.svg`.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use cmod::estimate::{Curve, PlottedQuantity};
+use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
+use cmod::{ModulusEstimate, Specimen, TwoPoint};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::LegendPosition;
+use kuva::plot::{BandPlot, LinePlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
+use labio::{Channel, FrequencyResponse, Provenance, Quantity, Record, SpectrumAverager, Window};
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::{self, EndAccelerationTest, RaisedCosine};
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+use rodwave::synthesis::DampedSynthesis;
+
+/// Paper A, Table 2 and section 3.
+const SPECIMEN: Specimen = Specimen {
+    length: 0.799,
+    diameter: 0.0158,
+    density: 912.0,
+    accelerometer_mass: 2.9e-3,
+};
+/// Half a unit of the last printed digit, as a uniform distribution.
+const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
+    length: 0.29e-3,
+    diameter: 0.029e-3,
+    density: 0.29,
+    accelerometer_mass: 0.029e-3,
+};
+const BLOWS: usize = 10;
+const RATE_HZ: f64 = 65_536.0;
+const SAMPLES: usize = 4096;
+const OVERSAMPLING: usize = 8;
+const HIGHEST_HZ: f64 = 20e3;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let polypropylene = Medium::new(SPECIMEN.density, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
+    let response = recorded(&polypropylene)?;
+    let lines = response.frequency_hz.partition_point(|f| *f <= HIGHEST_HZ);
+    let coherence = response.coherence.as_ref().ok_or("ten blows have one")?;
+    let estimate = TwoPoint::new(SPECIMEN)?
+        .with_specimen_uncertainty(UNCERTAINTY)?
+        .estimate_averaged(&AveragedRatio {
+            frequency_hz: &response.frequency_hz[..lines],
+            acceleration_ratio: &response.values[..lines],
+            coherence: &coherence[..lines],
+            averages: response.effective_averages,
+        })?;
+
+    let exact = |f: f64| polypropylene.modulus(TAU * f);
+    let panels = vec![
+        panel(
+            &estimate.curve(PlottedQuantity::StorageModulus, 2.0),
+            (1e-9, [2.3, 3.0]),
+            &|f| exact(f).re,
+        ),
+        panel(
+            &estimate.curve(PlottedQuantity::LossFactor, 2.0),
+            (1.0, [0.06, 0.08]),
+            &|f| exact(f).im / exact(f).re,
+        ),
+    ];
+    let layouts = panels
+        .iter()
+        .zip([("E', GPa", 2.3, 3.0), ("loss factor", 0.06, 0.08)])
+        .map(|(plots, (label, least, most))| {
+            Layout::auto_from_plots(plots)
+                .with_title("Test 6 of paper A, ten blows, 12 bits; bands of two standard errors")
+                .with_x_label("frequency, kHz")
+                .with_y_label(label)
+                .with_y_axis_min(least)
+                .with_y_axis_max(most)
+                .with_legend_position(LegendPosition::InsideBottomRight)
+        })
+        .collect();
+    let scene = Figure::new(2, 1)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(760.0, 320.0)
+        .render();
+
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("polypropylene_two_point.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    report(&estimate);
+    println!("figure in {}", path.display());
+    Ok(())
+}
+
+/// Ten blows of 100 N and 80 µs on the rod, through filter, noise and converter, averaged.
+fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<dyn Error>> {
+    let rig = end_accelerations::Specimen {
+        section: Circle::of_diameter(SPECIMEN.diameter)?.into(),
+        length: SPECIMEN.length,
+        accelerometer_mass: SPECIMEN.accelerometer_mass,
+    };
+    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
+    let count = SAMPLES * OVERSAMPLING;
+    let synthesis =
+        DampedSynthesis::new(count as f64 * interval, interval)?.smoothed(2.5 * interval)?;
+    let exact = EndAccelerationTest::analytic(polypropylene, &rig)?
+        .record(&RaisedCosine::new(100.0, 8e-5)?, &synthesis)?;
+
+    let ends = [
+        ("struck end", exact.impacted_end),
+        ("free end", exact.free_end),
+    ];
+    // the recorder runs for a millisecond before the blow
+    let lead = count / 64;
+    let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
+        let history = &ends[channel].1;
+        sample.checked_sub(lead).map_or(0.0, |after| history[after])
+    });
+    let channels = ends
+        .iter()
+        .map(|(name, _)| Channel::new(*name, Quantity::Acceleration))
+        .collect::<Result<Vec<_>, _>>()?;
+    let provenance = Provenance::computed(exact.generator);
+    let history = Record::new(samples, 1.0 / interval, 0.0, channels, provenance)?;
+
+    let mut instrument = Instrument::new();
+    for (name, samples) in &ends {
+        let peak = samples.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
+        // 2e-4 of the peak over the band of the history
+        let density = (2e-4 * peak).powi(2) / (0.5 * RATE_HZ);
+        instrument = instrument
+            .noise(*name, NoiseSpectrum::white(density)?)
+            .convert_channel(*name, Converter::new(12, 1.25 * peak)?);
+    }
+    let front_end = Instrument::new()
+        .anti_alias(AntiAlias::butterworth(8, 22e3)?)
+        .sample(RATE_HZ, 0.0)?;
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let filtered = front_end.record(&history, &mut random)?.record;
+    let mut averager = SpectrumAverager::for_records_like(&filtered, Window::Rectangular)?;
+    for _ in 0..BLOWS {
+        averager.add(&instrument.record(&filtered, &mut random)?.record)?;
+    }
+    Ok(averager.spectra()?.h1("free end", "struck end")?)
+}
+
+/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis, cut to its range.
+fn panel(curve: &Curve, (scale, range): (f64, [f64; 2]), exact: &dyn Fn(f64) -> f64) -> Vec<Plot> {
+    let [least, most] = range;
+    let within = |value: f64| (scale * value).clamp(least, most);
+    let mut plots = Vec::new();
+    let mut legends = [Some("valid"), Some("not valid")];
+    for segment in &curve.segments {
+        let kilohertz = segment.frequency_hz.iter().map(|f| 1e-3 * f);
+        let [valid, invalid] = &mut legends;
+        let (colour, legend) = if segment.valid {
+            let lower = segment.lower.iter().map(|value| within(*value));
+            let upper = segment.upper.iter().map(|value| within(*value));
+            let band = BandPlot::new(kilohertz.clone(), lower, upper).with_color("#1d4ed8");
+            plots.push(Plot::Band(band.with_opacity(0.3)));
+            ("#1d4ed8", valid)
+        } else {
+            ("#bbbbbb", invalid)
+        };
+        let values = segment.values.iter().map(|value| within(*value));
+        let mut line = LinePlot::new()
+            .with_data(kilohertz.zip(values))
+            .with_stroke_width(0.8)
+            .with_color(colour);
+        if let Some(legend) = legend.take() {
+            line = line.with_legend(legend);
+        }
+        plots.push(Plot::Line(line));
+    }
+    let material = (1..=100).map(|j| 0.01 * f64::from(j) * HIGHEST_HZ);
+    plots.push(Plot::Line(
+        LinePlot::new()
+            .with_data(material.map(|f| (1e-3 * f, scale * exact(f))))
+            .with_color("#c2410c")
+            .with_stroke_width(0.8)
+            .with_dashed()
+            .with_legend("material"),
+    ));
+    plots
+}
+
+/// How many lines are valid, and what is wrong with some of the others.
+fn report(estimate: &ModulusEstimate) {
+    let valid = estimate.valid().count();
+    println!(
+        "{}: {} lines, {valid} of them valid",
+        estimate.method(),
+        estimate.lines().len()
+    );
+    let invalid = estimate
+        .lines()
+        .iter()
+        .filter(|line| !line.validity.is_valid());
+    for line in invalid.step_by(20) {
+        println!("{:.0} Hz: {}", line.frequency_hz, line.validity);
+    }
+    if let Some(line) = estimate.valid().nth(valid / 2) {
+        println!(
+            "{:.0} Hz: E = {:.4e} Pa, standard errors {:.1e} by noise and {:.1e} by the specimen",
+            line.frequency_hz,
+            line.modulus,
+            line.random_error(),
+            line.systematic_error()
+        );
+    }
+}

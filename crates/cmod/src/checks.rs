@@ -1,0 +1,229 @@
+//! Checks of a record and of a modulus that need no truth to compare with.
+//!
+//! Some things hold whatever the material is. Each check measures by how much one of them is violated, and how often noise
+//! alone, as large as the data themselves show it, would do as much: the p-value. It fails where that is less often than
+//! the level asked for. No threshold is set by hand.
+//!
+//! | check | what must hold | what breaks it |
+//! |---|---|---|
+//! | [`FreeEndNull`] | no force at the free end but that of its mass, seen from three sections or more | wrong position, polarity, calibration or delay of a sensor; bending; a support that holds the rod |
+//! | [`Arrivals::causality`] | nothing before the fastest wave can be there | a channel that is early; a filter that looks ahead |
+//! | [`Arrivals::polarity`] | the first wave has the same sign in all channels | a sensor that is connected the wrong way round |
+//! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a bad boundary condition |
+//! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
+//!
+//! A check that fails is conclusive within its level. One that passes only says that noise hides what may be wrong: its
+//! [noise floor](CheckOutcome::noise_floor) says how much. Of several checks at the level p one fails by chance in about
+//! p times their number of records.
+
+mod arrivals;
+mod free_end_null;
+mod kramers_kronig;
+mod passivity;
+
+pub use arrivals::{Arrivals, Channel};
+pub use free_end_null::FreeEndNull;
+pub use kramers_kronig::kramers_kronig;
+pub use passivity::passivity;
+
+use std::fmt;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
+
+use crate::error::CmodError;
+use crate::estimate::{ModulusEstimate, ModulusLine};
+use crate::validity::Violation;
+
+/// Probability of a false alarm of a check that nothing else was asked of.
+pub const USUAL_LEVEL: f64 = 0.01;
+
+/// What is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Check {
+    /// No force at the free end but that of its mass.
+    FreeEndNull,
+    /// Nothing before the fastest wave.
+    Causality,
+    /// The first wave has the same sign in all channels.
+    Polarity,
+    /// E'' >= 0.
+    Passivity,
+    /// E' and E'' belong to one relaxing material.
+    KramersKronig,
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::FreeEndNull => "free-end null",
+            Self::Causality => "causality",
+            Self::Polarity => "polarity",
+            Self::Passivity => "passivity",
+            Self::KramersKronig => "Kramers-Kronig",
+        })
+    }
+}
+
+/// What a check says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CheckVerdict {
+    /// Noise alone explains what is seen.
+    Passed,
+    /// Noise alone does as much less often than the level.
+    Failed,
+    /// The signal is lost in noise, or a bound was not reached: nothing can be said.
+    Undecided,
+}
+
+/// The outcome of one check.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CheckOutcome {
+    /// What was checked.
+    pub check: Check,
+    /// The measure of the violation; its unit is that of the check.
+    pub statistic: f64,
+    /// What noise alone gives of it on the average.
+    pub noise_floor: f64,
+    /// Probability of noise alone to give as much or more. For [`kramers_kronig`] and [`passivity`] it is an upper bound.
+    pub p_value: f64,
+    /// Probability of a false alarm that was asked for.
+    pub level: f64,
+    /// Where the violation is largest: the position of a line in the measured arrays, or a channel, from 0.
+    pub worst: Option<usize>,
+    /// The verdict.
+    pub verdict: CheckVerdict,
+}
+
+impl CheckOutcome {
+    /// Passed or failed, by the p-value.
+    fn judged(
+        check: Check,
+        (statistic, noise_floor): (f64, f64),
+        p_value: f64,
+        level: f64,
+    ) -> Self {
+        Self {
+            check,
+            statistic,
+            noise_floor,
+            p_value,
+            level,
+            worst: None,
+            verdict: if p_value < level {
+                CheckVerdict::Failed
+            } else {
+                CheckVerdict::Passed
+            },
+        }
+    }
+
+    fn at(self, worst: Option<usize>) -> Self {
+        Self { worst, ..self }
+    }
+
+    /// Whether the record, or the modulus, is not what it should be.
+    #[must_use]
+    pub fn has_failed(&self) -> bool {
+        self.verdict == CheckVerdict::Failed
+    }
+}
+
+impl fmt::Display for CheckOutcome {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = match self.verdict {
+            CheckVerdict::Passed => "passed",
+            CheckVerdict::Failed => "failed",
+            CheckVerdict::Undecided => "undecided",
+        };
+        write!(
+            formatter,
+            "{} {verdict}: {:.3e}, noise alone {:.3e}, p = {:.1e} at level {:.1e}",
+            self.check, self.statistic, self.noise_floor, self.p_value, self.level
+        )
+    }
+}
+
+/// Accepts a probability between 0 and 1.
+fn check_level(level: f64) -> Result<f64, CmodError> {
+    if level > 0.0 && level < 1.0 {
+        Ok(level)
+    } else {
+        Err(CmodError::NonPhysical {
+            quantity: "level of the check",
+            value: level,
+            expected: "a probability between 0 and 1",
+        })
+    }
+}
+
+/// P(χ² > `value`) for so many degrees of freedom.
+fn chi_square_tail(value: f64, degrees_of_freedom: f64) -> f64 {
+    ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |law| law.sf(value.max(0.0)))
+}
+
+/// P(F > `value`) of the quotient of two mean squares.
+fn fisher_tail(value: f64, numerator: f64, denominator: f64) -> f64 {
+    FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |law| law.sf(value.max(0.0)))
+}
+
+/// P(z < `value`) of a normal variable of variance 1.
+fn normal_tail_below(value: f64) -> f64 {
+    Normal::standard().cdf(value)
+}
+
+/// P(the least of `count` independent p-values is below `p_value`).
+fn of_the_least(p_value: f64, count: usize) -> f64 {
+    -(count as f64 * (-p_value).ln_1p()).exp_m1()
+}
+
+/// The lines of an estimate that say something of the material: not those whose branch, convergence or linearised error is
+/// in doubt. Lines of negative damping are among them, as the checks would never see them otherwise.
+fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
+    let spoils = |violation: &Violation| {
+        matches!(
+            violation,
+            Violation::BranchAmbiguous(_)
+                | Violation::NotConverged { .. }
+                | Violation::SeriesTruncated { .. }
+                | Violation::NearSingular { .. }
+                | Violation::NodeAtMiddleGauge { .. }
+                | Violation::Misfit { .. }
+        )
+    };
+    let lines = estimate.lines().iter();
+    lines.filter(move |line| !line.validity.violations().iter().any(spoils))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_are_those_of_tables() {
+        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the normal law
+        assert!((chi_square_tail(18.467, 4.0) - 1e-3).abs() < 1e-6);
+        assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
+        assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);
+        assert!((normal_tail_below(-1.959964) - 0.025).abs() < 1e-7);
+        // 1 - (1 - p)^n, also for p far below rounding of 1
+        assert!((of_the_least(0.1, 3) - 0.271).abs() < 1e-15);
+        assert!((of_the_least(1e-20, 10) - 1e-19).abs() < 1e-33);
+    }
+
+    #[test]
+    fn an_outcome_says_its_numbers() {
+        let outcome = CheckOutcome::judged(Check::FreeEndNull, (5.5, 1.0), 3e-4, 0.01);
+        assert!(outcome.has_failed());
+        assert_eq!(
+            outcome.to_string(),
+            "free-end null failed: 5.500e0, noise alone 1.000e0, p = 3.0e-4 at level 1.0e-2"
+        );
+        assert_eq!(
+            check_level(1.0).unwrap_err().to_string(),
+            "level of the check is 1, expected a probability between 0 and 1"
+        );
+    }
+}

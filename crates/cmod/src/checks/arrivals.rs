@@ -1,0 +1,262 @@
+//! The first wave in the records of several channels: when it comes, and with which sign.
+
+use super::{
+    Check, CheckOutcome, CheckVerdict, check_level, fisher_tail, normal_tail_below, of_the_least,
+};
+use crate::error::{CmodError, check_not_negative, check_positive};
+
+/// Samples before the blow, or before the wave, from which a mean square can be judged.
+const FEWEST_SAMPLES: usize = 8;
+
+/// What one channel has recorded of a blow.
+#[derive(Debug, Clone, Copy)]
+pub struct Channel<'a> {
+    /// The samples, in any unit; those of all channels at the same times.
+    pub samples: &'a [f64],
+    /// Distance of the section from the impacted end \[m\].
+    pub distance: f64,
+}
+
+/// Records of a blow, and when it was.
+///
+/// | what | where from |
+/// |---|---|
+/// | noise | the samples before the blow, of each channel its own |
+/// | time of the blow | the trigger, a contact or the hammer's channel |
+/// | speeds | any estimate, or what is known of the material |
+#[derive(Debug, Clone)]
+pub struct Arrivals<'a> {
+    channels: Vec<Channel<'a>>,
+    interval: f64,
+    blow: usize,
+}
+
+/// Mean, mean square and number of independent samples of a stretch of noise.
+struct Noise {
+    mean: f64,
+    mean_square: f64,
+    /// Samples by samples whose squares are independent, 1 + 2Σρ² over lags; 1 for white noise.
+    correlation: f64,
+    /// The same for sums of samples, 1 + 2Σ|ρ|.
+    persistence: f64,
+    independent: f64,
+}
+
+impl<'a> Arrivals<'a> {
+    /// Records of two channels or more, sampled every `interval` \[s\], of a blow that begins with sample `blow`.
+    ///
+    /// # Errors
+    /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the interval or a distance,
+    /// [`CmodError::LengthMismatch`] for histories of different length, [`CmodError::TooFewSamples`] if fewer than 8
+    /// samples come before the blow, [`CmodError::NonFiniteSample`].
+    pub fn new(channels: Vec<Channel<'a>>, interval: f64, blow: usize) -> Result<Self, CmodError> {
+        check_positive("sampling interval [s]", interval)?;
+        let Some(first) = channels.first().filter(|_| channels.len() > 1) else {
+            return Err(CmodError::GaugeCount {
+                found: channels.len(),
+                expected: "2 or more",
+            });
+        };
+        let expected = first.samples.len();
+        if blow < FEWEST_SAMPLES || blow >= expected {
+            return Err(CmodError::TooFewSamples {
+                what: "the record before the blow, or after it,",
+                found: blow.min(expected.saturating_sub(blow)),
+                expected: FEWEST_SAMPLES,
+            });
+        }
+        for (channel, Channel { samples, distance }) in channels.iter().enumerate() {
+            check_not_negative("distance from the impacted end [m]", *distance)?;
+            crate::error::check_length("history of a channel", samples.len(), expected)?;
+            if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite())
+            {
+                return Err(CmodError::NonFiniteSample {
+                    channel,
+                    index,
+                    value,
+                });
+            }
+        }
+        Ok(Self {
+            channels,
+            interval,
+            blow,
+        })
+    }
+
+    /// Whether every channel is silent until a wave of `fastest` speed [m/s] can have come from the impacted end, with a
+    /// false alarm with the probability `level`.
+    ///
+    /// The statistic of a channel is the mean square between the blow and that moment by the one before the blow, which noise
+    /// alone makes 1, with the F-distribution; its numbers of degrees of freedom are lowered as the correlation of the noise
+    /// before the blow asks. Of all channels the least p-value counts, as the least of so many. Channels with fewer than 8
+    /// samples between take no part.
+    ///
+    /// `fastest` is that of the front, √(E/ρ) of the unrelaxed modulus: more than any phase velocity of the band, by what the
+    /// loss factor makes of it up to the sampling rate. A filter of linear phase rings before the wave, and fails.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel takes part,
+    /// [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    pub fn causality(&self, fastest: f64, level: f64) -> Result<CheckOutcome, CmodError> {
+        let level = check_level(level)?;
+        check_positive("fastest wave speed [m/s]", fastest)?;
+        let mut worst = (f64::INFINITY, 0.0, None);
+        let (mut count, mut longest) = (0, 0);
+        for (index, channel) in self.channels.iter().enumerate() {
+            let silent = self.samples_of(channel.distance / fastest);
+            let ahead = self.after_blow(channel, silent);
+            longest = longest.max(ahead.len());
+            if ahead.len() < FEWEST_SAMPLES {
+                continue;
+            }
+            count += 1;
+            let noise = self.noise(index, channel)?;
+            let n = ahead.len() as f64;
+            let deviations = ahead.iter().map(|value| (value - noise.mean).powi(2));
+            let before = self.blow as f64;
+            // The mean of the noise is itself known to within its scatter.
+            let expected = noise.mean_square * (1.0 + noise.persistence / before);
+            let statistic = deviations.sum::<f64>() / n / expected;
+            let p_value = fisher_tail(
+                statistic,
+                (n / noise.correlation).max(1.0),
+                (noise.independent - 1.0).max(1.0),
+            );
+            if p_value < worst.0 {
+                worst = (p_value, statistic, Some(index));
+            }
+        }
+        if count == 0 {
+            return Err(CmodError::TooFewSamples {
+                what: "the record between the blow and the fastest wave",
+                found: longest,
+                expected: FEWEST_SAMPLES,
+            });
+        }
+        let p_value = of_the_least(worst.0, count);
+        Ok(CheckOutcome::judged(Check::Causality, (worst.1, 1.0), p_value, level).at(worst.2))
+    }
+
+    /// Whether the first wave has the same sign in all channels, for sensors of one quantity, with a false alarm at most with
+    /// the probability `level`.
+    ///
+    /// For `duration` \[s\] from the arrival of a wave of the given `speed` [m/s] each channel is correlated with the one
+    /// nearest to the impact. The statistic is that correlation by what noise alone scatters, of the channel where it is least:
+    /// many standard deviations above 0 if the sign is right, below 0 if it is not. The duration must end before a
+    /// reflection is there. Where the wave is lost in noise the check is undecided.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if the record ends before the
+    /// duration, [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    pub fn polarity(
+        &self,
+        speed: f64,
+        duration: f64,
+        level: f64,
+    ) -> Result<CheckOutcome, CmodError> {
+        let level = check_level(level)?;
+        check_positive("wave speed [m/s]", speed)?;
+        check_positive("duration of the first wave [s]", duration)?;
+        let length = self.samples_of(duration);
+        let nearest = (0..self.channels.len()).min_by(|a, b| {
+            let distance = |index: &usize| self.channels.get(*index).map_or(0.0, |c| c.distance);
+            distance(a).total_cmp(&distance(b))
+        });
+        let first_wave = |channel: &Channel<'a>| {
+            let arrival = self.blow + self.samples_of(channel.distance / speed);
+            channel
+                .samples
+                .get(arrival..arrival + length)
+                .ok_or(CmodError::TooFewSamples {
+                    what: "the record from the arrival of the first wave",
+                    found: channel.samples.len().saturating_sub(arrival),
+                    expected: length,
+                })
+        };
+        let mut least = (f64::INFINITY, None);
+        let reference = nearest.and_then(|index| self.channels.get(index).map(|c| (index, c)));
+        let Some((reference_index, reference)) = reference else {
+            return Err(CmodError::NoLines);
+        };
+        let mean = self.noise(reference_index, reference)?.mean;
+        let wave: Vec<f64> = first_wave(reference)?
+            .iter()
+            .map(|value| value - mean)
+            .collect();
+        for (index, channel) in self.channels.iter().enumerate() {
+            if index == reference_index {
+                continue;
+            }
+            let noise = self.noise(index, channel)?;
+            let pairs = wave.iter().zip(first_wave(channel)?);
+            let product: f64 = pairs.map(|(a, b)| a * (b - noise.mean)).sum();
+            let power: f64 = wave.iter().map(|a| a * a).sum();
+            let scatter = (noise.mean_square * noise.persistence * power).sqrt();
+            let z = product / scatter;
+            if z < least.0 {
+                least = (z, Some(index));
+            }
+        }
+        let p_value = of_the_least(normal_tail_below(least.0), self.channels.len() - 1);
+        let outcome = CheckOutcome::judged(Check::Polarity, (least.0, 0.0), p_value, level);
+        let is_lost = normal_tail_below(-least.0) > level && !outcome.has_failed();
+        Ok(CheckOutcome {
+            verdict: if is_lost {
+                CheckVerdict::Undecided
+            } else {
+                outcome.verdict
+            },
+            worst: least.1,
+            ..outcome
+        })
+    }
+
+    /// Whole samples in a time.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "times are finite and not negative, and the cast saturates"
+    )]
+    fn samples_of(&self, time: f64) -> usize {
+        (time / self.interval).floor() as usize
+    }
+
+    /// The first `count` samples from the blow on, or all there are.
+    fn after_blow(&self, channel: &Channel<'a>, count: usize) -> &'a [f64] {
+        let after = channel.samples.get(self.blow..).unwrap_or_default();
+        after.get(..count).unwrap_or(after)
+    }
+
+    fn noise(&self, index: usize, channel: &Channel<'_>) -> Result<Noise, CmodError> {
+        let quiet = channel.samples.get(..self.blow).unwrap_or_default();
+        let n = quiet.len() as f64;
+        let mean = quiet.iter().sum::<f64>() / n;
+        let power: f64 = quiet.iter().map(|value| (value - mean).powi(2)).sum();
+        if power <= 0.0 {
+            return Err(CmodError::NoNoise {
+                what: "the record before the blow of channel",
+                index,
+            });
+        }
+        // Up to the first lag whose ρ white noise would have, too.
+        let (mut correlation, mut persistence) = (1.0, 1.0);
+        for lag in 1..quiet.len() / 4 {
+            let pairs = quiet.iter().zip(quiet.iter().skip(lag));
+            let product: f64 = pairs.map(|(a, b)| (a - mean) * (b - mean)).sum();
+            let rho = product / power;
+            if rho.abs() < 3.0 / n.sqrt() {
+                break;
+            }
+            correlation += 2.0 * rho * rho;
+            persistence += 2.0 * rho.abs();
+        }
+        Ok(Noise {
+            mean,
+            mean_square: power / (n - persistence).max(1.0),
+            correlation,
+            persistence,
+            independent: n / correlation,
+        })
+    }
+}

@@ -1,0 +1,234 @@
+//! No force at the free end but that of its mass.
+
+use num_complex::Complex64;
+
+use super::{Check, CheckOutcome, check_level, chi_square_tail};
+use crate::error::{CmodError, check_positive};
+use crate::free_end::{FreeEndShape, RodWithFreeEnd};
+use crate::multi_point::{GaugeSpectra, Quantity};
+
+/// Gauss-Newton steps after which the search of a line is ended.
+const MOST_STEPS: u32 = 60;
+/// Part of the step that is tried last.
+const SMALLEST_FRACTION: f64 = 1e-6;
+
+/// The free-end null: three sections or more see one motion of a free end, and γ.
+///
+/// Beyond the free end of a rod there is no force but that of the mass m on it. At the distance d from it every quantity is
+/// therefore one amplitude c times a known function of γ,
+///
+/// ```text
+/// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
+/// ```
+///
+/// while a support, a crack or a sensor that is not where, or not as, it is said to be leaves a second wave. γ and c of
+/// every test are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom for M tests with n
+/// sections. The statistic is the sum of all lines by the sum of their degrees of freedom, and noise alone gives 1.
+///
+/// Two sections agree on some γ whatever is wrong, so that three are needed. A rod that is no one-dimensional one, by bending
+/// or by lateral inertia that changes the waves' shape near the end, fails as well.
+///
+/// ```
+/// use cmod::checks::{FreeEndNull, USUAL_LEVEL};
+/// use cmod::multi_point::{GaugeSpectra, Quantity};
+/// use cmod::RodWithFreeEnd;
+/// use num_complex::Complex64;
+///
+/// let rod = RodWithFreeEnd { diameter: 0.0106, density: 903.0, end_mass: 0.0 };
+/// let frequency_hz: Vec<f64> = (1..=50).map(|j| 100.0 * f64::from(j)).collect();
+/// let gamma: Vec<Complex64> =
+///     frequency_hz.iter().map(|f| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0)).collect();
+/// // the third gauge is 10 mm from where it is said to be
+/// let at = |d: f64| gamma.iter().map(|gamma| (gamma * d).sinh()).collect::<Vec<_>>();
+/// let spectra = [at(0.1), at(0.25), at(0.41)];
+/// let outcome = FreeEndNull::new(rod, vec![0.1, 0.25, 0.40], Quantity::Strain)?.check(
+///     &GaugeSpectra { frequency_hz: &frequency_hz, tests: &[&spectra], noise: &vec![vec![1e-3; 50]; 3] },
+///     &gamma,
+///     USUAL_LEVEL,
+/// )?;
+/// assert!(outcome.has_failed());
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeEndNull {
+    rod: RodWithFreeEnd,
+    distances: Vec<f64>,
+    quantity: Quantity,
+}
+
+impl FreeEndNull {
+    /// The check for sensors of one `quantity` at these `distances` \[m\] from the free end, in any order.
+    ///
+    /// # Errors
+    /// [`CmodError::GaugeCount`] for fewer than three, [`CmodError::NonPhysical`] for the rod and for a distance that is not
+    /// finite and above 0.
+    pub fn new(
+        rod: RodWithFreeEnd,
+        distances: Vec<f64>,
+        quantity: Quantity,
+    ) -> Result<Self, CmodError> {
+        rod.check()?;
+        if distances.len() < 3 {
+            return Err(CmodError::GaugeCount {
+                found: distances.len(),
+                expected: "3 or more",
+            });
+        }
+        for &distance in &distances {
+            check_positive("distance from the free end [m]", distance)?;
+        }
+        Ok(Self {
+            rod,
+            distances,
+            quantity,
+        })
+    }
+
+    /// Checks `spectra`, one row a distance, near the `propagation_coefficient` γ [1/m] of each line that any method has
+    /// given, with a false alarm with the probability `level`. A line with γ that is not finite takes no part, nor does one
+    /// with a value that is not.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for the level; what is wrong with the `spectra`, as for
+    /// [`MultiPoint::estimate`](crate::MultiPoint::estimate); [`CmodError::LengthMismatch`] for γ;
+    /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line takes part.
+    pub fn check(
+        &self,
+        spectra: &GaugeSpectra<'_>,
+        propagation_coefficient: &[Complex64],
+        level: f64,
+    ) -> Result<CheckOutcome, CmodError> {
+        let level = check_level(level)?;
+        let n = self.distances.len();
+        spectra.check(n)?;
+        crate::error::check_length(
+            "propagation coefficient",
+            propagation_coefficient.len(),
+            spectra.frequency_hz.len(),
+        )?;
+        let freedom = 2 * (spectra.tests.len() * (n - 1) - 1);
+        let mut fit = Fit::new(self, n, spectra.tests.len());
+        let (mut total, mut count) = (0.0, 0_usize);
+        let mut worst = (0.0, None);
+        for (index, &gamma) in propagation_coefficient.iter().enumerate() {
+            let mut noises = spectra.noise.iter().filter_map(|noise| noise.get(index));
+            if noises.any(|noise| *noise == 0.0) {
+                return Err(CmodError::NoNoise {
+                    what: "noise of a sensor at line",
+                    index,
+                });
+            }
+            if !gamma.is_finite() || !fit.load(spectra, index) {
+                continue;
+            }
+            let chi_square = 2.0 * fit.least_misfit(gamma);
+            total += chi_square;
+            count += 1;
+            if chi_square > worst.0 {
+                worst = (chi_square, Some(index));
+            }
+        }
+        if count == 0 {
+            return Err(CmodError::NoLines);
+        }
+        let all = (count * freedom) as f64;
+        let p_value = chi_square_tail(total, all);
+        let outcome = CheckOutcome::judged(Check::FreeEndNull, (total / all, 1.0), p_value, level);
+        Ok(outcome.at(worst.1))
+    }
+}
+
+/// One line of all tests, divided by the noise of each sensor.
+struct Fit<'a> {
+    check: &'a FreeEndNull,
+    /// (n_tests · n_sensors)
+    values: Vec<Complex64>,
+    weights: Vec<f64>,
+    /// f and f' of each sensor, divided by its noise.
+    shape: Vec<(Complex64, Complex64)>,
+}
+
+impl<'a> Fit<'a> {
+    fn new(check: &'a FreeEndNull, n_sensors: usize, n_tests: usize) -> Self {
+        Self {
+            check,
+            values: Vec::with_capacity(n_sensors * n_tests),
+            weights: Vec::with_capacity(n_sensors),
+            shape: Vec::with_capacity(n_sensors),
+        }
+    }
+
+    fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> bool {
+        self.weights.clear();
+        let noises = spectra.noise.iter().filter_map(|noise| noise.get(index));
+        self.weights.extend(noises.map(|noise| noise.recip()));
+        self.values.clear();
+        for test in spectra.tests {
+            for (spectrum, weight) in test.iter().zip(&self.weights) {
+                self.values
+                    .extend(spectrum.get(index).map(|value| value * weight));
+            }
+        }
+        self.values.iter().all(|value| value.is_finite())
+    }
+
+    /// Σ|b - cf|² at γ, with the Gauss-Newton step from there.
+    fn misfit(&mut self, gamma: Complex64) -> (f64, Complex64) {
+        let l = self.check.rod.length_of_end_mass();
+        let shape = FreeEndShape {
+            quantity: self.check.quantity,
+            length_of_end_mass: l,
+        };
+        self.shape.clear();
+        for (distance, weight) in self.check.distances.iter().zip(&self.weights) {
+            let jet = shape.at(*distance, gamma);
+            self.shape.push((weight * jet.value, weight * jet.first));
+        }
+        let power: f64 = self.shape.iter().map(|(f, _)| f.norm_sqr()).sum();
+        let drift: Complex64 = self
+            .shape
+            .iter()
+            .map(|(f, slope)| f.conj() * slope)
+            .sum::<Complex64>()
+            / power;
+        let n = self.shape.len();
+        let (mut misfit, mut gradient, mut curvature) = (0.0, Complex64::ZERO, 0.0);
+        for test in self.values.chunks_exact(n) {
+            let pairs = || self.shape.iter().zip(test);
+            let c = pairs().map(|((f, _), b)| f.conj() * b).sum::<Complex64>() / power;
+            for ((f, slope), b) in pairs() {
+                let rest = b - c * f;
+                // d = P_perp f' c
+                let d = c * (slope - drift * f);
+                misfit += rest.norm_sqr();
+                gradient += d.conj() * rest;
+                curvature += d.norm_sqr();
+            }
+        }
+        (misfit, gradient / curvature)
+    }
+
+    /// The least misfit near γ, by Gauss-Newton steps that are halved until they help.
+    fn least_misfit(&mut self, start: Complex64) -> f64 {
+        let mut gamma = start;
+        let (mut best, mut step) = self.misfit(gamma);
+        for _ in 0..MOST_STEPS {
+            let mut fraction = 1.0;
+            let (previous, from) = (best, gamma);
+            while fraction > SMALLEST_FRACTION && step.is_finite() {
+                let trial = from + fraction * step;
+                let (misfit, next) = self.misfit(trial);
+                if misfit < best {
+                    (best, gamma, step) = (misfit, trial, next);
+                    break;
+                }
+                fraction *= 0.5;
+            }
+            // a hundredth of a unit of χ² changes no verdict
+            if previous - best < 1e-3 {
+                break;
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,66 @@
+//! A material takes energy: E'' >= 0.
+
+use super::{
+    Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least, telling,
+};
+use crate::error::CmodError;
+use crate::estimate::ModulusEstimate;
+
+/// Whether E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with a false alarm at most with the
+/// probability `level`.
+///
+/// Two questions are asked, each at half of the level, of the relative loss l = E''/|E| and its random error σ. Is it negative on
+/// the whole? That is judged by Σ(l/σ²)/√Σ(1/σ²). Is it negative on a single line? That is judged by the least l/σ of all lines.
+/// The statistic is the more extreme of both, in standard errors below 0. What is uncertain about the specimen is no noise: a
+/// position that makes E'' negative is to be found out.
+///
+/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value is that of
+/// a material without losses; for one with losses a false alarm is rarer.
+///
+/// # Errors
+/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line takes part, [`CmodError::NoNoise`] if a
+/// standard error is 0.
+pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
+    let level = check_level(level)?;
+    let (mut sum, mut weights, mut count) = (0.0, 0.0, 0_usize);
+    let mut least = (f64::INFINITY, None);
+    for line in telling(estimate) {
+        let size = line.modulus.norm();
+        let error = line.random_error().loss_modulus / size;
+        if error <= 0.0 {
+            return Err(CmodError::NoNoise {
+                what: "standard error of E'' at line",
+                index: line.index,
+            });
+        }
+        let value = line.modulus.im / size;
+        sum += value / (error * error);
+        weights += 1.0 / (error * error);
+        count += 1;
+        let z = value / error;
+        if z < least.0 {
+            least = (z, Some(line.index));
+        }
+    }
+    if count == 0 {
+        return Err(CmodError::NoLines);
+    }
+    let whole = sum / weights.sqrt();
+    let p_whole = normal_tail_below(whole);
+    let p_single = of_the_least(normal_tail_below(least.0), count);
+    let p_value = of_the_least(p_whole.min(p_single), 2);
+    let by_line = p_single < p_whole;
+    let statistic = if by_line { -least.0 } else { -whole };
+    let outcome = CheckOutcome::judged(Check::Passivity, (statistic, 0.0), p_value, level);
+    let lost = outcome.verdict == CheckVerdict::Passed && whole.abs() < 1.0;
+    Ok(CheckOutcome {
+        // Losses that are not seen are neither positive nor negative.
+        verdict: if lost {
+            CheckVerdict::Undecided
+        } else {
+            outcome.verdict
+        },
+        worst: least.1,
+        ..outcome
+    })
+}

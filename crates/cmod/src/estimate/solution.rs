@@ -1,0 +1,107 @@
+//! From a propagation coefficient with its errors to a line of the result, the same for every method.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+use rodwave::medium::modulus_from_propagation;
+
+use super::uncertainty::{
+    ComplexCovariance, LineCovariance, StandardError, SystematicShift, Uncertainty,
+};
+use super::{ModulusLine, Refusal, Termination};
+use crate::branch::ResolvedRoot;
+use crate::validity::{Acceptance, GREATEST_SECOND_ORDER, Validity, Violation};
+
+/// γ of one line and all that goes with it.
+pub(crate) struct Solution {
+    pub(crate) index: usize,
+    pub(crate) frequency_hz: f64,
+    /// γ [1/m].
+    pub(crate) gamma: Complex64,
+    /// ρ [kg/m³].
+    pub(crate) density: f64,
+    /// Of γ, by the noise [1/m²].
+    pub(crate) random: ComplexCovariance,
+    /// By the specimen. Empty if nothing is uncertain about it.
+    pub(crate) systematic: Vec<SystematicShift>,
+    /// |dE/E| by the relative error of what was measured.
+    pub(crate) error_amplification: f64,
+    /// Second-order part of the random error by its first-order part.
+    pub(crate) second_order: f64,
+    /// Distance between the neighbouring sections \[m\], to say how near to a singular line this one is.
+    pub(crate) distance: f64,
+    pub(crate) closed_form: Option<ResolvedRoot>,
+    pub(crate) termination: Termination,
+    /// What speaks against the line already: conditions (i)-(iii), the branch, the misfit.
+    pub(crate) violations: Vec<Violation>,
+}
+
+impl Solution {
+    /// The line, judged. Refused if one of its numbers is not finite.
+    pub(crate) fn into_line(self, acceptance: &Acceptance) -> Result<ModulusLine, Refusal> {
+        let gamma = self.gamma;
+        let omega = TAU * self.frequency_hz;
+        let modulus =
+            modulus_from_propagation(gamma, omega, self.density).map_err(|_| Refusal::NoRoot)?;
+        let mut violations = self.violations;
+        if self.second_order > GREATEST_SECOND_ORDER {
+            violations.push(Violation::NearSingular {
+                second_order: self.second_order,
+                limit: GREATEST_SECOND_ORDER,
+                half_waves: gamma.im * self.distance / PI,
+            });
+        }
+        if let Termination::LostPatience {
+            iterations,
+            residual,
+        } = self.termination
+        {
+            violations.push(Violation::NotConverged {
+                iterations,
+                residual,
+            });
+        }
+        // E = -ρω²/γ²: dE/dγ = -2E/γ
+        let random = LineCovariance {
+            modulus: self.random.through(-2.0 * modulus / gamma),
+            propagation_coefficient: self.random,
+        };
+        let uncertainty =
+            Uncertainty::new(random, self.systematic, acceptance.degrees_of_freedom());
+        let standard_error = StandardError::of(
+            modulus,
+            gamma,
+            self.frequency_hz,
+            &uncertainty.total_covariance(),
+        );
+        let mut line = ModulusLine {
+            index: self.index,
+            frequency_hz: self.frequency_hz,
+            propagation_coefficient: gamma,
+            modulus,
+            loss_factor: modulus.im / modulus.re,
+            phase_velocity: omega / gamma.im,
+            standard_error,
+            uncertainty,
+            error_amplification: self.error_amplification,
+            second_order: self.second_order,
+            closed_form: self.closed_form,
+            termination: self.termination,
+            validity: Validity::Valid,
+        };
+        violations.extend(acceptance.violations(&line));
+        line.validity = Validity::from_violations(violations);
+        let numbers = [
+            modulus.norm(),
+            line.loss_factor,
+            line.phase_velocity,
+            line.error_amplification,
+            line.second_order,
+        ];
+        if numbers.iter().all(|number| number.is_finite()) && line.standard_error.is_finite() {
+            Ok(line)
+        } else {
+            Err(Refusal::Undetermined)
+        }
+    }
+}

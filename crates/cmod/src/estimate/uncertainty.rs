@@ -1,0 +1,440 @@
+//! How well a line is known: what scatters from line to line, what is wrong on all lines alike, and both together.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::ops::Add;
+
+use num_complex::Complex64;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use crate::error::{CmodError, check_positive};
+
+/// Covariance of real and imaginary part of a complex quantity, in the square of its unit.
+///
+/// ```
+/// use cmod::estimate::ComplexCovariance;
+/// use num_complex::Complex64;
+///
+/// // an error without preferred phase stays one under a complex factor
+/// let covariance = ComplexCovariance::circular(2.0).through(Complex64::new(0.0, 3.0));
+/// assert_eq!(covariance, ComplexCovariance { real: 9.0, imaginary: 9.0, mixed: 0.0 });
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ComplexCovariance {
+    /// Variance of the real part.
+    pub real: f64,
+    /// Variance of the imaginary part.
+    pub imaginary: f64,
+    /// Covariance of the two.
+    pub mixed: f64,
+}
+
+impl ComplexCovariance {
+    /// Of an error δz without preferred phase with E|δz|² = `mean_square`: half for each part, and no correlation.
+    #[must_use]
+    pub fn circular(mean_square: f64) -> Self {
+        Self {
+            real: 0.5 * mean_square,
+            imaginary: 0.5 * mean_square,
+            mixed: 0.0,
+        }
+    }
+
+    /// Of an error δz = `shift` · ξ with one real ξ of variance 1: real and imaginary part go together.
+    #[must_use]
+    pub fn of_shift(shift: Complex64) -> Self {
+        Self {
+            real: shift.re * shift.re,
+            imaginary: shift.im * shift.im,
+            mixed: shift.re * shift.im,
+        }
+    }
+
+    /// Of w = f(z) with the complex `derivative` dw/dz, to first order.
+    #[must_use]
+    pub fn through(self, derivative: Complex64) -> Self {
+        let Complex64 { re: a, im: b } = derivative;
+        let Self {
+            real,
+            imaginary,
+            mixed,
+        } = self;
+        Self {
+            real: a * a * real + b * b * imaginary - 2.0 * a * b * mixed,
+            imaginary: b * b * real + a * a * imaginary + 2.0 * a * b * mixed,
+            mixed: a * b * (real - imaginary) + (a * a - b * b) * mixed,
+        }
+    }
+
+    /// E|δz|², of both parts together.
+    #[must_use]
+    pub fn mean_square(&self) -> f64 {
+        self.real + self.imaginary
+    }
+
+    /// Variance of a real function of z with the derivatives `by_real` and `by_imaginary`, to first order. Not below 0,
+    /// where rounding of a singular covariance could bring it.
+    #[must_use]
+    pub fn variance_of(&self, by_real: f64, by_imaginary: f64) -> f64 {
+        let variance = by_real * by_real * self.real
+            + by_imaginary * by_imaginary * self.imaginary
+            + 2.0 * by_real * by_imaginary * self.mixed;
+        if variance < 0.0 { 0.0 } else { variance }
+    }
+
+    /// Correlation of the parts, from -1 to 1; 0 if one of them is exact.
+    #[must_use]
+    pub fn correlation(&self) -> f64 {
+        let size = (self.real * self.imaginary).sqrt();
+        if size > 0.0 { self.mixed / size } else { 0.0 }
+    }
+}
+
+/// Of the sum of independent errors.
+impl Add for ComplexCovariance {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            real: self.real + other.real,
+            imaginary: self.imaginary + other.imaginary,
+            mixed: self.mixed + other.mixed,
+        }
+    }
+}
+
+/// What is known of a specimen only to within an uncertainty, the same on all lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub enum ErrorSource {
+    /// Length of the specimen.
+    Length,
+    /// Diameter of the specimen.
+    Diameter,
+    /// Density of the specimen.
+    Density,
+    /// Mass of the accelerometer at the free end.
+    AccelerometerMass,
+    /// Distance of a section, counted from 0 as the method takes them.
+    Section(usize),
+    /// Poisson's ratio, where lateral inertia has been removed.
+    PoissonRatio,
+}
+
+impl fmt::Display for ErrorSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Section(index) => return write!(formatter, "distance of section {index}"),
+            Self::PoissonRatio => "poisson's ratio",
+            Self::Length => "length",
+            Self::Diameter => "diameter",
+            Self::Density => "density",
+            Self::AccelerometerMass => "accelerometer mass",
+        })
+    }
+}
+
+/// By how much a line is wrong if one source is wrong by its standard uncertainty. The error of a source is one number for all
+/// lines: errors of two lines i and j by it have the covariance Re δEᵢ Re δEⱼ, and so on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct SystematicShift {
+    /// What is uncertain.
+    pub source: ErrorSource,
+    /// δE \[Pa\].
+    pub modulus: Complex64,
+    /// δγ [1/m].
+    pub propagation_coefficient: Complex64,
+}
+
+impl SystematicShift {
+    pub(crate) fn new(
+        source: ErrorSource,
+        modulus: Complex64,
+        propagation_coefficient: Complex64,
+    ) -> Self {
+        Self {
+            source,
+            modulus,
+            propagation_coefficient,
+        }
+    }
+}
+
+/// Covariances of the modulus and of the propagation coefficient from the same errors.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct LineCovariance {
+    /// Of E' and E'' \[Pa²\].
+    pub modulus: ComplexCovariance,
+    /// Of α and k [1/m²].
+    pub propagation_coefficient: ComplexCovariance,
+}
+
+/// Uncertainty of one line, by what causes it.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Uncertainty {
+    /// From the noise of what was measured: independent from line to line.
+    pub random: LineCovariance,
+    /// From what is uncertain about the specimen: fully correlated over the lines, and independent of each other.
+    pub systematic: Vec<SystematicShift>,
+    /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+impl Uncertainty {
+    pub(crate) fn new(
+        random: LineCovariance,
+        systematic: Vec<SystematicShift>,
+        degrees_of_freedom: Option<f64>,
+    ) -> Self {
+        Self {
+            random,
+            systematic,
+            degrees_of_freedom,
+        }
+    }
+
+    /// Covariance of one line by all that is uncertain about the specimen.
+    #[must_use]
+    pub fn systematic_covariance(&self) -> LineCovariance {
+        let none = LineCovariance::default();
+        self.systematic
+            .iter()
+            .fold(none, |sum, shift| LineCovariance {
+                modulus: sum.modulus + ComplexCovariance::of_shift(shift.modulus),
+                propagation_coefficient: sum.propagation_coefficient
+                    + ComplexCovariance::of_shift(shift.propagation_coefficient),
+            })
+    }
+
+    /// Covariance of one line by everything.
+    #[must_use]
+    pub fn total_covariance(&self) -> LineCovariance {
+        let systematic = self.systematic_covariance();
+        LineCovariance {
+            modulus: self.random.modulus + systematic.modulus,
+            propagation_coefficient: self.random.propagation_coefficient
+                + systematic.propagation_coefficient,
+        }
+    }
+
+    /// The factor k by which |error| <= kσ with this `probability`, of the random part: Student's distribution if the
+    /// variance was estimated from few averages, else the normal one.
+    ///
+    /// ```
+    /// # use cmod::estimate::coverage_factor;
+    /// assert!((coverage_factor(0.95, None)? - 1.960).abs() < 1e-3);
+    /// // ten averages: 2 (10 - 1) degrees of freedom
+    /// assert!((coverage_factor(0.95, Some(18.0))? - 2.101).abs() < 1e-3);
+    /// # Ok::<(), cmod::CmodError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`coverage_factor`].
+    pub fn coverage_factor(&self, probability: f64) -> Result<f64, CmodError> {
+        coverage_factor(probability, self.degrees_of_freedom)
+    }
+}
+
+/// The factor k by which |error| <= kσ with this `probability`: Student's distribution if σ was estimated with so many
+/// `degrees_of_freedom`, else the normal one.
+///
+/// # Errors
+/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1 and the degrees of freedom are above 0.
+pub fn coverage_factor(
+    probability: f64,
+    degrees_of_freedom: Option<f64>,
+) -> Result<f64, CmodError> {
+    if !(probability > 0.0 && probability < 1.0) {
+        return Err(CmodError::NonPhysical {
+            quantity: "probability of coverage",
+            value: probability,
+            expected: "a value between 0 and 1",
+        });
+    }
+    // the lower tail: 1 - p/2 would lose the digits of a small p
+    let tail = 0.5 * (1.0 - probability);
+    let quantile = match degrees_of_freedom {
+        None => Normal::standard().inverse_cdf(tail),
+        Some(freedom) => {
+            let freedom = check_positive("degrees of freedom", freedom)?;
+            let student =
+                StudentsT::new(0.0, 1.0, freedom).map_err(|_| CmodError::NonPhysical {
+                    quantity: "degrees of freedom",
+                    value: freedom,
+                    expected: "a finite value above 0",
+                })?;
+            student.inverse_cdf(tail)
+        }
+    };
+    Ok(-quantile)
+}
+
+/// Standard errors of one line, to first order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct StandardError {
+    /// Of E' \[Pa\].
+    pub storage_modulus: f64,
+    /// Of E'' \[Pa\].
+    pub loss_modulus: f64,
+    /// Of E''/E'.
+    pub loss_factor: f64,
+    /// Of α [1/m].
+    pub damping_coefficient: f64,
+    /// Of k [rad/m].
+    pub wave_number: f64,
+    /// Of ω/k [m/s].
+    pub phase_velocity: f64,
+}
+
+impl StandardError {
+    /// Of a line with the `modulus` E \[Pa\] and `propagation_coefficient` γ [1/m] at `frequency_hz`, from the
+    /// `covariance` of both.
+    ///
+    /// ```text
+    /// d(E''/E') = (dE'' - (E''/E') dE')/E' ,    d(ω/k) = -ω dk/k²
+    /// ```
+    ///
+    /// For a circular error of E that is |E| σ/E'² for the loss factor.
+    #[must_use]
+    pub fn of(
+        modulus: Complex64,
+        propagation_coefficient: Complex64,
+        frequency_hz: f64,
+        covariance: &LineCovariance,
+    ) -> Self {
+        let by_storage = -modulus.im / (modulus.re * modulus.re);
+        let wave_number = covariance.propagation_coefficient.imaginary.sqrt();
+        let k = propagation_coefficient.im;
+        Self {
+            storage_modulus: covariance.modulus.real.sqrt(),
+            loss_modulus: covariance.modulus.imaginary.sqrt(),
+            loss_factor: covariance
+                .modulus
+                .variance_of(by_storage, modulus.re.recip())
+                .sqrt(),
+            damping_coefficient: covariance.propagation_coefficient.real.sqrt(),
+            wave_number,
+            phase_velocity: TAU * frequency_hz * wave_number / (k * k),
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        [
+            self.storage_modulus,
+            self.loss_modulus,
+            self.loss_factor,
+            self.damping_coefficient,
+            self.wave_number,
+            self.phase_velocity,
+        ]
+        .iter()
+        .all(|error| error.is_finite())
+    }
+
+    fn of_modulus(&self) -> Complex64 {
+        Complex64::new(self.storage_modulus, self.loss_modulus)
+    }
+}
+
+/// Written as the modulus is, `E'+E''i`, in Pa.
+impl fmt::Display for StandardError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.of_modulus(), formatter)
+    }
+}
+
+/// As [`Display`](fmt::Display), with exponents.
+impl fmt::LowerExp for StandardError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::LowerExp::fmt(&self.of_modulus(), formatter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sample of errors with two given real components, carried through a complex function by differences.
+    #[test]
+    fn covariances_go_through_a_complex_derivative() {
+        let function = |z: Complex64| z.exp() / z;
+        let at = Complex64::new(0.8, -1.3);
+        let derivative = function(at) * (1.0 - at.inv());
+        let (first, second) = (Complex64::new(3e-6, 1e-6), Complex64::new(-2e-6, 5e-6));
+        let before = ComplexCovariance::of_shift(first) + ComplexCovariance::of_shift(second);
+        let after = before.through(derivative);
+        let moved = |shift: Complex64| 0.5 * (function(at + shift) - function(at - shift));
+        let expected =
+            ComplexCovariance::of_shift(moved(first)) + ComplexCovariance::of_shift(moved(second));
+        for (found, expected) in [
+            (after.real, expected.real),
+            (after.imaginary, expected.imaginary),
+            (after.mixed, expected.mixed),
+        ] {
+            // Differences of 5e-6 cancel 1e-16/5e-6 = 2e-11 of their digits.
+            assert!((found - expected).abs() < 1e-9 * after.mean_square());
+        }
+        assert!(after.correlation().abs() < 1.0);
+    }
+
+    /// σ of E''/E' and of ω/k by central differences over an even sample of phases of a circular error.
+    #[test]
+    fn errors_of_derived_quantities_are_gradients() {
+        let modulus = Complex64::new(2.0e9, 0.3e9);
+        let gamma = Complex64::new(0.7, 9.0);
+        let frequency_hz = 1500.0;
+        let sigma = 5e6;
+        // E = C/γ²: the errors of E and γ belong together
+        let derivative = -0.5 * gamma / modulus;
+        let covariance_of_modulus = ComplexCovariance::circular(2.0 * sigma * sigma);
+        let covariance = LineCovariance {
+            modulus: covariance_of_modulus,
+            propagation_coefficient: covariance_of_modulus.through(derivative),
+        };
+        let error = StandardError::of(modulus, gamma, frequency_hz, &covariance);
+        let phases = 64;
+        let (mut loss_factor, mut velocity) = (0.0, 0.0);
+        for j in 0..phases {
+            let angle = TAU * f64::from(j) / f64::from(phases);
+            let delta = Complex64::from_polar(sigma * 2.0_f64.sqrt(), angle);
+            let (plus, minus) = (modulus + delta, modulus - delta);
+            loss_factor += (0.5 * (plus.im / plus.re - minus.im / minus.re)).powi(2);
+            let speed = |shift: Complex64| TAU * frequency_hz / (gamma + shift).im;
+            velocity += (0.5 * (speed(delta * derivative) - speed(-delta * derivative))).powi(2);
+        }
+        let rms = |sum: f64| (sum / f64::from(phases)).sqrt();
+        // Differences at 0.35 % of E: second-order error 1e-5.
+        assert!((error.loss_factor / rms(loss_factor) - 1.0).abs() < 3e-5);
+        assert!((error.phase_velocity / rms(velocity) - 1.0).abs() < 3e-5);
+        assert!((error.storage_modulus / sigma - 1.0).abs() < 1e-14);
+        assert!((error.loss_factor / (sigma * modulus.norm() / 4e18) - 1.0).abs() < 1e-14);
+    }
+
+    /// Tables of Student's distribution; the normal one where the degrees of freedom are many.
+    #[test]
+    fn coverage_factors_are_those_of_the_tables() {
+        for (probability, freedom, quantile) in [
+            (0.95, Some(2.0), 4.3027),
+            (0.95, Some(18.0), 2.1009),
+            (0.99, Some(18.0), 2.8784),
+            (0.6826894921, None, 1.0),
+            (0.9999994267, None, 5.0),
+        ] {
+            let factor = coverage_factor(probability, freedom).unwrap();
+            assert!((factor / quantile - 1.0).abs() < 3e-5, "{factor}");
+        }
+        let many = coverage_factor(0.9999994267, Some(1e7)).unwrap();
+        assert!((many - 5.0).abs() < 1e-4, "{many}");
+        for (probability, freedom) in [(0.0, None), (1.0, None), (f64::NAN, None), (0.5, Some(0.0))]
+        {
+            assert!(coverage_factor(probability, freedom).is_err());
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! Two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc, as used in Ödeen 1993, papers A and B).
+//!
+//! Beyond the free end there is no force but the inertia of a mass m that may be attached to it. With the distance d from
+//! the end and u along the rod towards it,
+//!
+//! ```text
+//! û(d) = û(0) [cosh γd + lγ sinh γd] ,    ε̂(d) = -γ û(0) [sinh γd + lγ cosh γd] ,    l = m/(ρA) ,
+//! ```
+//!
+//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances holds γ and nothing of the impact. For two
+//! strains without end mass it is
+//!
+//! ```text
+//! Ψ = ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    and for d₁ = 2d₂    cosh γd₂ = Ψ/2 :
+//! ```
+//!
+//! the closed form of Lundberg and Blanc, from which paper A takes its free end (eqs. 3-4) and paper B its three gauges,
+//! with r for r/2 (eqs. 8-9). Other distances and end masses are solved by iteration. The two-point method is the ratio of
+//! two accelerations, d₁ = L and d₂ = 0.
+//!
+//! One strain gauge and an accelerometer on the free end are such a pair, too: what Bacon's method
+//! ([`OneGauge`](crate::OneGauge)) does with separate pulses, this does with pulses that overlap.
+//!
+//! # Singular lines
+//! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large and marked.
+
+mod rod;
+
+pub(crate) use rod::FreeEndShape;
+pub use rod::RodWithFreeEnd;
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+
+use crate::branch::FreeEndRoot;
+use crate::error::{CmodError, check_not_negative};
+use crate::estimate::{ErrorSource, Method, ModulusEstimate};
+use crate::multi_point::Quantity;
+use crate::section_ratio::{
+    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+};
+use crate::validity::AcceptanceLimits;
+
+/// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
+const EQUAL: f64 = 1e-12;
+
+/// What is measured where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndSection {
+    /// Distance d from the free end \[m\].
+    pub distance: f64,
+    /// What is measured; motions along the rod towards the free end, strain positive in tension.
+    pub quantity: Quantity,
+}
+
+/// The modulus from two sections of a rod with a free end.
+///
+/// ```
+/// use cmod::multi_point::Quantity;
+/// use cmod::{EndSection, FreeEnd, RodWithFreeEnd};
+/// use rodwave::chain::{Chain, Termination};
+/// use rodwave::element::Circle;
+/// use rodwave::medium::Medium;
+/// use rodwave::modulus::ConstantQ;
+///
+/// // strain gauges 0.5 m and 0.25 m from the free end of a rod of polypropylene, 0.8 m long
+/// let polypropylene = Medium::new(903.0, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
+/// let chain = Chain::from_impact_face()
+///     .rod(&polypropylene, Circle::of_diameter(0.0106)?, 0.8)
+///     .end(Termination::Free)?;
+/// let frequency_hz: Vec<f64> = (1..=200).map(|j| 50.0 * f64::from(j)).collect();
+/// let mut ratio = Vec::new();
+/// for f in &frequency_hz {
+///     let omega = 2.0 * std::f64::consts::PI * f;
+///     let force = |distance: f64| Ok::<_, rodwave::RodwaveError>(chain.section(0, 0.8 - distance)?.state(omega)?.normal_force);
+///     ratio.push(force(0.5)? / force(0.25)?);
+/// }
+/// let rod = RodWithFreeEnd { diameter: 0.0106, density: 903.0, end_mass: 0.0 };
+/// let gauge = |distance| EndSection { distance, quantity: Quantity::Strain };
+/// let estimate = FreeEnd::new(rod, gauge(0.5), gauge(0.25))?.estimate(&frequency_hz, &ratio, &[1e-8; 200])?;
+/// for line in estimate.valid() {
+///     let exact = polypropylene.modulus(2.0 * std::f64::consts::PI * line.frequency_hz);
+///     assert!((line.modulus - exact).norm() < 1e-9 * exact.norm());
+/// }
+/// assert!(estimate.valid().count() > 150);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeEnd {
+    rod: RodWithFreeEnd,
+    first: EndSection,
+    second: EndSection,
+    settings: Settings,
+}
+
+impl FreeEnd {
+    /// The method for the ratio of what is measured at `first` by what is measured at `second`.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for the rod, and for a distance that is not finite or below 0;
+    /// [`CmodError::NoInformation`] if both are the same, or if one is the strain of a free end without mass, which is 0.
+    pub fn new(
+        rod: RodWithFreeEnd,
+        first: EndSection,
+        second: EndSection,
+    ) -> Result<Self, CmodError> {
+        rod.check()?;
+        for section in [first, second] {
+            check_not_negative("distance from the free end [m]", section.distance)?;
+            if section.quantity == Quantity::Strain
+                && section.distance == 0.0
+                && rod.end_mass == 0.0
+            {
+                return Err(CmodError::NoInformation {
+                    what: "the strain of a free end is 0",
+                });
+            }
+        }
+        let one_place = (first.distance - second.distance).abs() <= f64::EPSILON * first.distance;
+        let strains = [first, second].map(|section| section.quantity == Quantity::Strain);
+        if one_place && strains[0] == strains[1] {
+            return Err(CmodError::NoInformation {
+                what: "the ratio of motions, or of strains, of one section is the same for every material",
+            });
+        }
+        Ok(Self {
+            rod,
+            first,
+            second,
+            settings: Settings::default(),
+        })
+    }
+
+    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
+    /// 20 m/s and 20 km/s.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_wave_speed(wave_speed)?;
+        Ok(self)
+    }
+
+    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
+        Ok(self)
+    }
+
+    /// The complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section by the second, at the increasing frequencies
+    /// `frequency_hz` \[Hz\]. All three arrays have one entry a line.
+    ///
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, as
+    /// [`RatioOfSpectra`](crate::RatioOfSpectra) gives it; 0 stands for data without noise. The result has, to first order,
+    ///
+    /// ```text
+    /// E|δγ|² = E|δΨ|²/|g'(γ)|² ,    δE = -2E δγ/γ
+    /// ```
+    ///
+    /// with g(γ) = Ψ; for strains with d₁ = 2d₂, g' = 2d₂ sinh γd₂.
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
+    /// [`CmodError::NegativeVariance`]. A single bad line is [refused](ModulusEstimate::refused) alone.
+    pub fn estimate(
+        &self,
+        frequency_hz: &[f64],
+        ratio: &[Complex64],
+        variance: &[f64],
+    ) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, frequency_hz, ratio, variance)
+    }
+
+    /// û or ε̂ of a section by û(0), with the powers of iω and -γ that the two sections do not share.
+    fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
+        let shape = FreeEndShape {
+            quantity: section.quantity,
+            length_of_end_mass: self.rod.length_of_end_mass(),
+        }
+        .at(section.distance, gamma);
+        let (in_space, in_time) = section.quantity.derivatives();
+        if in_space == 0 {
+            shape * Jet::constant(Complex64::new(0.0, omega).powi(in_time))
+        } else if self.first.quantity == self.second.quantity {
+            shape
+        } else {
+            shape * Jet::linear(0.0, -1.0, gamma)
+        }
+    }
+}
+
+impl SectionRatio for FreeEnd {
+    fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2] {
+        [self.first, self.second].map(|section| self.jet(section, gamma, omega))
+    }
+
+    fn distance(&self) -> f64 {
+        self.first.distance.max(self.second.distance)
+    }
+
+    fn rod(&self) -> RodOfRatio {
+        RodOfRatio {
+            diameter: self.rod.diameter,
+            density: self.rod.density,
+        }
+    }
+
+    fn method(&self) -> Method {
+        Method::FreeEnd(*self)
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn changed(&self) -> Vec<Changed<Self>> {
+        let rods = self.rod.changed(self.settings.uncertainty());
+        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
+            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
+            Changed {
+                source,
+                larger,
+                smaller,
+            }
+        };
+        let moved = |index: usize, by: f64| {
+            let mut sections = [self.first, self.second];
+            if let Some(section) = sections.get_mut(index) {
+                section.distance += by;
+            }
+            let [first, second] = sections;
+            Self {
+                first,
+                second,
+                ..*self
+            }
+        };
+        let distance = self.settings.uncertainty().distance;
+        let sections = [self.first, self.second].into_iter().enumerate();
+        let sections = sections
+            .filter(|(_, section)| section.distance > 0.0 && distance > 0.0)
+            .map(|(index, _)| Changed {
+                source: ErrorSource::Section(index),
+                larger: moved(index, distance),
+                smaller: moved(index, -distance),
+            });
+        rods.into_iter().map(with_rod).chain(sections).collect()
+    }
+
+    fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {
+        let (first, second) = (self.first, self.second);
+        if self.rod.end_mass != 0.0 || first.quantity != second.quantity {
+            return None;
+        }
+        let (cosh, distance) = if first.quantity == Quantity::Strain {
+            let double = (first.distance - 2.0 * second.distance).abs() <= EQUAL * first.distance;
+            double.then_some((0.5 * ratio, second.distance))
+        } else {
+            (second.distance == 0.0).then_some((ratio, first.distance))
+        }?;
+        let root = nearest_inverse_cosh(cosh, expected * distance);
+        // γ and -γ are the same root; the wave that travels forward
+        let root = if root.im < 0.0 { -root } else { root };
+        Some(root / distance)
+    }
+}
+
+/// Of all roots of cosh x = Ψ, which are ±x + 2πi m, the one nearest to `expected`.
+fn nearest_inverse_cosh(ratio: Complex64, expected: Complex64) -> Complex64 {
+    let root = FreeEndRoot::of(ratio);
+    let quadrant_phase = if ratio.re >= 0.0 {
+        root.angle()
+    } else {
+        PI - root.angle()
+    };
+    let principal = Complex64::new(root.damping_length(), quadrant_phase.copysign(ratio.im));
+    let candidate = |root: Complex64| {
+        let turns = ((expected.im - root.im) / TAU).round();
+        root + Complex64::new(0.0, turns * TAU)
+    };
+    let (decaying, growing) = (candidate(principal), candidate(-principal));
+    if (decaying - expected).norm() <= (growing - expected).norm() {
+        decaying
+    } else {
+        growing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROD: RodWithFreeEnd = RodWithFreeEnd {
+        diameter: 0.0106,
+        density: 903.0,
+        end_mass: 0.0,
+    };
+
+    fn section(distance: f64, quantity: Quantity) -> EndSection {
+        EndSection { distance, quantity }
+    }
+
+    #[test]
+    fn sections_that_say_nothing_are_refused() {
+        let text = |rod, first, second| FreeEnd::new(rod, first, second).unwrap_err().to_string();
+        let strain = |d| section(d, Quantity::Strain);
+        assert_eq!(
+            text(ROD, strain(0.5), strain(0.0)),
+            "the strain of a free end is 0, expected sections whose ratio depends on the material"
+        );
+        assert_eq!(
+            text(ROD, strain(0.5), strain(0.5)),
+            "the ratio of motions, or of strains, of one section is the same for every material, \
+             expected sections whose ratio depends on the material"
+        );
+        assert_eq!(
+            text(
+                ROD,
+                section(0.5, Quantity::Velocity),
+                section(0.5, Quantity::Acceleration)
+            ),
+            "the ratio of motions, or of strains, of one section is the same for every material, \
+             expected sections whose ratio depends on the material"
+        );
+        assert_eq!(
+            text(ROD, strain(-0.1), strain(0.5)),
+            "distance from the free end [m] is -0.1, expected a finite value, 0 or above"
+        );
+        let heavy = RodWithFreeEnd {
+            end_mass: f64::NAN,
+            ..ROD
+        };
+        assert_eq!(
+            text(heavy, strain(0.1), strain(0.5)),
+            "mass on the free end [kg] is NaN, expected a finite value, 0 or above"
+        );
+        assert!(FreeEnd::new(ROD, strain(0.5), section(0.5, Quantity::Velocity)).is_ok());
+    }
+
+    /// The closed form against the two derivatives and the value of g, on every branch.
+    #[test]
+    fn closed_form_solves_the_equation_on_every_branch() {
+        let pairs = [
+            (
+                section(0.5, Quantity::Strain),
+                section(0.25, Quantity::Strain),
+            ),
+            (
+                section(0.8, Quantity::Velocity),
+                section(0.0, Quantity::Velocity),
+            ),
+        ];
+        for (first, second) in pairs {
+            let method = FreeEnd::new(ROD, first, second).unwrap();
+            for j in 1..60 {
+                let gamma = Complex64::new(0.2, 0.71 * f64::from(j));
+                let [upper, lower] = method.jets(gamma, 1.0);
+                let ratio = upper.over(&lower).value;
+                let near = gamma + Complex64::new(0.02, 0.1);
+                let root = method.closed_form(ratio, near).unwrap();
+                // |sinh γd| >= 0.05: a digit or two less than rounding.
+                assert!(
+                    (root - gamma).norm() < 1e-12 * gamma.norm(),
+                    "{gamma}: {root}"
+                );
+            }
+        }
+    }
+}

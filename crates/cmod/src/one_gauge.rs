@@ -1,0 +1,229 @@
+//! One gauge and a free end: the pulse that runs to the end and comes back (Bacon, *Experimental Mechanics* 38, 1998).
+//!
+//! A gauge at the distance d from the free end sees the incident pulse and later the reflected one, each cut out of the
+//! record with a window of its own. With a mass m on the end and l = m/(ρA),
+//!
+//! ```text
+//! H = ε̂_r/ε̂_i = -e^{-2γd} (1 - lγ)/(1 + lγ) ,    v̂_r/v̂_i = +e^{-2γd} (1 - lγ)/(1 + lγ)
+//! ```
+//!
+//! where lγ = iωm/Z is the impedance of the mass by that of the rod. Without a mass the closed form is α = -ln|H|/2d and
+//! k = -arg(-H)/2d, the phase continued from 0 Hz.
+//!
+//! # Errors
+//! With noise of variance σ² in both spectra, and without a mass,
+//!
+//! ```text
+//! E|δγ|² = σ²/(4d²|ε̂_i|²) · (1 + 1/|H|²)
+//! ```
+//!
+//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its height.
+//!
+//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the same section, as second
+//! record they need not be: see [`FreeEnd`](crate::FreeEnd).
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_positive};
+use crate::estimate::{ErrorSource, Method, ModulusEstimate};
+use crate::free_end::{EndSection, RodWithFreeEnd};
+use crate::multi_point::Quantity;
+use crate::pulses::nearest_logarithm;
+use crate::section_ratio::{
+    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+};
+use crate::validity::AcceptanceLimits;
+
+/// The modulus from the incident and the reflected pulse at one section.
+///
+/// ```
+/// use cmod::multi_point::Quantity;
+/// use cmod::{EndSection, OneGauge, RodWithFreeEnd};
+/// use num_complex::Complex64;
+///
+/// // a wave with c = 1700 m/s and a loss factor of 0.1, 0.3 m from the free end
+/// let frequency_hz: Vec<f64> = (1..=100).map(|j| 100.0 * f64::from(j)).collect();
+/// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
+/// let ratio: Vec<Complex64> = frequency_hz.iter().map(|&f| -(-0.6 * gamma(f)).exp()).collect();
+/// let rod = RodWithFreeEnd { diameter: 0.0106, density: 903.0, end_mass: 0.0 };
+/// let gauge = EndSection { distance: 0.3, quantity: Quantity::Strain };
+/// let estimate = OneGauge::new(rod, gauge)?.estimate(&frequency_hz, &ratio, &[1e-8; 100])?;
+/// for line in estimate.valid() {
+///     assert!((line.phase_velocity - 1700.0).abs() < 1e-9);
+/// }
+/// assert!(estimate.valid().count() > 90);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OneGauge {
+    rod: RodWithFreeEnd,
+    section: EndSection,
+    settings: Settings,
+}
+
+impl OneGauge {
+    /// The method for one rod and one section.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for the rod, and unless the distance from the end is finite and above 0.
+    pub fn new(rod: RodWithFreeEnd, section: EndSection) -> Result<Self, CmodError> {
+        rod.check()?;
+        check_positive("distance from the free end [m]", section.distance)?;
+        Ok(Self {
+            rod,
+            section,
+            settings: Settings::default(),
+        })
+    }
+
+    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
+    /// 20 m/s and 20 km/s.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_wave_speed(wave_speed)?;
+        Ok(self)
+    }
+
+    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
+        Ok(self)
+    }
+
+    /// The complex modulus from the `ratio` H of the reflected pulse by the incident one and its `variance` E|δH|², at the
+    /// increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry a line.
+    ///
+    /// Both spectra have the same origin of time, whatever their windows are.
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
+    /// [`CmodError::NegativeVariance`]. A single bad line is [refused](ModulusEstimate::refused) alone.
+    pub fn estimate(
+        &self,
+        frequency_hz: &[f64],
+        ratio: &[Complex64],
+        variance: &[f64],
+    ) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, frequency_hz, ratio, variance)
+    }
+
+    /// Reflection of the quantity at a free end without mass.
+    fn reflection(&self) -> f64 {
+        if self.section.quantity == Quantity::Strain {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+}
+
+impl SectionRatio for OneGauge {
+    fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
+        let l = self.rod.length_of_end_mass();
+        let reflection = self.reflection();
+        let way = Jet::decay(2.0 * self.section.distance, gamma);
+        [
+            way * Jet::linear(reflection, -reflection * l, gamma),
+            Jet::linear(1.0, l, gamma),
+        ]
+    }
+
+    fn distance(&self) -> f64 {
+        2.0 * self.section.distance
+    }
+
+    fn rod(&self) -> RodOfRatio {
+        RodOfRatio {
+            diameter: self.rod.diameter,
+            density: self.rod.density,
+        }
+    }
+
+    fn method(&self) -> Method {
+        Method::OneGauge(*self)
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn changed(&self) -> Vec<Changed<Self>> {
+        let rods = self.rod.changed(self.settings.uncertainty());
+        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
+            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
+            Changed {
+                source,
+                larger,
+                smaller,
+            }
+        };
+        let distance = self.settings.uncertainty().distance;
+        let moved = |by: f64| {
+            let mut changed = *self;
+            changed.section.distance += by;
+            changed
+        };
+        let section = (distance > 0.0).then(|| Changed {
+            source: ErrorSource::Section(0),
+            larger: moved(distance),
+            smaller: moved(-distance),
+        });
+        rods.into_iter().map(with_rod).chain(section).collect()
+    }
+
+    fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {
+        (self.rod.end_mass == 0.0)
+            .then(|| nearest_logarithm(self.reflection() * ratio, self.distance(), expected))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gauge_at_the_end_is_refused() {
+        let rod = RodWithFreeEnd {
+            diameter: 0.0106,
+            density: 903.0,
+            end_mass: 0.0,
+        };
+        let section = EndSection {
+            distance: 0.0,
+            quantity: Quantity::Strain,
+        };
+        assert_eq!(
+            OneGauge::new(rod, section).unwrap_err().to_string(),
+            "distance from the free end [m] is 0, expected a finite value above 0"
+        );
+    }
+
+    /// The optimum of the documented variance: 2x = 1 + e^{-4x}.
+    #[test]
+    fn best_distance_is_where_the_pulse_has_lost_two_thirds() {
+        // E|δγ|² ~ (1 + e^{4αd})/d² at fixed α = 1
+        let variance = |d: f64| (1.0 + (4.0 * d).exp()) / (d * d);
+        let best = (1..2000)
+            .map(|j| 1e-3 * f64::from(j))
+            .min_by(|a, b| variance(*a).total_cmp(&variance(*b)));
+        let best = best.unwrap();
+        // The grid of 1e-3, times the slope of the condition.
+        assert!((2.0 * best - 1.0 - (-4.0 * best).exp()).abs() < 3e-3);
+        assert!((best - 0.55).abs() < 6e-3);
+    }
+}

@@ -1,0 +1,318 @@
+//! Resonances of a rod with one free end (Norris and Young; the forerunner that Ödeen 1993, paper A, names for its eq. 1).
+//!
+//! A rod is driven at one end and free at the other, and the accelerations of both ends are compared where they are a
+//! quarter of a period apart:
+//!
+//! ```text
+//! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    Re Ψ(f_n) = 0 ,    n = 1, 2, ...
+//! ```
+//!
+//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that a frequency and an amplitude are all that has to be read. With a
+//! mass the equation is solved for γ as in the two-point method.
+//!
+//! Here the crossings of Re Ψ are numbered by [`crate::branch`] and read off a polynomial of third degree through the
+//! lines within 0.3 rad of kL. It averages their noise; what it cannot follow, less than 5e-5/n of E, is the model error of the
+//! method. Between the resonances nothing is said of the material: that is the two-point method.
+
+mod local_polynomial;
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use num_complex::Complex64;
+
+use crate::branch::resolve;
+use crate::error::{CmodError, check_positive};
+use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
+use crate::multi_point::Quantity;
+use crate::section_ratio::{self, MeasuredRatio, Root, SectionUncertainty, Settings};
+use crate::validity::{Acceptance, AcceptanceLimits, Violation};
+use local_polynomial::LocalPolynomial;
+
+/// Lines within this distance of a resonance take part, in rad of kL.
+const HALF_WIDTH: f64 = 0.3;
+/// Steps in which the mass on the end is put on.
+const MASS_STEPS: u32 = 10;
+/// So many lines at least: four coefficients, and some noise to average.
+const FEWEST_LINES: usize = 7;
+
+/// The modulus at the resonances of a rod that is driven at one end.
+///
+/// ```
+/// use cmod::{Resonances, RodWithFreeEnd};
+/// use num_complex::Complex64;
+///
+/// // a rod of 0.8 m with c = 1700 m/s and a loss factor of 0.1
+/// let frequency_hz: Vec<f64> = (1..=400).map(|j| 10.0 * f64::from(j)).collect();
+/// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
+/// let ratio: Vec<Complex64> = frequency_hz.iter().map(|&f| (0.8 * gamma(f)).cosh()).collect();
+/// let rod = RodWithFreeEnd { diameter: 0.0106, density: 903.0, end_mass: 0.0 };
+/// let estimate = Resonances::new(rod, 0.8)?.estimate(&frequency_hz, &ratio, &[1e-6; 400])?;
+/// let resonances: Vec<f64> = estimate.valid().map(|line| line.frequency_hz).collect();
+/// assert_eq!(resonances.len(), 4);
+/// assert!((resonances[1] - 3.0 * 1700.0 / (4.0 * 0.8)).abs() < 0.1);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resonances {
+    rod: RodWithFreeEnd,
+    length: f64,
+    settings: Settings,
+}
+
+impl Resonances {
+    /// The method for a rod of this `length` L \[m\].
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for the rod, and unless the length is finite and above 0.
+    pub fn new(rod: RodWithFreeEnd, length: f64) -> Result<Self, CmodError> {
+        rod.check()?;
+        check_positive("length [m]", length)?;
+        Ok(Self {
+            rod,
+            length,
+            settings: Settings::default(),
+        })
+    }
+
+    /// The same with standard uncertainties of the rod, with its length as distance: the systematic part of the errors.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_uncertainty(uncertainty)?;
+        Ok(self)
+    }
+
+    /// The same with other errors accepted of a valid line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
+    /// coherence is not asked here.
+    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_limits(limits)?;
+        Ok(self)
+    }
+
+    /// The complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂, driven end by free end, and
+    /// its `variance` E|δΨ|², at the increasing frequencies `frequency_hz` \[Hz\].
+    ///
+    /// Each resonance is a line of the result, at its own frequency; its index is that of the nearest measured line. Seven
+    /// measured lines must lie within 0.3 rad of it, otherwise it is refused as [`Refusal::NoRoot`]. The error that
+    /// the polynomial has at the resonance, by the variance of its lines, goes through the equation as in the two-point method:
+    ///
+    /// ```text
+    /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
+    /// ```
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
+    /// [`CmodError::NegativeVariance`].
+    pub fn estimate(
+        &self,
+        frequency_hz: &[f64],
+        acceleration_ratio: &[Complex64],
+        variance: &[f64],
+    ) -> Result<ModulusEstimate, CmodError> {
+        let (measured, _) = section_ratio::usable(frequency_hz, acceleration_ratio, variance)?;
+        let (mut lines, mut refused) = (Vec::new(), Vec::new());
+        let acceptance = Acceptance::new(*self.settings.limits(), None)?;
+        let equation = self.equation(self.rod)?;
+        for crossing in crossings(&measured)? {
+            let at_resonance = crossing.read(&measured);
+            let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
+                let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
+                let doubts = crossing.doubt.into_iter().collect();
+                section_ratio::solved(&equation, &resonance, root, doubts)?.into_line(&acceptance)
+            });
+            match line {
+                Ok(line) => lines.push(line),
+                Err(reason) => refused.push(RefusedLine {
+                    index: crossing.index,
+                    frequency_hz: crossing.frequency_hz,
+                    reason,
+                }),
+            }
+        }
+        Ok(ModulusEstimate::new(
+            Method::Resonances(*self),
+            lines,
+            refused,
+        ))
+    }
+
+    /// The ratio of the accelerations of the ends, of which the far one is an uncertain distance away.
+    fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
+        let [first, second] = [self.length, 0.0].map(|distance| EndSection {
+            distance,
+            quantity: Quantity::Acceleration,
+        });
+        FreeEnd::new(rod, first, second)?.with_uncertainty(*self.settings.uncertainty())
+    }
+
+    /// From the closed form without mass, the mass put on in steps.
+    fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio) -> Option<Root> {
+        let sign = if crossing.order.is_multiple_of(2) {
+            -1.0
+        } else {
+            1.0
+        };
+        let free_end = Complex64::new((sign * resonance.ratio.im).asinh(), crossing.phase());
+        let mut root = Root {
+            gamma: free_end / self.length,
+            termination: Termination::ClosedForm,
+        };
+        let steps = if self.rod.end_mass > 0.0 {
+            MASS_STEPS
+        } else {
+            0
+        };
+        for step in 1..=steps {
+            let end_mass = self.rod.end_mass * f64::from(step) / f64::from(MASS_STEPS);
+            let lighter = self
+                .equation(RodWithFreeEnd {
+                    end_mass,
+                    ..self.rod
+                })
+                .ok()?;
+            root = section_ratio::root(&lighter, resonance, root.gamma)?;
+        }
+        Some(root)
+    }
+}
+
+/// A zero of Re Ψ, roughly.
+struct Crossing {
+    /// n, from 1.
+    order: u32,
+    frequency_hz: f64,
+    /// The measured line next to it.
+    index: usize,
+    doubt: Option<Violation>,
+}
+
+impl Crossing {
+    /// kL without end mass, (n - ½)π.
+    fn phase(&self) -> f64 {
+        (f64::from(self.order) - 0.5) * PI
+    }
+
+    /// Frequency, Ψ and its variance where Re Ψ = 0, by a polynomial through the lines around.
+    fn read(&self, measured: &[MeasuredRatio]) -> Option<MeasuredRatio> {
+        let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
+        let within =
+            |line: &&MeasuredRatio| (line.frequency_hz - self.frequency_hz).abs() <= half_width;
+        let points: Vec<_> = measured.iter().filter(within).collect();
+        if points.len() < FEWEST_LINES {
+            return None;
+        }
+        // Without noise all lines weigh the same.
+        let is_noisy = points.iter().all(|line| line.variance > 0.0);
+        let polynomial = LocalPolynomial::through(points.iter().map(|line| {
+            let abscissa = (line.frequency_hz - self.frequency_hz) / half_width;
+            let weight = if is_noisy { line.variance.recip() } else { 1.0 };
+            (abscissa, line.ratio, weight)
+        }))?;
+        let abscissa = polynomial.zero_of_real_part()?;
+        let (ratio, _) = polynomial.at(abscissa);
+        Some(MeasuredRatio {
+            index: self.index,
+            frequency_hz: self.frequency_hz + half_width * abscissa,
+            ratio: Complex64::new(0.0, ratio.im),
+            variance: if is_noisy {
+                polynomial.variance_at(abscissa)
+            } else {
+                0.0
+            },
+        })
+    }
+}
+
+/// All zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.
+fn crossings(measured: &[MeasuredRatio]) -> Result<Vec<Crossing>, CmodError> {
+    if measured.is_empty() {
+        return Ok(Vec::new());
+    }
+    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+    let roots = resolve(&frequency_hz, &ratio)?;
+    let mut found = Vec::new();
+    for order in 1.. {
+        let phase = (f64::from(order) - 0.5) * PI;
+        if !roots.iter().any(|root| root.gamma_length.im > phase) {
+            break;
+        }
+        let near = || {
+            let lines = measured.iter().zip(&roots);
+            lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
+        };
+        // Noise lets single lines fall on the wrong side: the crossing is where as many lines lie before it as are below.
+        let below = near()
+            .filter(|(_, root)| root.gamma_length.im < phase)
+            .count();
+        if below == 0 || below == near().count() {
+            continue;
+        }
+        let (before, after) = (near().nth(below - 1), near().nth(below));
+        let (Some((before, root)), Some((after, _))) = (before, after) else {
+            continue;
+        };
+        found.push(Crossing {
+            order,
+            frequency_hz: 0.5 * (before.frequency_hz + after.frequency_hz),
+            index: after.index,
+            doubt: root
+                .doubt
+                .filter(|doubt| doubt.is_ambiguous())
+                .map(Violation::BranchAmbiguous),
+        });
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_rods_are_refused() {
+        let rod = RodWithFreeEnd {
+            diameter: 0.01,
+            density: 900.0,
+            end_mass: -1.0,
+        };
+        assert_eq!(
+            Resonances::new(rod, 0.8).unwrap_err().to_string(),
+            "mass on the free end [kg] is -1, expected a finite value, 0 or above"
+        );
+        let rod = RodWithFreeEnd {
+            end_mass: 0.0,
+            ..rod
+        };
+        assert_eq!(
+            Resonances::new(rod, 0.0).unwrap_err().to_string(),
+            "length [m] is 0, expected a finite value above 0"
+        );
+    }
+
+    /// Lines too far apart for their polynomial are refused one by one, with the frequency.
+    #[test]
+    fn coarse_lines_are_refused() {
+        let rod = RodWithFreeEnd {
+            diameter: 0.0106,
+            density: 903.0,
+            end_mass: 0.0,
+        };
+        let frequency_hz: Vec<f64> = (1..=40).map(|j| 100.0 * f64::from(j)).collect();
+        let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * PI * f / 1700.0);
+        let ratio: Vec<_> = frequency_hz
+            .iter()
+            .map(|&f| (0.8 * gamma(f)).cosh())
+            .collect();
+        let method = Resonances::new(rod, 0.8).unwrap();
+        let estimate = method.estimate(&frequency_hz, &ratio, &[1e-6; 40]).unwrap();
+        assert!(estimate.lines().is_empty());
+        assert_eq!(estimate.refused().len(), 4);
+        assert!((estimate.refused()[0].frequency_hz - 531.25).abs() < 50.0);
+    }
+}

@@ -1,0 +1,143 @@
+//! A polynomial of third degree through complex values with weights, by orthogonal polynomials (Forsythe).
+
+use num_complex::Complex64;
+
+/// Number of coefficients.
+const TERMS: usize = 4;
+/// Newton steps to a zero.
+const MOST_STEPS: u32 = 30;
+
+/// Least squares over abscissas from -1 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LocalPolynomial {
+    /// p_{k+1} = (t - centre_k) p_k - ratio_k p_{k-1}, p₀ = 1.
+    centre: [f64; TERMS],
+    ratio: [f64; TERMS],
+    /// Σ w p_k².
+    power: [f64; TERMS],
+    coefficients: [Complex64; TERMS],
+}
+
+impl LocalPolynomial {
+    /// Through points of abscissa, value and weight; `None` if they do not determine it.
+    pub(super) fn through(
+        points: impl Iterator<Item = (f64, Complex64, f64)> + Clone,
+    ) -> Option<Self> {
+        let mut fit = Self {
+            centre: [0.0; TERMS],
+            ratio: [0.0; TERMS],
+            power: [0.0; TERMS],
+            coefficients: [Complex64::ZERO; TERMS],
+        };
+        let mut previous_power = 0.0;
+        for k in 0..TERMS {
+            let (mut power, mut moment, mut product) = (0.0, 0.0, Complex64::ZERO);
+            for (t, value, weight) in points.clone() {
+                let p = fit.basis(t)[k].0;
+                power += weight * p * p;
+                moment += weight * p * p * t;
+                product += weight * p * value;
+            }
+            fit.power[k] = power;
+            fit.centre[k] = moment / power;
+            fit.coefficients[k] = product / power;
+            fit.ratio[k] = if k == 0 { 0.0 } else { power / previous_power };
+            previous_power = power;
+        }
+        let numbers = fit.coefficients.iter().all(|c| c.is_finite());
+        numbers.then_some(fit)
+    }
+
+    /// p_k and p_k' at t.
+    fn basis(&self, t: f64) -> [(f64, f64); TERMS] {
+        let mut basis = [(1.0, 0.0); TERMS];
+        for k in 1..TERMS {
+            let (p, slope) = basis[k - 1];
+            let (before, slope_before) = if k > 1 { basis[k - 2] } else { (0.0, 0.0) };
+            let shifted = t - self.centre[k - 1];
+            basis[k] = (
+                shifted * p - self.ratio[k - 1] * before,
+                p + shifted * slope - self.ratio[k - 1] * slope_before,
+            );
+        }
+        basis
+    }
+
+    /// Value and slope at t.
+    pub(super) fn at(&self, t: f64) -> (Complex64, Complex64) {
+        let terms = self.coefficients.iter().zip(self.basis(t));
+        terms.fold(
+            (Complex64::ZERO, Complex64::ZERO),
+            |sum, (c, (p, slope))| (sum.0 + c * p, sum.1 + c * slope),
+        )
+    }
+
+    /// Variance of the value at t, if the weights are the inverse variances of the points.
+    pub(super) fn variance_at(&self, t: f64) -> f64 {
+        let terms = self.basis(t).into_iter().zip(self.power);
+        terms.map(|((p, _), power)| p * p / power).sum()
+    }
+
+    /// The zero of the real part next to the middle, if it lies among the points.
+    pub(super) fn zero_of_real_part(&self) -> Option<f64> {
+        let mut t = 0.0;
+        for _ in 0..MOST_STEPS {
+            let (value, slope) = self.at(t);
+            let step = value.re / slope.re;
+            t -= step;
+            if t.is_nan() || t.abs() > 1.0 {
+                return None;
+            }
+            if step.abs() < 1e-13 {
+                return Some(t);
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_is_reproduced_and_its_zero_found() {
+        let cubic =
+            |t: f64| Complex64::new((t - 0.2) * (1.0 + t * t), 0.5 - 2.0 * t + 0.3 * t * t * t);
+        let points: Vec<_> = (0..11)
+            .map(|j| {
+                let t = -1.0 + 0.2 * f64::from(j);
+                (t, cubic(t), 1.0 + 0.3 * f64::from(j % 3))
+            })
+            .collect();
+        let fit = LocalPolynomial::through(points.iter().copied()).unwrap();
+        for t in [-0.93, 0.0, 0.41] {
+            // A few roundings of numbers of the order of 1.
+            assert!((fit.at(t).0 - cubic(t)).norm() < 1e-14);
+            let h = 1e-6;
+            let slope = (fit.at(t + h).0 - fit.at(t - h).0) / (2.0 * h);
+            assert!((fit.at(t).1 - slope).norm() < 1e-8);
+        }
+        assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
+    }
+
+    /// The sum of the variances of the fitted values, each by that of its point, is the number of coefficients.
+    #[test]
+    fn variances_add_up_to_the_number_of_coefficients() {
+        let points: Vec<_> = (0..9)
+            .map(|j| {
+                (
+                    -1.0 + 0.25 * f64::from(j),
+                    Complex64::ONE,
+                    1.0 + f64::from(j),
+                )
+            })
+            .collect();
+        let fit = LocalPolynomial::through(points.iter().copied()).unwrap();
+        let sum: f64 = points
+            .iter()
+            .map(|(t, _, weight)| weight * fit.variance_at(*t))
+            .sum();
+        assert!((sum - 4.0).abs() < 1e-12);
+    }
+}

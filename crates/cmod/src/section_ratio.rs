@@ -1,0 +1,392 @@
+//! The modulus from the ratio of two quantities of a rod, each a known function of γ up to one common amplitude.
+//!
+//! Where the boundary condition on one side of the sections is known, or the waves in the two directions have been
+//! separated, one complex amplitude a line is left, and drops out of the ratio of two measurements:
+//!
+//! ```text
+//! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
+//! ```
+//!
+//! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd), [`SeparatePulses`](crate::SeparatePulses) and
+//! [`OneGauge`](crate::OneGauge) differ in f₁ and f₂ only. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from what the
+//! lines before lead to expect of γ/ω, and the first lines from one wave speed that explains them together. It
+//! is γ itself that is followed, not the phase of Ψ, and lines that say little of γ have little weight.
+//!
+//! # Errors of the result
+//! An error δΨ moves γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|² these are
+//! circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is marked where this
+//! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections
+//! is the systematic part, [`SectionUncertainty`].
+
+mod expectation;
+mod jet;
+mod settings;
+mod spectra;
+mod start;
+
+pub(crate) use jet::Jet;
+pub use settings::SectionUncertainty;
+pub(crate) use settings::{Changed, Settings};
+pub use spectra::RatioOfSpectra;
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use num_complex::Complex64;
+
+use crate::branch::BranchDoubt;
+use crate::error::{CmodError, check_frequencies, check_length};
+use crate::estimate::{
+    ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, Termination,
+};
+use crate::validity::{Acceptance, Violation, conditions};
+use expectation::Expectation;
+use rodwave::medium::modulus_from_propagation;
+
+/// Newton steps after which the iteration is ended.
+const MOST_STEPS: u32 = 50;
+/// Relative size of a Newton step below which the next one would be lost in rounding.
+const SMALLEST_STEP: f64 = 1e-12;
+/// Other starts, as advance of the phase, that are tried where the first leads a quarter wave away or nowhere.
+const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
+
+/// g(γ) = f₁/f₂ of one arrangement of sections.
+pub(crate) trait SectionRatio: Sized {
+    /// f₁ and f₂ with their first two derivatives by γ; common factors left out.
+    fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
+
+    /// Distance by which half waves are counted \[m\], and the length of condition (ii).
+    fn distance(&self) -> f64;
+
+    /// What of the rod is not in the ratio.
+    fn rod(&self) -> RodOfRatio;
+
+    /// The method and all its settings, for the result.
+    fn method(&self) -> Method;
+
+    /// Guess, uncertainties and limits.
+    fn settings(&self) -> &Settings;
+
+    /// The same with each uncertain quantity that is in the ratio larger and smaller.
+    fn changed(&self) -> Vec<Changed<Self>>;
+
+    /// The root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
+    fn closed_form(&self, _ratio: Complex64, _expected: Complex64) -> Option<Complex64> {
+        None
+    }
+}
+
+/// What of a rod its ratios need not know, but the modulus and its validity do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RodOfRatio {
+    /// D \[m\].
+    pub(crate) diameter: f64,
+    /// ρ [kg/m³].
+    pub(crate) density: f64,
+}
+
+/// A line that can be evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeasuredRatio {
+    pub(crate) index: usize,
+    pub(crate) frequency_hz: f64,
+    pub(crate) ratio: Complex64,
+    /// E|δΨ|².
+    pub(crate) variance: f64,
+}
+
+impl MeasuredRatio {
+    fn omega(&self) -> f64 {
+        TAU * self.frequency_hz
+    }
+}
+
+/// Solves all lines.
+pub(crate) fn estimate(
+    equation: &impl SectionRatio,
+    frequency_hz: &[f64],
+    ratio: &[Complex64],
+    variance: &[f64],
+) -> Result<ModulusEstimate, CmodError> {
+    let acceptance = Acceptance::new(*equation.settings().limits(), None)?;
+    let (measured, mut refused) = usable(frequency_hz, ratio, variance)?;
+    let mut lines = Vec::with_capacity(measured.len());
+    if let Some(start) = start::wave_speed(equation, &measured, equation.settings().wave_speed()) {
+        let first = measured.first().map_or(0.0, MeasuredRatio::omega);
+        let mut expectation = Expectation::new(start.slowness, equation.distance(), first);
+        for measured in &measured {
+            let solved = solve(equation, measured, &mut expectation, start.doubt);
+            match solved.and_then(|line| line.into_line(&acceptance)) {
+                Ok(line) => lines.push(line),
+                Err(reason) => refused.push(RefusedLine {
+                    index: measured.index,
+                    frequency_hz: measured.frequency_hz,
+                    reason,
+                }),
+            }
+        }
+    } else {
+        refused.extend(measured.iter().map(|line| RefusedLine {
+            index: line.index,
+            frequency_hz: line.frequency_hz,
+            reason: Refusal::Undetermined,
+        }));
+    }
+    refused.sort_by_key(|line| line.index);
+    Ok(ModulusEstimate::new(equation.method(), lines, refused))
+}
+
+/// The lines that can be evaluated, and the others.
+pub(crate) fn usable(
+    frequency_hz: &[f64],
+    ratio: &[Complex64],
+    variance: &[f64],
+) -> Result<(Vec<MeasuredRatio>, Vec<RefusedLine>), CmodError> {
+    check_frequencies(frequency_hz)?;
+    let count = frequency_hz.len();
+    check_length("ratio", ratio.len(), count)?;
+    check_length("variance", variance.len(), count)?;
+    if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
+        return Err(CmodError::NegativeVariance { index, variance });
+    }
+    let mut refused = Vec::new();
+    let mut measured = Vec::with_capacity(count);
+    for (index, ((&frequency_hz, &ratio), &variance)) in
+        frequency_hz.iter().zip(ratio).zip(variance).enumerate()
+    {
+        let reason = if frequency_hz == 0.0 {
+            Refusal::ZeroFrequency
+        } else if !(ratio.is_finite() && variance.is_finite()) {
+            Refusal::NotFinite
+        } else {
+            measured.push(MeasuredRatio {
+                index,
+                frequency_hz,
+                ratio,
+                variance,
+            });
+            continue;
+        };
+        refused.push(RefusedLine {
+            index,
+            frequency_hz,
+            reason,
+        });
+    }
+    Ok((measured, refused))
+}
+
+fn solve(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    expectation: &mut Expectation,
+    start: Option<BranchDoubt>,
+) -> Result<Solution, Refusal> {
+    let omega = measured.omega();
+    let expected = expectation.gamma(omega);
+    let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
+    let doubt = expectation.doubt(omega, root.gamma);
+    let slope = slope(equation, root.gamma, omega);
+    // Without noise, any small part of Ψ; a node in the numerator is no better than its neighbours.
+    let variance = if measured.variance > 0.0 {
+        measured.variance
+    } else {
+        1e-6 * (measured.ratio.norm_sqr() + (slope.first / equation.distance()).norm_sqr())
+    };
+    if root.termination.was_successful() && doubt.is_none() {
+        let information = slope.first.norm_sqr() / variance;
+        expectation.update(omega, root.gamma, information);
+    }
+    let doubts = start.or(doubt).map(Violation::BranchAmbiguous);
+    solved(equation, measured, root, doubts.into_iter().collect())
+}
+
+/// g with its derivatives.
+fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
+    let [first, second] = equation.jets(gamma, omega);
+    first.over(&second)
+}
+
+/// The line of a root, with its errors.
+pub(crate) fn solved(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    root: Root,
+    violations: Vec<Violation>,
+) -> Result<Solution, Refusal> {
+    let (gamma, omega) = (root.gamma, measured.omega());
+    let RodOfRatio { diameter, density } = equation.rod();
+    let modulus = modulus_from_propagation(gamma, omega, density).map_err(|_| Refusal::NoRoot)?;
+    let ratio = slope(equation, gamma, omega);
+    let by_ratio = ratio.first.inv();
+    let distance = equation.distance();
+    let mut all = conditions(gamma, diameter, distance);
+    all.extend(violations);
+    let relative_density = equation.settings().uncertainty().density / density;
+    let bend = 0.5 * (ratio.second * by_ratio * by_ratio + 3.0 * by_ratio / gamma).norm();
+    Ok(Solution {
+        index: measured.index,
+        frequency_hz: measured.frequency_hz,
+        gamma,
+        density,
+        random: ComplexCovariance::circular(measured.variance * by_ratio.norm_sqr()),
+        systematic: settings::shifts(equation, (gamma, modulus), omega, relative_density),
+        error_amplification: 2.0 * (by_ratio * measured.ratio / gamma).norm(),
+        second_order: bend * measured.variance.sqrt(),
+        distance,
+        closed_form: None,
+        termination: root.termination,
+        violations: all,
+    })
+}
+
+/// A root of f₁ - Ψf₂ = 0.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Root {
+    pub(crate) gamma: Complex64,
+    pub(crate) termination: Termination,
+}
+
+/// The root nearest to what is expected.
+pub(crate) fn root(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    expected: Complex64,
+) -> Option<Root> {
+    if let Some(gamma) = equation.closed_form(measured.ratio, expected) {
+        return (gamma.is_finite() && gamma != Complex64::ZERO).then_some(Root {
+            gamma,
+            termination: Termination::ClosedForm,
+        });
+    }
+    let distance = equation.distance();
+    let away = |root: &Root| (root.gamma - expected).norm() * distance;
+    let better = |a: Option<Root>, b: Option<Root>| {
+        let rank = |root: &Root| (!root.termination.was_successful(), away(root));
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                let (first, second) = (rank(&a), rank(&b));
+                let order = first.0.cmp(&second.0).then(first.1.total_cmp(&second.1));
+                Some(if order.is_le() { a } else { b })
+            }
+            (a, b) => a.or(b),
+        }
+    };
+    // Near g' = 0 there is a second root beside the first, and the iteration may have gone to either.
+    let with_beside = |root: Root| {
+        let [upper, lower] = equation.jets(root.gamma, measured.omega());
+        let ratio = upper.over(&lower);
+        let beside = root.gamma - 2.0 * ratio.first / ratio.second;
+        let is_near = (beside - expected).norm() * distance < FRAC_PI_2;
+        let other = is_near
+            .then(|| newton(equation, measured, beside))
+            .flatten();
+        better(Some(root), other)
+    };
+    let first = newton(equation, measured, expected).and_then(with_beside);
+    if first.is_some_and(|root| root.termination.was_successful() && away(&root) < FRAC_PI_2) {
+        return first;
+    }
+    OTHER_STARTS
+        .iter()
+        .map(|phase| expected + Complex64::new(0.0, phase / distance))
+        .map(|start| newton(equation, measured, start).and_then(with_beside))
+        .fold(first, better)
+}
+
+/// Newton's iteration; `None` if it runs to infinity or to γ = 0, where there is no modulus.
+///
+/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as those of sections on a grid do, a root that has nothing to do
+/// with Ψ. If the iteration falls into it, it is repeated on f₁/f₂ - Ψ, which has no such root.
+fn newton(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    start: Complex64,
+) -> Option<Root> {
+    iterate(equation, measured, start, Form::Entire)
+        .filter(|root| is_root_of_ratio(equation, measured, root.gamma))
+        .or_else(|| {
+            iterate(equation, measured, start, Form::Quotient)
+                .filter(|root| is_root_of_ratio(equation, measured, root.gamma))
+        })
+}
+
+/// Whether g(γ) = Ψ, coarsely, and not 0/0.
+fn is_root_of_ratio(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    gamma: Complex64,
+) -> bool {
+    let [first, second] = equation.jets(gamma, measured.omega());
+    let size = (first.first.norm() + measured.ratio.norm() * second.first.norm()) * gamma.norm();
+    let values = first.value.norm() + measured.ratio.norm() * second.value.norm();
+    values > 1e-9 * size
+}
+
+/// What Newton's iteration solves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// f₁ - Ψf₂ = 0.
+    Entire,
+    /// f₁/f₂ - Ψ = 0.
+    Quotient,
+}
+
+fn iterate(
+    equation: &impl SectionRatio,
+    measured: &MeasuredRatio,
+    start: Complex64,
+    form: Form,
+) -> Option<Root> {
+    let omega = measured.omega();
+    let mut gamma = start;
+    let mut residual = f64::INFINITY;
+    for iterations in 1..=MOST_STEPS {
+        let [first, second] = equation.jets(gamma, omega);
+        let value = first.value - measured.ratio * second.value;
+        let size = first.value.norm() + (measured.ratio * second.value).norm();
+        let ratio = match form {
+            Form::Entire => measured.ratio,
+            Form::Quotient => first.value / second.value,
+        };
+        let step = value / (first.first - ratio * second.first);
+        residual = value.norm() / size;
+        if residual > 4.0 * f64::EPSILON {
+            gamma -= step;
+        }
+        if !gamma.is_finite() || gamma == Complex64::ZERO {
+            return None;
+        }
+        if residual <= 4.0 * f64::EPSILON || step.norm() <= SMALLEST_STEP * gamma.norm() {
+            let [first, second] = equation.jets(gamma, omega);
+            let (upper, lower) = (first.value, measured.ratio * second.value);
+            let residual = (upper - lower).norm() / (upper.norm() + lower.norm());
+            // Of γ and -γ, where both are roots, the wave that travels forward.
+            return Some(Root {
+                gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
+                    -gamma
+                } else {
+                    gamma
+                },
+                termination: Termination::Converged {
+                    iterations,
+                    residual,
+                },
+            });
+        }
+    }
+    Some(Root {
+        gamma,
+        termination: Termination::LostPatience {
+            iterations: MOST_STEPS,
+            residual,
+        },
+    })
+}
+
+/// Whether g(-γ) = g(γ), but for rounding.
+fn is_even(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> bool {
+    let [a, b] = equation.jets(gamma, omega);
+    let [c, d] = equation.jets(-gamma, omega);
+    let (left, right) = (a.value * d.value, b.value * c.value);
+    (left - right).norm() <= 1e-9 * (left.norm() + right.norm())
+}

@@ -1,0 +1,122 @@
+//! What the methods of a ratio have in common beside the equation: a guess, uncertainties, limits.
+
+use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::estimate::{ErrorSource, SystematicShift};
+use crate::validity::AcceptanceLimits;
+use num_complex::Complex64;
+
+use super::{SectionRatio, slope};
+
+/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the default, for what is exact. The
+/// errors are independent of each other and the same on all lines.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SectionUncertainty {
+    /// Of each distance of a section \[m\]: from the free end, or from the other section. A sensor on the end itself has none.
+    pub distance: f64,
+    /// Of the diameter \[m\]. It acts through the mass on the end only.
+    pub diameter: f64,
+    /// Of the density [kg/m³].
+    pub density: f64,
+    /// Of the mass on the end \[kg\].
+    pub end_mass: f64,
+}
+
+impl SectionUncertainty {
+    fn check(self) -> Result<Self, CmodError> {
+        check_not_negative("uncertainty of a distance [m]", self.distance)?;
+        check_not_negative("uncertainty of the diameter [m]", self.diameter)?;
+        check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
+        check_not_negative("uncertainty of the mass on the end [kg]", self.end_mass)?;
+        Ok(self)
+    }
+}
+
+/// Settings of one method.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Settings {
+    wave_speed: Option<f64>,
+    uncertainty: SectionUncertainty,
+    limits: AcceptanceLimits,
+}
+
+impl Settings {
+    pub(crate) fn wave_speed(&self) -> Option<f64> {
+        self.wave_speed
+    }
+
+    pub(crate) fn uncertainty(&self) -> &SectionUncertainty {
+        &self.uncertainty
+    }
+
+    pub(crate) fn limits(&self) -> &AcceptanceLimits {
+        &self.limits
+    }
+
+    pub(crate) fn with_wave_speed(self, wave_speed: f64) -> Result<Self, CmodError> {
+        Ok(Self {
+            wave_speed: Some(check_positive("wave speed [m/s]", wave_speed)?),
+            ..self
+        })
+    }
+
+    pub(crate) fn with_uncertainty(
+        self,
+        uncertainty: SectionUncertainty,
+    ) -> Result<Self, CmodError> {
+        Ok(Self {
+            uncertainty: uncertainty.check()?,
+            ..self
+        })
+    }
+
+    pub(crate) fn with_limits(self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
+        Ok(Self {
+            limits: limits.check()?,
+            ..self
+        })
+    }
+}
+
+/// One arrangement with one of its quantities larger and smaller by its standard uncertainty.
+pub(crate) struct Changed<T> {
+    pub(crate) source: ErrorSource,
+    pub(crate) larger: T,
+    pub(crate) smaller: T,
+}
+
+/// How γ and E move with each uncertain quantity p, Ψ being what it is: δγ = -(∂g/∂p) δp/g'.
+pub(super) fn shifts<T: SectionRatio>(
+    equation: &T,
+    (gamma, modulus): (Complex64, Complex64),
+    omega: f64,
+    relative_density: f64,
+) -> Vec<SystematicShift> {
+    let slope_of = |equation: &T| slope(equation, gamma, omega);
+    let first = slope_of(equation).first;
+    let changed = equation.changed();
+    let through_ratio = changed.iter().map(|changed| {
+        let difference = slope_of(&changed.larger).value - slope_of(&changed.smaller).value;
+        (changed.source, -0.5 * difference / first)
+    });
+    // The density is in E = -ρω²/γ², whether it is in γ or not.
+    let mut moves: Vec<(ErrorSource, Complex64)> = through_ratio.collect();
+    let is_density = |(source, _): &(ErrorSource, Complex64)| *source == ErrorSource::Density;
+    if relative_density > 0.0 && !moves.iter().any(is_density) {
+        moves.push((ErrorSource::Density, Complex64::ZERO));
+    }
+    moves
+        .into_iter()
+        .map(|(source, of_gamma)| {
+            let of_density = if source == ErrorSource::Density {
+                relative_density
+            } else {
+                0.0
+            };
+            SystematicShift::new(
+                source,
+                modulus * (of_density - 2.0 * of_gamma / gamma),
+                of_gamma,
+            )
+        })
+        .collect()
+}

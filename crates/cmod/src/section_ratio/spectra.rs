@@ -1,0 +1,124 @@
+//! A ratio of two measured spectra and its variance.
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_length};
+
+/// Ψ = q̂₁/q̂₂ with its variance, from the spectra of one test or several.
+///
+/// Several tests are combined as least squares with the second spectrum as input do,
+///
+/// ```text
+/// Ψ = Σ q̂₁ q̂₂* / Σ|q̂₂|² ,    E|δΨ|² = (σ₁² + |Ψ|² σ₂²) / Σ|q̂₂|²
+/// ```
+///
+/// to first order in the noise, which is circular and independent between the two. Noise in q̂₂ of M tests lowers Ψ by the
+/// factor 1/(1 + Mσ₂²/Σ|q̂₂|²): the larger of the two signals belongs in the denominator.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RatioOfSpectra {
+    /// Ψ; NaN on a line without signal in the denominator.
+    pub ratio: Vec<Complex64>,
+    /// E|δΨ|², real and imaginary part together.
+    pub variance: Vec<f64>,
+}
+
+impl RatioOfSpectra {
+    /// From spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of their noise `(n_lines)`, real and imaginary
+    /// part together, in the unit of its spectra.
+    ///
+    /// # Errors
+    /// [`CmodError::NoTests`]; [`CmodError::TestCount`];
+    /// [`CmodError::SpectrumLength`]; [`CmodError::LengthMismatch`] and [`CmodError::NegativeNoise`] for the noise.
+    pub fn new(
+        numerator: &[&[Complex64]],
+        denominator: &[&[Complex64]],
+        numerator_noise: &[f64],
+        denominator_noise: &[f64],
+    ) -> Result<Self, CmodError> {
+        let first = denominator.first().ok_or(CmodError::NoTests)?;
+        if numerator.len() != denominator.len() {
+            return Err(CmodError::TestCount {
+                found: numerator.len(),
+                expected: denominator.len(),
+            });
+        }
+        let n_lines = first.len();
+        for (gauge, spectra) in [numerator, denominator].into_iter().enumerate() {
+            let wrong = spectra
+                .iter()
+                .enumerate()
+                .find(|(_, spectrum)| spectrum.len() != n_lines);
+            if let Some((test, spectrum)) = wrong {
+                return Err(CmodError::SpectrumLength {
+                    test,
+                    gauge,
+                    found: spectrum.len(),
+                    expected: n_lines,
+                });
+            }
+        }
+        for (gauge, noise) in [numerator_noise, denominator_noise].into_iter().enumerate() {
+            check_length("noise of a spectrum", noise.len(), n_lines)?;
+            if let Some((line, &noise)) = noise.iter().enumerate().find(|(_, s)| **s < 0.0) {
+                return Err(CmodError::NegativeNoise { gauge, line, noise });
+            }
+        }
+        let (mut ratio, mut variance) = (Vec::with_capacity(n_lines), Vec::with_capacity(n_lines));
+        for line in 0..n_lines {
+            let at = |spectrum: &&[Complex64]| spectrum.get(line).copied().unwrap_or_default();
+            let noise = |noise: &[f64]| noise.get(line).copied().unwrap_or_default().powi(2);
+            let pairs = || numerator.iter().map(at).zip(denominator.iter().map(at));
+            let cross: Complex64 = pairs().map(|(n, d)| n * d.conj()).sum();
+            let auto: f64 = pairs().map(|(_, d)| d.norm_sqr()).sum();
+            let psi = cross / auto;
+            ratio.push(psi);
+            variance
+                .push((noise(numerator_noise) + psi.norm_sqr() * noise(denominator_noise)) / auto);
+        }
+        Ok(Self { ratio, variance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_are_weighted_by_the_power_of_the_denominator() {
+        let psi = Complex64::new(0.3, -0.4);
+        let d = [Complex64::new(1.0, 2.0), Complex64::new(-3.0, 0.5)];
+        let n = d.map(|d| psi * d);
+        let pair = RatioOfSpectra::new(&[&n[..1], &n[1..]], &[&d[..1], &d[1..]], &[0.2], &[0.1]);
+        let pair = pair.unwrap();
+        // A few roundings.
+        assert!((pair.ratio[0] - psi).norm() < 1e-15);
+        assert!((pair.variance[0] - (0.04 + 0.25 * 0.01) / 14.25).abs() < 1e-16);
+    }
+
+    #[test]
+    fn spectra_that_do_not_fit_are_refused() {
+        let one = [Complex64::ONE; 2];
+        let text = |n: &[&[Complex64]], d: &[&[Complex64]], s: &[f64]| {
+            RatioOfSpectra::new(n, d, s, &[0.1; 2])
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(text(&[], &[], &[]), "no test to evaluate");
+        assert_eq!(
+            text(&[&one], &[&one, &one], &[0.1; 2]),
+            "numerator has 1 tests, expected 2 as the denominator has"
+        );
+        assert_eq!(
+            text(&[&one[..1]], &[&one], &[0.1; 2]),
+            "spectrum of gauge 0 in test 0 has 1 lines, expected 2 as the frequencies have"
+        );
+        assert_eq!(
+            text(&[&one], &[&one], &[0.1, -0.1]),
+            "noise of gauge 0 at line 1 is -0.1, expected 0 or above"
+        );
+        // a line without signal is not fatal: the method refuses it
+        let silent = RatioOfSpectra::new(&[&one], &[&[Complex64::ZERO; 2]], &[0.1; 2], &[0.1; 2]);
+        assert!(!silent.unwrap().ratio[0].is_finite());
+    }
+}

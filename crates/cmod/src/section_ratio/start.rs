@@ -1,0 +1,142 @@
+//! Where γ starts: one wave speed for the first lines together.
+//!
+//! A single ratio has many roots, but one speed that explains all lines with up to one wavelength over the distance of the
+//! sections has no rival. The misfit enters by its logarithm and the worst third of the lines not at all, so that bad lines
+//! cannot decide; two speeds that do almost as well are a doubt that every line carries.
+
+use num_complex::Complex64;
+
+use super::{MeasuredRatio, SectionRatio};
+use crate::branch::BranchDoubt;
+
+/// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
+const SLOWEST: f64 = 20.0;
+const FASTEST: f64 = 20e3;
+/// Within this factor of a guess.
+const GUESS_FACTOR: f64 = 1.5;
+/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength.
+const SPEED_RATIO: f64 = 1.03;
+/// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
+const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
+/// Lines that are compared at each speed.
+const LINES: usize = 24;
+/// Without a guess, fewer lines than this do not tell one speed from another.
+const FEWEST_LINES: usize = 8;
+/// What one speed and one damping for all lines cannot explain, by the size of the ratio.
+const MODEL_ERROR: f64 = 0.05;
+/// Logarithm of the ratio from which on two speeds are two.
+const DISTINCT: f64 = 0.2;
+/// Two speeds with mean log misfits closer than this are not told apart.
+const TOO_CLOSE: f64 = 0.1;
+
+/// γ by ω of the first lines [s/m], and what speaks against it.
+pub(super) struct Start {
+    pub(super) slowness: Complex64,
+    pub(super) doubt: Option<BranchDoubt>,
+}
+
+/// Compares speeds; `None` if there is no line.
+pub(super) fn wave_speed(
+    equation: &impl SectionRatio,
+    measured: &[MeasuredRatio],
+    guess: Option<f64>,
+) -> Option<Start> {
+    let (slowest, fastest) = match guess {
+        Some(speed) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
+        None => (slowest_to_follow(measured, equation.distance()), FASTEST),
+    };
+    let mut misfits = Vec::with_capacity(LINES);
+    let mut tried: Vec<(f64, Complex64)> = Vec::new();
+    let mut speed = slowest;
+    while speed <= fastest {
+        let best = DAMPING
+            .iter()
+            .map(|damping| Complex64::new(*damping, 1.0) / speed)
+            .map(|slowness| (score(equation, measured, slowness, &mut misfits), slowness))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        tried.extend(best);
+        speed *= SPEED_RATIO;
+    }
+    let chosen = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    if !chosen.0.is_finite() {
+        return None;
+    }
+    let speed_of = |slowness: Complex64| slowness.im.recip();
+    let doubt = if guess.is_none() && measured.len() < FEWEST_LINES {
+        Some(BranchDoubt::FewLines {
+            found: measured.len(),
+            expected: FEWEST_LINES,
+        })
+    } else {
+        // A rival is another minimum, not the flank of the chosen one.
+        let is_minimum = |index: usize| {
+            let score = |index: usize| tried.get(index).map_or(f64::INFINITY, |t| t.0);
+            score(index) <= score(index.wrapping_sub(1)) && score(index) <= score(index + 1)
+        };
+        tried
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| is_minimum(*index))
+            .map(|(_, tried)| tried)
+            .filter(|(_, slowness)| (slowness.im / chosen.1.im).ln().abs() > DISTINCT)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(score, _)| *score < chosen.0 + TOO_CLOSE)
+            .map(|(_, other)| BranchDoubt::SeveralSpeeds {
+                chosen: speed_of(chosen.1),
+                other: speed_of(*other),
+            })
+    };
+    Some(Start {
+        slowness: chosen.1,
+        doubt,
+    })
+}
+
+/// The speed at which half a wave is added between neighbouring lines, or [`SLOWEST`]. Below, every speed has the same
+/// ratios on equidistant lines as another.
+fn slowest_to_follow(measured: &[MeasuredRatio], distance: f64) -> f64 {
+    let mut steps: Vec<f64> = measured
+        .iter()
+        .zip(measured.iter().skip(1))
+        .map(|(line, next)| next.frequency_hz - line.frequency_hz)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    let median = steps.get(steps.len() / 2).copied().unwrap_or_default();
+    SLOWEST.max(2.0 * median * distance)
+}
+
+/// Mean log of the misfit, by noise and [`MODEL_ERROR`], of the better two thirds of the lines.
+fn score(
+    equation: &impl SectionRatio,
+    measured: &[MeasuredRatio],
+    slowness: Complex64,
+    misfits: &mut Vec<f64>,
+) -> f64 {
+    let highest_hz = 1.0 / (slowness.im * equation.distance());
+    let below = measured.partition_point(|line| line.frequency_hz <= highest_hz);
+    let within = measured
+        .get(..below.max(LINES / 2).min(measured.len()))
+        .unwrap_or_default();
+    let stride = within.len().div_ceil(LINES).max(1);
+    misfits.clear();
+    for line in within.iter().rev().step_by(stride) {
+        let omega = line.omega();
+        let [first, second] = equation.jets(slowness * omega, omega);
+        let predicted = line.ratio * second.value;
+        let expected = line.variance * second.value.norm_sqr()
+            + MODEL_ERROR * MODEL_ERROR * (predicted.norm_sqr() + first.value.norm_sqr());
+        let misfit = (predicted - first.value).norm_sqr() / expected;
+        if !misfit.is_finite() {
+            return f64::INFINITY;
+        }
+        misfits.push(misfit.ln_1p());
+    }
+    misfits.sort_by(f64::total_cmp);
+    let kept = (2 * misfits.len()).div_ceil(3);
+    let better = misfits.get(..kept).unwrap_or_default();
+    if better.is_empty() {
+        f64::INFINITY
+    } else {
+        better.iter().sum::<f64>() / kept as f64
+    }
+}

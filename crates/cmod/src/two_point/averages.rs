@@ -1,0 +1,122 @@
+//! From averaged spectra to the acceleration ratio with its variance.
+//!
+//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends by the averaged auto-spectrum of the free end: over n
+//! blows the least-squares slope of â₁ on â₂, an H₁ with the free end as input. What it leaves of â₁ has the mean square
+//! (1 - γ²) G₁₁, γ² being the ordinary coherence, and n - 1 complex degrees of freedom: its variance is
+//! n(1 - γ²) G₁₁/(n - 1), and that of the slope, a mean over n blows, is
+//!
+//! ```text
+//! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
+//! ```
+//!
+//! With n instead of n - 1, as often written, it would be right for many averages only: of ten blows a tenth too small.
+//! Estimated with 2(n - 1) real degrees of freedom, it scatters by 1/(n - 1)^½ of itself from line to line, and an error by
+//! its root is distributed as Student's t.
+//!
+//! # Bias
+//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias is at most 1 - γ² of Ψ; by
+//! the standard error of one part at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows a tenth of it at γ² = 0.9994. Averaging
+//! does not remove it. The limits on the errors keep it small unless they are relaxed; then ask for a
+//! [coherence](crate::validity::AcceptanceLimits::coherence).
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_length};
+
+/// A coherence above 1 by no more than this is 1 with rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing frequencies. All arrays
+/// have one entry a line.
+#[derive(Debug, Clone, Copy)]
+pub struct AveragedRatio<'a> {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: &'a [f64],
+    /// Ψ, impacted end over free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
+    pub acceleration_ratio: &'a [Complex64],
+    /// Ordinary coherence γ² of the two; NaN where there is none: the line is refused.
+    pub coherence: &'a [f64],
+    /// Number n of averages; of overlapped segments the effective number.
+    pub averages: f64,
+}
+
+/// E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ² and the number of `averages` n:
+/// |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be refused there.
+///
+/// ```
+/// use cmod::two_point::variance_from_coherence;
+/// use num_complex::Complex64;
+///
+/// let variance = variance_from_coherence(&[Complex64::new(0.0, 2.0)], &[0.999], 10.0)?;
+/// assert!((variance[0] / (4.0 * 0.001 / (9.0 * 0.999)) - 1.0).abs() < 1e-12);
+/// assert!(variance_from_coherence(&[Complex64::ONE], &[0.999], 1.0).is_err());
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+///
+/// # Errors
+/// [`CmodError::TooFewAverages`] below 2, where a coherence is 1 whatever was measured; [`CmodError::Coherence`] for one
+/// that is not from 0 to 1; [`CmodError::LengthMismatch`].
+pub fn variance_from_coherence(
+    acceleration_ratio: &[Complex64],
+    coherence: &[f64],
+    averages: f64,
+) -> Result<Vec<f64>, CmodError> {
+    check_length("coherence", coherence.len(), acceleration_ratio.len())?;
+    if !(averages.is_finite() && averages >= 2.0) {
+        return Err(CmodError::TooFewAverages { found: averages });
+    }
+    let of_line = |(index, (ratio, &coherence)): (usize, (&Complex64, &f64))| {
+        if coherence.is_nan() {
+            return Ok(f64::INFINITY);
+        }
+        if !(0.0..=1.0 + ROUNDING).contains(&coherence) {
+            return Err(CmodError::Coherence { index, coherence });
+        }
+        let incoherent = 1.0 - coherence;
+        let incoherent = if incoherent < 0.0 { 0.0 } else { incoherent };
+        if coherence == 0.0 {
+            return Ok(f64::INFINITY);
+        }
+        Ok(ratio.norm_sqr() * incoherent / ((averages - 1.0) * coherence))
+    };
+    let lines = acceleration_ratio.iter().zip(coherence).enumerate();
+    lines.map(of_line).collect()
+}
+
+/// Degrees of freedom of the variance from so many averages.
+pub(super) fn degrees_of_freedom(averages: f64) -> f64 {
+    2.0 * (averages - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_coherences_and_too_few_averages_are_refused() {
+        let ratio = [Complex64::ONE; 2];
+        let text = |coherence: &[f64], averages: f64| {
+            variance_from_coherence(&ratio, coherence, averages)
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(
+            text(&[0.9, 0.9], 1.0),
+            "1 averages, expected at least 2: the coherence of one is 1 whatever was measured"
+        );
+        assert!(text(&[0.9, 0.9], f64::NAN).starts_with("NaN averages"));
+        assert_eq!(
+            text(&[0.9, 1.01], 10.0),
+            "coherence of line 1 is 1.01, expected a value from 0 to 1"
+        );
+        assert_eq!(
+            text(&[0.9], 10.0),
+            "coherence has 1 lines, expected 2 as the frequencies have"
+        );
+        // a line without coherence is not fatal
+        let variance = variance_from_coherence(&ratio, &[f64::NAN, 0.0], 10.0).unwrap();
+        assert!(variance.iter().all(|variance| variance.is_infinite()));
+        let variance = variance_from_coherence(&ratio, &[1.0 + 1e-15, 1.0], 10.0).unwrap();
+        assert_eq!(variance, [0.0, 0.0]);
+    }
+}

@@ -1,0 +1,108 @@
+//! The virtual rods.
+
+use std::f64::consts::TAU;
+
+use cmod::multi_point::Quantity;
+use cmod::{EndSection, RodWithFreeEnd};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::{ConstantQ, PowerLawPropagation, Zener};
+
+/// Length of all rods \[m\], that of Test 3 of paper A.
+pub(crate) const LENGTH: f64 = 0.801;
+pub(crate) const DIAMETER: f64 = 0.0106;
+pub(crate) const DENSITY: f64 = 903.0;
+
+/// Polypropylene with a constant loss factor of 0.07, and causal.
+pub(crate) fn polypropylene() -> Medium<ConstantQ> {
+    Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, TAU * 1e3).unwrap()).unwrap()
+}
+
+/// A material with one relaxation within the band.
+pub(crate) fn relaxing() -> Medium<Zener> {
+    Medium::new(DENSITY, Zener::new(2.4e9, 2.8e9, 4e-5).unwrap()).unwrap()
+}
+
+/// Polyamide 6 by paper E, eq. 7, with a fifth of its damping.
+pub(crate) fn polyamide_of_low_loss() -> Medium<PowerLawPropagation> {
+    let law = PowerLawPropagation::new(0.2 * 8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    Medium::new(DENSITY, law).unwrap()
+}
+
+pub(crate) fn with_end_mass(end_mass: f64) -> RodWithFreeEnd {
+    RodWithFreeEnd {
+        diameter: DIAMETER,
+        density: DENSITY,
+        end_mass,
+    }
+}
+
+/// A struck rod with a mass on its other end.
+pub(crate) struct VirtualRod {
+    chain: Chain,
+}
+
+impl VirtualRod {
+    pub(crate) fn new<M>(medium: &M, end_mass: f64) -> Self
+    where
+        M: WaveMedium<AngularFrequency> + Clone + 'static,
+    {
+        let chain = Chain::from_impact_face()
+            .rod(medium, Circle::of_diameter(DIAMETER).unwrap(), LENGTH)
+            .end(Termination::Mass(end_mass))
+            .unwrap();
+        Self { chain }
+    }
+
+    /// What is measured at a section, up to a real factor, for a blow of 1 N s.
+    pub(crate) fn at(&self, section: EndSection, omega: f64) -> Complex64 {
+        let position = LENGTH - section.distance;
+        let state = self
+            .chain
+            .section(0, position)
+            .unwrap()
+            .state(omega)
+            .unwrap();
+        match section.quantity {
+            Quantity::Strain => state.normal_force,
+            Quantity::Displacement => state.velocity / Complex64::new(0.0, omega),
+            Quantity::Velocity => state.velocity,
+            Quantity::Acceleration => state.velocity * Complex64::new(0.0, omega),
+        }
+    }
+
+    /// Normal forces of the waves towards the free end and back, at this distance from it.
+    pub(crate) fn waves(&self, distance: f64, omega: f64) -> [Complex64; 2] {
+        let section = self.chain.section(0, LENGTH - distance).unwrap();
+        let waves = section.waves(omega).unwrap();
+        [waves.forward_at(0.0), waves.backward_at(0.0)]
+    }
+}
+
+/// `count` lines, `step` \[Hz\] apart.
+pub(crate) fn lines(count: u32, step: f64) -> Vec<f64> {
+    (1..=count).map(|j| step * f64::from(j)).collect()
+}
+
+/// Errors without preferred phase.
+pub(crate) struct Noise(ChaCha8Rng);
+
+impl Noise {
+    pub(crate) fn seeded(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    pub(crate) fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    /// E|z|² = `variance`.
+    pub(crate) fn circular(&mut self, variance: f64) -> Complex64 {
+        (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
+    }
+}

@@ -1,0 +1,390 @@
+//! Linear propagation against Monte Carlo: noise, specimen, and the variance that the coherence gives.
+
+use cmod::estimate::{ComplexCovariance, coverage_factor};
+use cmod::two_point::{AveragedRatio, SpecimenUncertainty, variance_from_coherence};
+use cmod::validity::{AcceptanceLimits, Violation};
+use cmod::{ModulusLine, Specimen, TwoPoint};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+
+use crate::rod::{acceleration_ratio, circular};
+
+/// Test 2 of paper A.
+const SPECIMEN: Specimen = Specimen {
+    length: 0.401,
+    diameter: 0.0107,
+    density: 906.0,
+    accelerometer_mass: 2.9e-3,
+};
+
+const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
+    length: 1e-3,
+    diameter: 1e-4,
+    density: 5.0,
+    accelerometer_mass: 1e-4,
+};
+
+fn polypropylene() -> Medium<ConstantQ> {
+    Medium::new(SPECIMEN.density, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+}
+
+/// Means of products of deviations of α, k, ω/k, E', E'' and E''/E'.
+#[derive(Default, Clone, Copy)]
+struct Moments {
+    modulus: ComplexCovariance,
+    gamma: ComplexCovariance,
+    velocity: f64,
+    loss_factor: f64,
+}
+
+impl Moments {
+    fn add(&mut self, line: &ModulusLine, clean: &ModulusLine, share: f64) {
+        let product = |deviation: Complex64| {
+            let deviation = deviation * share.sqrt();
+            ComplexCovariance::of_shift(deviation)
+        };
+        self.modulus = self.modulus + product(line.modulus - clean.modulus);
+        let gamma = line.propagation_coefficient - clean.propagation_coefficient;
+        self.gamma = self.gamma + product(gamma);
+        self.velocity += (line.phase_velocity - clean.phase_velocity).powi(2) * share;
+        self.loss_factor += (line.loss_factor - clean.loss_factor).powi(2) * share;
+    }
+
+    /// Against the statement of `line`. A variance of 4000 values scatters by (2/4000)^½ = 2.2 %; four of that.
+    fn check(&self, line: &ModulusLine, what: &str) {
+        let name = format!("{what}, {} Hz", line.frequency_hz);
+        let stated = &line.standard_error;
+        let total = line.uncertainty.total_covariance();
+        let pairs = [
+            (self.modulus.real, stated.storage_modulus.powi(2)),
+            (self.modulus.imaginary, stated.loss_modulus.powi(2)),
+            (self.gamma.real, stated.damping_coefficient.powi(2)),
+            (self.gamma.imaginary, stated.wave_number.powi(2)),
+            (self.velocity, stated.phase_velocity.powi(2)),
+            (self.loss_factor, stated.loss_factor.powi(2)),
+        ];
+        for (quantity, (found, stated)) in pairs.into_iter().enumerate() {
+            assert!(
+                (found / stated - 1.0).abs() < 0.09,
+                "{name}, {quantity}: variance {found:e}, stated {stated:e}"
+            );
+        }
+        for (found, stated) in [
+            (self.modulus, total.modulus),
+            (self.gamma, total.propagation_coefficient),
+        ] {
+            // a correlation scatters by 1/4000^½ = 1.6 % or less; four of that
+            let difference = found.correlation() - stated.correlation();
+            assert!(difference.abs() < 0.065, "{name}: correlation {difference}");
+        }
+    }
+}
+
+/// Noise alone, an uncertain specimen alone, and both.
+#[test]
+fn linear_propagation_is_that_of_monte_carlo() {
+    // from poor to good: kL = 0.6, π/2, 0.9 π, 3π/2 and beyond
+    let frequency_hz = [400.0, 1060.0, 1900.0, 3150.0, 6000.0];
+    let exact = acceleration_ratio(&polypropylene(), &SPECIMEN, 2.9e-3, &frequency_hz);
+    let repetitions = 4000;
+    for (what, noise, part) in [
+        ("noise", 1e-3, 0.0),
+        ("specimen", 0.0, 1.0),
+        ("both", 1e-3, 1.0),
+    ] {
+        let variance: Vec<f64> = exact
+            .iter()
+            .map(|ratio| noise * noise * ratio.norm_sqr())
+            .collect();
+        let uncertainty = SpecimenUncertainty {
+            length: part * UNCERTAINTY.length,
+            diameter: part * UNCERTAINTY.diameter,
+            density: part * UNCERTAINTY.density,
+            accelerometer_mass: part * UNCERTAINTY.accelerometer_mass,
+        };
+        let clean = TwoPoint::new(SPECIMEN)
+            .unwrap()
+            .with_specimen_uncertainty(uncertainty)
+            .unwrap()
+            .estimate(&frequency_hz, &exact, &variance)
+            .unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(1993);
+        let mut moments = [Moments::default(); 5];
+        // errors of the second and the last line together
+        let mut together = 0.0;
+        for _ in 0..repetitions {
+            let ratio: Vec<Complex64> = exact
+                .iter()
+                .zip(&variance)
+                .map(|(ratio, variance)| ratio + circular(&mut random, *variance))
+                .collect();
+            let mut draw = |uncertainty: f64| -> f64 {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                uncertainty * normal
+            };
+            let believed = Specimen {
+                length: SPECIMEN.length + draw(uncertainty.length),
+                diameter: SPECIMEN.diameter + draw(uncertainty.diameter),
+                density: SPECIMEN.density + draw(uncertainty.density),
+                accelerometer_mass: SPECIMEN.accelerometer_mass
+                    + draw(uncertainty.accelerometer_mass),
+            };
+            let estimate = TwoPoint::new(believed)
+                .unwrap()
+                .estimate(&frequency_hz, &ratio, &variance)
+                .unwrap();
+            let lines = estimate.lines();
+            let share = 1.0 / f64::from(repetitions);
+            for ((line, clean), moments) in lines.iter().zip(clean.lines()).zip(&mut moments) {
+                moments.add(line, clean, share);
+            }
+            let deviation = |index: usize| (lines[index].modulus - clean.lines()[index].modulus).re;
+            together += deviation(1) * deviation(4) * share;
+        }
+        for (moments, line) in moments.iter().zip(clean.lines()) {
+            moments.check(line, what);
+        }
+        let [second, last] = [&clean.lines()[1], &clean.lines()[4]];
+        let shifts = |line: &ModulusLine| line.uncertainty.systematic.clone();
+        let stated: f64 = shifts(second)
+            .iter()
+            .zip(shifts(last))
+            .map(|(a, b)| a.modulus.re * b.modulus.re)
+            .sum();
+        let size = second.standard_error.storage_modulus * last.standard_error.storage_modulus;
+        assert!(
+            ((together - stated) / size).abs() < 0.065,
+            "{what}: {together:e}, {stated:e}"
+        );
+        // noise is independent from line to line, a specimen the same but for what the mass ratio does differently
+        match what {
+            "noise" => assert!(stated.abs() <= 0.0),
+            "specimen" => assert!(stated / size > 0.95, "{}", stated / size),
+            _ => {}
+        }
+    }
+}
+
+/// Every shift against differences of estimates with a changed specimen.
+#[test]
+fn shifts_are_the_derivatives_by_the_specimen() {
+    let frequency_hz = [700.0, 1500.0, 2300.0, 9000.0];
+    let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
+    let estimate = |specimen: Specimen| {
+        TwoPoint::new(specimen)
+            .unwrap()
+            .with_specimen_uncertainty(UNCERTAINTY)
+            .unwrap()
+            .estimate(&frequency_hz, &ratio, &[0.0; 4])
+            .unwrap()
+    };
+    let stated = estimate(SPECIMEN);
+    let step = 1e-3;
+    type Change = fn(&mut Specimen, f64);
+    let changes: [Change; 4] = [
+        |specimen, part| specimen.length += part * UNCERTAINTY.length,
+        |specimen, part| specimen.diameter += part * UNCERTAINTY.diameter,
+        |specimen, part| specimen.density += part * UNCERTAINTY.density,
+        |specimen, part| specimen.accelerometer_mass += part * UNCERTAINTY.accelerometer_mass,
+    ];
+    for (source, change) in changes.into_iter().enumerate() {
+        let changed = |part: f64| {
+            let mut specimen = SPECIMEN;
+            change(&mut specimen, part);
+            estimate(specimen)
+        };
+        let (plus, minus) = (changed(step), changed(-step));
+        for ((line, plus), minus) in stated.lines().iter().zip(plus.lines()).zip(minus.lines()) {
+            let shift = line.uncertainty.systematic[source];
+            let modulus = (plus.modulus - minus.modulus) / (2.0 * step);
+            let gamma =
+                (plus.propagation_coefficient - minus.propagation_coefficient) / (2.0 * step);
+            // relative changes of 1e-5 and less: second order 1e-8, rounding 1e-15/1e-5 of E, amplified
+            let name = format!("{}, {} Hz", shift.source, line.frequency_hz);
+            assert!(
+                (modulus - shift.modulus).norm() < 1e-6 * shift.modulus.norm(),
+                "{name}"
+            );
+            let of_gamma = shift.propagation_coefficient;
+            assert!((gamma - of_gamma).norm() < 1e-6 * of_gamma.norm(), "{name}");
+        }
+    }
+}
+
+/// Ten blows on one line, as complex numbers: the variance from the coherence is right in the mean, and errors by its root are
+/// distributed as Student's t with 18 degrees of freedom, not normally.
+#[test]
+fn variance_from_ten_blows_is_unbiased_and_its_errors_are_students() {
+    let (blows, repetitions) = (10_u32, 40_000_u32);
+    let ratio = Complex64::new(0.4, -1.1);
+    let noise = 0.05;
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let (mut mean, mut true_variance) = (0.0, 0.0);
+    let (mut within_one, mut within_two, mut normal) = (0.0, 0.0, 0.0);
+    let factors = [0.683, 0.95].map(|p| coverage_factor(p, Some(18.0)).unwrap());
+    for _ in 0..repetitions {
+        let (mut cross, mut input, mut output) = (Complex64::ZERO, 0.0, 0.0);
+        for _ in 0..blows {
+            let free = 1.0 + circular(&mut random, 0.04);
+            let impacted = ratio * free + circular(&mut random, noise * noise);
+            cross += impacted * free.conj();
+            input += free.norm_sqr();
+            output += impacted.norm_sqr();
+        }
+        let found = cross / input;
+        let coherence = cross.norm_sqr() / (input * output);
+        let variance =
+            variance_from_coherence(&[found], &[coherence], f64::from(blows)).unwrap()[0];
+        let error = found - ratio;
+        mean += variance;
+        true_variance += error.norm_sqr();
+        let sigma = (0.5 * variance).sqrt();
+        for part in [error.re, error.im] {
+            within_one += f64::from(part.abs() <= factors[0] * sigma);
+            within_two += f64::from(part.abs() <= factors[1] * sigma);
+            normal += f64::from(part.abs() <= 1.959_964 * sigma);
+        }
+    }
+    // both means scatter by 1/40000^½ = 0.5 %, and 1/9^½ of that; four of it. By n in place of n - 1 the ratio were 0.9.
+    assert!(
+        (mean / true_variance - 1.0).abs() < 0.02,
+        "{}",
+        mean / true_variance
+    );
+    let part = |count: f64| count / f64::from(2 * repetitions);
+    // 80 000 values: ± 0.16 % and ± 0.08 %, four of each
+    assert!(
+        (part(within_one) - 0.683).abs() < 0.0065,
+        "{}",
+        part(within_one)
+    );
+    assert!(
+        (part(within_two) - 0.95).abs() < 0.0032,
+        "{}",
+        part(within_two)
+    );
+    // the normal quantile covers 93.4 %
+    assert!((part(normal) - 0.9343).abs() < 0.0035, "{}", part(normal));
+}
+
+/// Noise in the acceleration of the free end lowers H₁ by up to 1 - γ², as the documentation says.
+#[test]
+fn noise_of_the_free_end_biases_by_at_most_the_lack_of_coherence() {
+    let ratio = Complex64::new(0.4, -1.1);
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    let (mut cross, mut input, mut output) = (Complex64::ZERO, 0.0, 0.0);
+    for _ in 0..200_000 {
+        let free = circular(&mut random, 1.0);
+        let measured = free + circular(&mut random, 0.01);
+        cross += ratio * free * measured.conj();
+        input += measured.norm_sqr();
+        output += (ratio * free).norm_sqr();
+    }
+    let bias = 1.0 - (cross / input / ratio).norm();
+    let greatest = 1.0 - cross.norm_sqr() / (input * output);
+    // 1/(1 + 0.01) both; the mean of 200 000 errors of 0.1 scatters by 2e-4
+    assert!((bias - 0.01 / 1.01).abs() < 1e-3, "{bias}");
+    assert!((greatest - bias).abs() < 1e-3, "{greatest}");
+}
+
+/// Where the error of Ψ is so large that it bends, near kL = π and at low frequency, the line says so; the bend is the second
+/// difference of E in Ψ.
+#[test]
+fn lines_whose_error_bends_are_marked() {
+    let frequency_hz: Vec<f64> = (10..=120).map(|j| 20.0 * f64::from(j)).collect();
+    let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
+    let noise = 0.02;
+    let variance: Vec<f64> = ratio.iter().map(|r| (noise * r.norm()).powi(2)).collect();
+    let method = TwoPoint::new(SPECIMEN)
+        .unwrap()
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap();
+    let estimate = method.estimate(&frequency_hz, &ratio, &variance).unwrap();
+    let bends = |line: &&ModulusLine| {
+        let is_near = |v: &Violation| matches!(v, Violation::NearSingular { .. });
+        line.validity.violations().iter().any(is_near)
+    };
+    let marked: Vec<&ModulusLine> = estimate.lines().iter().filter(bends).collect();
+    let half_waves =
+        |line: &ModulusLine| line.wave_number() * SPECIMEN.length / std::f64::consts::PI;
+    assert!(marked.iter().any(|line| half_waves(line) < 0.25));
+    assert!(
+        marked
+            .iter()
+            .any(|line| (half_waves(line) - 1.0).abs() < 0.03)
+    );
+    assert!(
+        !marked
+            .iter()
+            .any(|line| (half_waves(line) - 0.5).abs() < 0.15)
+    );
+
+    let step = 1e-4;
+    let shifted = |by: Complex64| {
+        let ratio: Vec<Complex64> = ratio.iter().map(|r| r + by * r.norm()).collect();
+        method.estimate(&frequency_hz, &ratio, &variance).unwrap()
+    };
+    let (plus, minus) = (shifted(step.into()), shifted((-step).into()));
+    for ((line, plus), minus) in estimate.lines().iter().zip(plus.lines()).zip(minus.lines()) {
+        // half waves of 0.15 and more: below, a step of 1e-4 is itself a bend
+        if half_waves(line) < 0.15 {
+            continue;
+        }
+        let first = (plus.modulus - minus.modulus) / (2.0 * step);
+        let second = (plus.modulus - 2.0 * line.modulus + minus.modulus) / (step * step);
+        let bend = 0.5 * noise * (second / first).norm();
+        assert!(
+            (line.second_order / bend - 1.0).abs() < 0.01,
+            "{} Hz: {} and {bend}",
+            line.frequency_hz,
+            line.second_order
+        );
+    }
+}
+
+/// A coherence below what is asked, and too few averages.
+#[test]
+fn coherence_is_asked_if_wished() {
+    let frequency_hz = [1000.0, 1060.0, 1120.0];
+    let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
+    let limits = AcceptanceLimits {
+        coherence: 0.999,
+        ..AcceptanceLimits::NONE
+    };
+    let method = TwoPoint::new(SPECIMEN)
+        .unwrap()
+        .with_limits(limits)
+        .unwrap();
+    let averaged = |coherence: &[f64], averages: f64| {
+        method.estimate_averaged(&AveragedRatio {
+            frequency_hz: &frequency_hz,
+            acceleration_ratio: &ratio,
+            coherence,
+            averages,
+        })
+    };
+    let estimate = averaged(&[0.9995, 0.998, f64::NAN], 10.0).unwrap();
+    let verdicts: Vec<String> = estimate
+        .lines()
+        .iter()
+        .map(|line| line.validity.to_string())
+        .collect();
+    assert_eq!(
+        verdicts,
+        ["valid", "coherence 0.9980, expected at least 0.9990"]
+    );
+    assert_eq!(estimate.refused().len(), 1);
+    let line = &estimate.lines()[0];
+    assert_eq!(line.uncertainty.degrees_of_freedom, Some(18.0));
+    let variance = 5e-4 / 0.9995 / 9.0 * ratio[0].norm_sqr();
+    let known = method
+        .estimate(&frequency_hz, &ratio, &[variance; 3])
+        .unwrap();
+    let by_variance = known.lines()[0].standard_error.storage_modulus;
+    assert!((line.standard_error.storage_modulus / by_variance - 1.0).abs() < 1e-10);
+    assert!(averaged(&[1.0; 3], 1.0).is_err());
+}

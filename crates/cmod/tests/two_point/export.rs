@@ -1,0 +1,126 @@
+//! An estimate as columns and as curves.
+
+use cmod::estimate::{Method, PlottedQuantity};
+use cmod::two_point::SpecimenUncertainty;
+use cmod::{ModulusEstimate, Solver, Specimen, TwoPoint};
+use num_complex::Complex64;
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+
+use crate::rod::acceleration_ratio;
+
+const SPECIMEN: Specimen = Specimen {
+    length: 0.4,
+    diameter: 0.0158,
+    density: 908.0,
+    accelerometer_mass: 2.9e-3,
+};
+
+/// Lines of 100 Hz to 4 kHz, of which the first are too long a wave, one is bad, and those at half a wave scatter.
+fn estimate() -> ModulusEstimate {
+    let medium = Medium::new(908.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
+    let frequency_hz: Vec<f64> = (1..=40).map(|j| 100.0 * f64::from(j)).collect();
+    let mut ratio = acceleration_ratio(&medium, &SPECIMEN, 0.0, &frequency_hz);
+    ratio[14] = Complex64::new(f64::NAN, 0.0);
+    let variance: Vec<f64> = ratio.iter().map(|r| 1e-6 * r.norm_sqr()).collect();
+    TwoPoint::new(SPECIMEN)
+        .unwrap()
+        .with_specimen_uncertainty(SpecimenUncertainty {
+            length: 2e-4,
+            ..SpecimenUncertainty::default()
+        })
+        .unwrap()
+        .estimate(&frequency_hz, &ratio, &variance)
+        .unwrap()
+}
+
+#[test]
+fn the_method_and_its_settings_are_carried_along() {
+    let estimate = estimate();
+    let Method::TwoPoint(method) = estimate.method() else {
+        unreachable!("made by the two-point method");
+    };
+    assert_eq!(method.specimen(), &SPECIMEN);
+    assert_eq!(method.solver(), Solver::Continuation);
+    assert_eq!(estimate.method().to_string(), "two-point method");
+}
+
+#[test]
+fn columns_hold_what_the_lines_do() {
+    let estimate = estimate();
+    let columns = estimate.columns();
+    assert_eq!(columns.verdicts.len(), 39);
+    assert!(columns.iter().all(|column| column.values.len() == 39));
+    let values = |name: &str| columns.values(name).unwrap();
+    for (row, line) in estimate.lines().iter().enumerate() {
+        let exact = |name: &str, value: f64| {
+            assert!(
+                (values(name)[row] - value).abs() <= 0.0,
+                "{name} of row {row}"
+            );
+        };
+        exact("line", line.index as f64);
+        exact("frequency", line.frequency_hz);
+        exact("storage_modulus", line.modulus.re);
+        exact("loss_modulus", line.modulus.im);
+        exact("modulus_covariance", line.covariance().mixed);
+        exact("phase_velocity_error", line.standard_error.phase_velocity);
+        exact("valid", f64::from(u8::from(line.validity.is_valid())));
+        // random and systematic part make the total
+        let total = values("storage_modulus_random_error")[row]
+            .hypot(values("storage_modulus_systematic_error")[row]);
+        assert!((total / values("storage_modulus_error")[row] - 1.0).abs() < 1e-12);
+    }
+    let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
+    let unique: std::collections::BTreeSet<&str> = names.iter().copied().collect();
+    assert_eq!(unique.len(), names.len());
+    assert!(columns.values("no such column").is_none());
+    assert!(columns.verdicts[0].contains("specimen lengths"));
+}
+
+#[test]
+fn curves_are_in_pieces_of_one_verdict() {
+    let estimate = estimate();
+    let curve = estimate.curve(PlottedQuantity::LossFactor, 2.0);
+    let total: usize = curve.segments.iter().map(|s| s.values.len()).sum();
+    assert_eq!(total, 39);
+    assert!(!curve.segments[0].valid);
+    for segment in &curve.segments {
+        for (j, frequency_hz) in segment.frequency_hz.iter().enumerate() {
+            let line = estimate
+                .lines()
+                .iter()
+                .find(|line| line.frequency_hz.total_cmp(frequency_hz).is_eq());
+            let line = line.unwrap();
+            assert_eq!(line.validity.is_valid(), segment.valid);
+            let half = 0.5 * (segment.upper[j] - segment.lower[j]);
+            assert!((half / (2.0 * line.standard_error.loss_factor) - 1.0).abs() < 1e-10);
+        }
+        // nothing is drawn across the refused line at 1500 Hz
+        let (first, last) = (
+            segment.frequency_hz[0],
+            segment.frequency_hz[segment.frequency_hz.len() - 1],
+        );
+        assert!(last < 1500.0 || first > 1500.0);
+    }
+    let neighbours = curve.segments.windows(2);
+    for pair in neighbours {
+        let gap = pair[1].frequency_hz[0] - pair[0].frequency_hz[pair[0].frequency_hz.len() - 1];
+        assert!(pair[0].valid != pair[1].valid || gap > 150.0);
+    }
+    assert_eq!(curve.quantity.unit(), "1");
+}
+
+/// A table goes into a file by serde.
+#[test]
+fn tables_and_curves_are_serialised() {
+    let estimate = estimate();
+    let text = ron::to_string(&estimate.columns()).unwrap();
+    assert!(text.starts_with(
+        "(method:\"two-point method\",columns:[(name:\"line\",unit:\"1\",values:[0.0,1.0,"
+    ));
+    let text = ron::to_string(&estimate.curve(PlottedQuantity::LossFactor, 1.0)).unwrap();
+    assert!(text.starts_with(
+        "(quantity:LossFactor,standard_errors:1.0,segments:[(valid:false,frequency_hz:[100.0,"
+    ));
+}

@@ -1,0 +1,45 @@
+//! A rod with a mass at either end, by the chain of `rodwave`.
+
+use std::f64::consts::TAU;
+
+use cmod::Specimen;
+use num_complex::Complex64;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
+use rodwave::element::Circle;
+
+/// â₁/â₂ of a rod of `medium` that carries `impacted_mass` [kg] at the struck end and the accelerometer of the `specimen` at
+/// the other.
+pub(crate) fn acceleration_ratio<M>(
+    medium: &M,
+    specimen: &Specimen,
+    impacted_mass: f64,
+    frequency_hz: &[f64],
+) -> Vec<Complex64>
+where
+    M: WaveMedium<AngularFrequency> + Clone + 'static,
+{
+    let chain = Chain::from_impact_face()
+        .mass(impacted_mass)
+        .rod(
+            medium,
+            Circle::of_diameter(specimen.diameter).unwrap(),
+            specimen.length,
+        )
+        .end(Termination::Mass(specimen.accelerometer_mass))
+        .unwrap();
+    let velocity = |x: f64, f: f64| {
+        let section = chain.section(1, x).unwrap();
+        section.state(TAU * f).unwrap().velocity
+    };
+    let ratio = |&f: &f64| velocity(0.0, f) / velocity(specimen.length, f);
+    frequency_hz.iter().map(ratio).collect()
+}
+
+/// E|z|² = `mean_square`, half in each part.
+pub(crate) fn circular(random: &mut ChaCha8Rng, mean_square: f64) -> Complex64 {
+    let re: f64 = StandardNormal.sample(random);
+    let im: f64 = StandardNormal.sample(random);
+    Complex64::new(re, im) * (0.5 * mean_square).sqrt()
+}
