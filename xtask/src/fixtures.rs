@@ -5,6 +5,7 @@
 
 mod decimal;
 mod error;
+pub(crate) mod paper_a;
 pub(crate) mod paper_b;
 pub(crate) mod paper_c;
 #[allow(

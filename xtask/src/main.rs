@@ -37,6 +37,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Reproduce the tables and figures of paper A (complex modulus from end-point accelerations) on virtual tests.
+    ReproducePaperA(Comparison),
     /// Reproduce the tables and figures of paper B (complex modulus from three strains in a structure) on virtual tests.
     ReproducePaperB(Comparison),
     /// Reproduce the tables and figures of paper C (loss factor during creep recovery) on virtual tests.
@@ -78,6 +80,7 @@ impl Comparison {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
+        Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], comparison.keep()),
         Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
         Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),

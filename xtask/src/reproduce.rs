@@ -4,6 +4,7 @@
 //! what is printed.
 
 mod number;
+mod paper_a;
 mod paper_b;
 mod paper_c;
 mod paper_d;
@@ -25,6 +26,7 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 /// A paper of the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Paper {
+    A,
     B,
     C,
     D,
@@ -33,10 +35,11 @@ pub(crate) enum Paper {
 
 impl Paper {
     /// In the order of the thesis.
-    pub(crate) const ALL: [Self; 4] = [Self::B, Self::C, Self::D, Self::E];
+    pub(crate) const ALL: [Self; 5] = [Self::A, Self::B, Self::C, Self::D, Self::E];
 
     fn letter(self) -> &'static str {
         match self {
+            Self::A => "a",
             Self::B => "b",
             Self::C => "c",
             Self::D => "d",
@@ -46,6 +49,7 @@ impl Paper {
 
     fn compute(self) -> Result<Reproduction, Error> {
         match self {
+            Self::A => paper_a::reproduce(),
             Self::B => paper_b::reproduce(),
             Self::C => paper_c::reproduce(),
             Self::D => paper_d::reproduce(),

@@ -61,7 +61,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
              Standard errors are those of (I); \"truth inside\" is the part of 2.3 ms that the history of the body itself, on the same \
              lines, is within the {} % band.\n\n{}\n\
              ## Figures 5 and 6: the impacts\n\n\
-             Momentum residual: M_1 V less the impulse and the momentum with which the body is seen to fly back, over M_1 V.\n\n{}",
+             Partings of less than 20 µs are not counted. Momentum residual: M_1 V less the impulse and the momentum with which the body is seen to fly back, over M_1 V.\n\n{}",
             mobilities.markdown(),
             limits.markdown(),
             first.markdown(),
@@ -318,7 +318,7 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
         let letter = way(one, "(II) on lines").and_then(|row| row.to_the_letter);
         sentences.push(format!(
             "{}: the faces part at {} ms and meet again {} times, with {} % of the impulse, which eq. 3 cannot say. Before that the force \
-             comes down to nothing and rises again: eq. 3 to the letter ends the contact there, of the virtual gauges at {} ms and on the \
+             comes down to nothing, the faces are apart for less than 20 µs, and it rises again: eq. 3 to the letter ends the contact there, of the virtual gauges at {} ms and on the \
              lines of the paper at {} ms. What it leaves out then is {} % of the impulse.",
             one.face.name(),
             milliseconds(end),

@@ -116,6 +116,9 @@ fn layout(plots: &[Plot], until_ms: f64) -> Layout {
         .with_x_label("time, ms")
 }
 
+/// Time steps of the impulse responses.
+const STEPS: u32 = 256;
+
 /// What the faces answer to a unit impulse, without the jump at time 0: measured, and predicted with the same limit to the band.
 pub(crate) struct Responses {
     /// In ms.
@@ -129,11 +132,11 @@ impl Responses {
         // half of the band is left out of the spectra, so that twice the sample period would do
         let grid = TimeGrid {
             time_step: 0.5 * paper.sample_period,
-            n_steps: 256,
+            n_steps: STEPS as usize,
         };
         let mut responses = Self {
             // the first steps hold the jump
-            time: (2..grid.n_steps as u32)
+            time: (2..STEPS)
                 .map(|n| 1e3 * grid.time_step * f64::from(n))
                 .collect(),
             of_faces: Vec::new(),
