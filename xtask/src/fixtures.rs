@@ -5,6 +5,7 @@
 
 mod decimal;
 mod error;
+pub(crate) mod paper_a;
 pub(crate) mod paper_b;
 pub(crate) mod paper_c;
 #[allow(
@@ -12,6 +13,7 @@ pub(crate) mod paper_c;
     reason = "the loader offers all of paper D; what a task does not read of it is still part of the paper"
 )]
 pub(crate) mod paper_d;
+pub(crate) mod paper_e;
 mod printed_table;
 mod si_table;
 mod unit;

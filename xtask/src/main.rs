@@ -37,12 +37,16 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Reproduce the tables and figures of paper A (complex modulus from end-point accelerations) on virtual tests.
+    ReproducePaperA(Comparison),
     /// Reproduce the tables and figures of paper B (complex modulus from three strains in a structure) on virtual tests.
     ReproducePaperB(Comparison),
     /// Reproduce the tables and figures of paper C (loss factor during creep recovery) on virtual tests.
     ReproducePaperC(Comparison),
     /// Reproduce the tables of paper D (identification of viscoelastic materials) on virtual tests.
     ReproducePaperD(Comparison),
+    /// Reproduce the figures of paper E (impact force from impulse responses) on virtual bodies and measurements.
+    ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
     /// Run the software on measured records and print its figures next to what is known of them.
@@ -76,9 +80,11 @@ impl Comparison {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
+        Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], comparison.keep()),
         Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
         Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
+        Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
         Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
         Task::Validate { data } => validate::run(data.as_deref()),
     };

@@ -4,9 +4,11 @@
 //! what is printed.
 
 mod number;
+mod paper_a;
 mod paper_b;
 mod paper_c;
 mod paper_d;
+mod paper_e;
 mod table;
 
 use std::time::Instant;
@@ -24,28 +26,34 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 /// A paper of the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Paper {
+    A,
     B,
     C,
     D,
+    E,
 }
 
 impl Paper {
     /// In the order of the thesis.
-    pub(crate) const ALL: [Self; 3] = [Self::B, Self::C, Self::D];
+    pub(crate) const ALL: [Self; 5] = [Self::A, Self::B, Self::C, Self::D, Self::E];
 
     fn letter(self) -> &'static str {
         match self {
+            Self::A => "a",
             Self::B => "b",
             Self::C => "c",
             Self::D => "d",
+            Self::E => "e",
         }
     }
 
     fn compute(self) -> Result<Reproduction, Error> {
         match self {
+            Self::A => paper_a::reproduce(),
             Self::B => paper_b::reproduce(),
             Self::C => paper_c::reproduce(),
             Self::D => paper_d::reproduce(),
+            Self::E => paper_e::reproduce(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, ModulusEstimate, ThreePoint, TwoPoint, two_point};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -68,6 +69,7 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Series>, Error> {
         density: paper.density,
         accelerometer_mass: ACCELEROMETER,
     })?
+    .with_limits(AcceptanceLimits::NONE)?
     .estimate(&frequency_hz, &ratios, &variance)?;
     series.push(collect(
         paper,
@@ -109,6 +111,8 @@ pub(crate) fn in_situ(
         diameter: paper.diameter,
         density: paper.density,
     })?
+    // the conditions of the paper, and no limit to the errors, which are shown
+    .with_limits(AcceptanceLimits::NONE)?
     .estimate(&GaugeSpectra {
         frequency_hz: &frequency_hz,
         tests: &blows,

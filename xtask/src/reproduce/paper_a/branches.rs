@@ -1,0 +1,86 @@
+//! Table 1: which s and n belong to each quarter turn of kL.
+
+use std::f64::consts::FRAC_PI_2;
+
+use cmod::branch::{Branch, FreeEndRoot};
+use num_complex::Complex64;
+use serde::Serialize;
+
+use super::super::Table;
+use crate::fixtures::paper_a::PaperA;
+
+/// αL by kL of the roots that are tried.
+const LOSSES: [f64; 3] = [1e-4, 0.035, 0.2];
+
+/// One quarter turn.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Row {
+    interval: String,
+    s: i8,
+    n: u32,
+    #[serde(skip)]
+    phase: [String; 2],
+    /// Whether the library gives the restored s and n, and the quarter of φ is that of kL.
+    pub(crate) agrees: bool,
+    /// Greatest |γ_0 L - γL| over the quarter turn by eqs. 3 and 4 on this branch, where Ψ = cosh γL.
+    pub(crate) at_rounding: f64,
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "quarter turns of a transcribed table, below ten"
+)]
+pub(crate) fn all(paper: &PaperA) -> Vec<Row> {
+    paper
+        .branches
+        .iter()
+        .map(|turn| {
+            let branch = Branch::in_quadrant(turn.quarter_turn as u32);
+            let sign = |value: f64| if value > 0.0 { "+" } else { "-" };
+            let mut error = 0.0_f64;
+            let mut quarters = true;
+            for loss in LOSSES {
+                for j in 1..32_u32 {
+                    let wave = (turn.quarter_turn + f64::from(j) / 32.0) * FRAC_PI_2;
+                    let exact = Complex64::new(loss * wave, wave);
+                    let ratio = exact.cosh();
+                    error = error.max((FreeEndRoot::of(ratio).on(branch) - exact).norm());
+                    // the sines and cosines of φ have the signs of those of kL
+                    quarters &=
+                        sign(ratio.im) == turn.sin_phase && sign(ratio.re) == turn.cos_phase;
+                }
+            }
+            Row {
+                interval: turn.interval.clone(),
+                s: branch.sign(),
+                n: branch.half_waves(),
+                phase: [turn.sin_phase.clone(), turn.cos_phase.clone()],
+                agrees: quarters
+                    && (f64::from(branch.sign()) - turn.s).abs() < 0.5
+                    && (f64::from(branch.half_waves()) - turn.n).abs() < 0.5,
+                at_rounding: error,
+            }
+        })
+        .collect()
+}
+
+pub(crate) fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new(&["kL", "sin φ", "cos φ", "s", "n", "greatest error of γL"]);
+    for row in rows {
+        let [sin, cos] = &row.phase;
+        table.row([
+            row.interval.clone(),
+            sin.clone(),
+            cos.clone(),
+            format!("{:+}", row.s),
+            row.n.to_string(),
+            if row.at_rounding < 1e-11 {
+                "< 1e-11".into()
+            } else {
+                format!("{:.0e}", row.at_rounding)
+            },
+        ]);
+    }
+    table
+}

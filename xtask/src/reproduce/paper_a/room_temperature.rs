@@ -1,0 +1,234 @@
+//! Tests 1 to 10 at room temperature: Figures 3 and 4.
+
+use std::f64::consts::TAU;
+
+use cmod::validity::Violation;
+use cmod::{ModulusEstimate, ModulusLine, Solver};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+use serde::Serialize;
+
+use super::super::number::significant;
+use super::super::{Error, Table};
+use super::rig::{SEED, VirtualTest};
+use crate::fixtures::paper_a::PaperA;
+
+/// Roots of two solvers further apart than this are different ones.
+const OTHER_ROOT: f64 = 1e-6;
+
+/// A test evaluated.
+#[derive(Debug)]
+pub(crate) struct Evaluated {
+    pub(crate) row: Row,
+    pub(crate) length: f64,
+    pub(crate) diameter: f64,
+    pub(crate) medium: Medium<ConstantQ>,
+    pub(crate) estimate: ModulusEstimate,
+}
+
+/// What a test gives, in the order of Table 2.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Row {
+    pub(crate) test: String,
+    pub(crate) mass_ratio: f64,
+    /// Lines up to 20 kHz, those that fulfil conditions (i) to (iii) of the paper, and those of them whose error is small enough.
+    lines: usize,
+    admissible: usize,
+    /// The first and the last that fulfils them, in Hz.
+    pub(crate) admissible_hz: [f64; 2],
+    pub(crate) valid: usize,
+    /// Of the valid lines, in Hz.
+    lowest_hz: f64,
+    highest_hz: f64,
+    /// Greatest relative errors of the valid lines: E', loss factor.
+    #[serde(skip)]
+    pub(crate) worst: [f64; 2],
+    /// Share of E' and E'' of the valid lines within one and two standard errors of the material.
+    pub(crate) within: [f64; 2],
+    /// Admissible lines at which eq. 5 from γ_0 L has another root than continuation.
+    pub(crate) wrong_by_newton: usize,
+    /// Of these, the ones that condition (iii) does not find.
+    pub(crate) unnoticed: usize,
+}
+
+pub(crate) fn all(paper: &PaperA) -> Result<Vec<Evaluated>, Error> {
+    paper
+        .tests
+        .par_iter()
+        .enumerate()
+        .map(|(index, test)| {
+            let rig = VirtualTest::new(paper, test, test.law()?)?;
+            let ratio = rig.ratio(1.0, SEED + index as u64)?;
+            let estimate = rig.estimate(&ratio, Solver::Continuation)?;
+            let newton = rig.estimate(&ratio, Solver::Newton)?;
+            let (mut wrong, mut unnoticed) = (0, 0);
+            for line in estimate.lines().iter().filter(|line| is_admissible(line)) {
+                let same = newton
+                    .lines()
+                    .iter()
+                    .find(|other| other.index == line.index);
+                let by_newton = same.filter(|other| {
+                    let distance = other.propagation_coefficient - line.propagation_coefficient;
+                    distance.norm() * rig.specimen.length < OTHER_ROOT
+                });
+                if by_newton.is_none() {
+                    wrong += 1;
+                    unnoticed += usize::from(same.is_some_and(is_admissible));
+                }
+            }
+            let exact = |line: &ModulusLine| rig.medium.modulus(TAU * line.frequency_hz);
+            let [lowest_hz, highest_hz] = valid_band(&estimate);
+            let mut fulfilling = estimate.lines().iter().filter(|line| is_admissible(line));
+            let first = fulfilling.next().map_or(f64::NAN, |line| line.frequency_hz);
+            let last = fulfilling
+                .next_back()
+                .map_or(first, |line| line.frequency_hz);
+            Ok(Evaluated {
+                row: Row {
+                    test: test.name.clone(),
+                    mass_ratio: rig.specimen.mass_ratio(),
+                    lines: estimate.lines().len() + estimate.refused().len(),
+                    admissible: estimate.lines().iter().filter(|l| is_admissible(l)).count(),
+                    admissible_hz: [first, last],
+                    valid: estimate.valid().count(),
+                    lowest_hz,
+                    highest_hz,
+                    worst: worst(&estimate, &exact),
+                    within: [1.0, 2.0].map(|limit| within(&estimate, &exact, limit)),
+                    wrong_by_newton: wrong,
+                    unnoticed,
+                },
+                length: test.length,
+                diameter: test.diameter,
+                medium: rig.medium,
+                estimate,
+            })
+        })
+        .collect()
+}
+
+/// Conditions (i) to (iii) of the paper.
+pub(crate) fn is_admissible(line: &ModulusLine) -> bool {
+    !line.validity.violations().iter().any(|violation| {
+        matches!(
+            violation,
+            Violation::WavelengthTooShort { .. }
+                | Violation::WavelengthTooLong { .. }
+                | Violation::DampingNotPositive { .. }
+                | Violation::WaveNumberNotPositive { .. }
+                | Violation::NotConverged { .. }
+        )
+    })
+}
+
+/// The first and the last valid line, in Hz; NaN without one.
+pub(crate) fn valid_band(estimate: &ModulusEstimate) -> [f64; 2] {
+    let frequency = |line: Option<&ModulusLine>| line.map_or(f64::NAN, |line| line.frequency_hz);
+    [
+        frequency(estimate.valid().next()),
+        frequency(estimate.valid().last()),
+    ]
+}
+
+/// Greatest relative errors of E' and of the loss factor on valid lines.
+fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) -> [f64; 2] {
+    estimate.valid().fold([0.0, 0.0], |[storage, loss], line| {
+        let exact = exact(line);
+        let exact_loss = exact.im / exact.re;
+        [
+            storage.max((line.modulus.re / exact.re - 1.0).abs()),
+            loss.max((line.loss_factor / exact_loss - 1.0).abs()),
+        ]
+    })
+}
+
+/// Share of E' and E'' of the valid lines within so many standard errors.
+#[expect(clippy::cast_precision_loss, reason = "a thousand lines")]
+pub(crate) fn within(
+    estimate: &ModulusEstimate,
+    exact: &dyn Fn(&ModulusLine) -> Complex64,
+    limit: f64,
+) -> f64 {
+    let deviations: Vec<f64> = estimate
+        .valid()
+        .flat_map(|line| {
+            let exact = exact(line);
+            [
+                (line.modulus.re - exact.re) / line.standard_error.storage_modulus,
+                (line.modulus.im - exact.im) / line.standard_error.loss_modulus,
+            ]
+        })
+        .collect();
+    let inside = deviations.iter().filter(|d| d.abs() < limit).count();
+    inside as f64 / deviations.len().max(1) as f64
+}
+
+pub(crate) fn table(tests: &[Evaluated]) -> Table {
+    let mut table = Table::new(&[
+        "test",
+        "D, mm",
+        "L, mm",
+        "μ",
+        "lines",
+        "(i) to (iii)",
+        "from, to, Hz",
+        "of these valid",
+        "from, Hz",
+        "to, Hz",
+        "greatest error of E', %",
+        "of E''/E', %",
+        "within 1 s.e., %",
+        "within 2 s.e., %",
+        "other root by eq. 5",
+        "unnoticed",
+    ]);
+    for one in tests {
+        let row = &one.row;
+        table.row([
+            row.test.clone(),
+            format!("{:.1}", 1e3 * one.diameter),
+            format!("{:.0}", 1e3 * one.length),
+            significant(row.mass_ratio, 2),
+            row.lines.to_string(),
+            row.admissible.to_string(),
+            format!("{:.0} to {:.0}", row.admissible_hz[0], row.admissible_hz[1]),
+            row.valid.to_string(),
+            format!("{:.0}", row.lowest_hz),
+            format!("{:.0}", row.highest_hz),
+            significant(100.0 * row.worst[0], 2),
+            significant(100.0 * row.worst[1], 2),
+            format!("{:.0}", 100.0 * row.within[0]),
+            format!("{:.0}", 100.0 * row.within[1]),
+            row.wrong_by_newton.to_string(),
+            row.unnoticed.to_string(),
+        ]);
+    }
+    table
+}
+
+/// E' and E'' of every valid line.
+pub(crate) fn curves(tests: &[Evaluated]) -> Table {
+    let mut table = Table::new(&[
+        "test",
+        "frequency, Hz",
+        "E', GPa",
+        "standard error, GPa",
+        "E'', GPa",
+        "standard error of E'', GPa",
+    ]);
+    for one in tests {
+        for line in one.estimate.valid() {
+            table.row([
+                one.row.test.clone(),
+                format!("{:.1}", line.frequency_hz),
+                format!("{:.5}", 1e-9 * line.modulus.re),
+                significant(1e-9 * line.standard_error.storage_modulus, 2),
+                format!("{:.5}", 1e-9 * line.modulus.im),
+                significant(1e-9 * line.standard_error.loss_modulus, 2),
+            ]);
+        }
+    }
+    table
+}

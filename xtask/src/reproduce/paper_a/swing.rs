@@ -1,0 +1,97 @@
+//! Linearity: three swing angles on one specimen.
+
+use cmod::Solver;
+use serde::Serialize;
+
+use super::super::number::significant;
+use super::super::{Error, Table};
+use super::rig::{SEED, VirtualTest};
+use crate::fixtures::paper_a::PaperA;
+
+/// In m/s².
+const GRAVITY: f64 = 9.81;
+
+/// One swing angle against that of the tests.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Row {
+    degrees: f64,
+    /// Of the hammer, in m/s.
+    velocity: f64,
+    /// Greatest relative difference of Ψ without noise.
+    pub(crate) at_rounding: f64,
+    pub(crate) valid: usize,
+    /// Mean of the relative difference of E', and root mean square of it over its standard error, over lines that both have.
+    mean: f64,
+    pub(crate) over_error: f64,
+}
+
+pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
+    let test = paper
+        .tests
+        .iter()
+        .find(|test| test.name == "6")
+        .ok_or("Table 2 of paper A has no Test 6")?;
+    let rig = VirtualTest::new(paper, test, test.law()?)?;
+    let velocity =
+        |angle: f64| 2.0 * (0.5 * angle).sin() * (GRAVITY * paper.pendulum_length).sqrt();
+    let [_, usual, _] = paper.swing_angles;
+    let exact = rig.ratio_without_noise(1.0)?;
+    // the same hammer is released again: other noise
+    let reference = rig.estimate(&rig.ratio(1.0, SEED + 200)?, Solver::Continuation)?;
+    paper
+        .swing_angles
+        .into_iter()
+        .zip(SEED + 201..)
+        .map(|(angle, seed)| {
+            let strength = velocity(angle) / velocity(usual);
+            let estimate = rig.estimate(&rig.ratio(strength, seed)?, Solver::Continuation)?;
+            let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+            for line in estimate.valid() {
+                let Some(other) = reference.valid().find(|other| other.index == line.index) else {
+                    continue;
+                };
+                let difference = line.modulus.re - other.modulus.re;
+                let variance = line.standard_error.storage_modulus.powi(2)
+                    + other.standard_error.storage_modulus.powi(2);
+                sum += difference / other.modulus.re;
+                squares += difference * difference / variance;
+                count += 1.0;
+            }
+            Ok(Row {
+                degrees: angle.to_degrees().round(),
+                velocity: velocity(angle),
+                at_rounding: exact
+                    .difference(&rig.ratio_without_noise(strength)?, paper.highest_hz),
+                valid: estimate.valid().count(),
+                mean: sum / count,
+                over_error: (squares / count).sqrt(),
+            })
+        })
+        .collect()
+}
+
+pub(crate) fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new(&[
+        "swing angle, °",
+        "hammer, m/s",
+        "Ψ off that of 10°, no noise",
+        "valid lines",
+        "mean difference of E', %",
+        "r.m.s. difference by its standard error",
+    ]);
+    for row in rows {
+        table.row([
+            format!("{}", row.degrees),
+            significant(row.velocity, 3),
+            if row.at_rounding < 1e-9 {
+                "< 1e-9".into()
+            } else {
+                format!("{:.0e}", row.at_rounding)
+            },
+            row.valid.to_string(),
+            significant(100.0 * row.mean, 1),
+            format!("{:.2}", row.over_error),
+        ]);
+    }
+    table
+}

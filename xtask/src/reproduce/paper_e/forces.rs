@@ -1,0 +1,347 @@
+//! Force histories of the four impacts: gauges on the rod, (I) measured and predicted, (II) both predicted.
+
+use impulse::{
+    ContactEnd, EndVerdict, ForceBand, ForceHistory, Impact, LineBand, Prediction, StickProblem,
+    StickUncertainty, ZeroLine, contact_band, lines_of, separate,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use rodwave::experiment::impact_of_two_bodies::ImpactOfTwoBodies;
+use serde::Serialize;
+
+use super::super::Error;
+use super::bodies::Face;
+use super::measurement::{Measurement, SEED};
+use crate::fixtures::paper_e::PaperE;
+
+/// Of the histories of the gauges, in s: before the echo of the far end of the rod is back.
+const GAUGED: f64 = 2.3e-3;
+/// Histories are made so many times finer than the gauges are sampled.
+const FINER: usize = 4;
+/// Noise of a strain, standard deviation; the paper gives none.
+pub(crate) const STRAIN_NOISE: f64 = 2e-7;
+/// Of the marches, in s: long enough for the bodies to ring out.
+const MARCHED: f64 = 40e-3;
+/// Force below minus this part of the greatest is a pull, not ringing or noise.
+const THRESHOLD: f64 = 0.02;
+/// Probability of the bands.
+pub(crate) const LEVEL: f64 = 0.95;
+/// Contacts shorter than this are the graze of a face that hardly parts, in s.
+const SHORTEST: f64 = 20e-6;
+/// Where histories are compared with that of the gauges: after the jump, which every method rounds in its own way.
+const COMPARED: f64 = 0.1e-3;
+
+/// The force of a face on the long rod by every way.
+#[derive(Debug)]
+pub(crate) struct Forces {
+    pub(crate) face: Face,
+    pub(crate) velocity: f64,
+    /// Until its contact has ended.
+    pub(crate) gauges: ForceHistory,
+    /// The force on the lines of (I) of the virtual body itself, without the errors of a measurement, and (I) before separation.
+    pub(crate) truth: ForceHistory,
+    pub(crate) stick: ForceHistory,
+    pub(crate) stick_band: ForceBand,
+    /// (I) as the paper: on the lines of the measurement, until separation.
+    pub(crate) measured: ForceHistory,
+    pub(crate) band: ForceBand,
+    /// (II) as the paper: eq. 7 on its lines, until separation.
+    pub(crate) predicted: ForceHistory,
+    /// (II) marched with the causal law: faces part and meet again.
+    pub(crate) marched: ForceHistory,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) uncertainty: Uncertainty,
+}
+
+/// One face by one way.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Row {
+    pub(crate) face: &'static str,
+    pub(crate) way: &'static str,
+    /// In N and s.
+    pub(crate) peak: f64,
+    pub(crate) peak_time: f64,
+    /// From touch to the first parting, in s.
+    pub(crate) end: Option<f64>,
+    /// Where eq. 3 to the letter ends the contact: the first sample below zero, in s.
+    pub(crate) to_the_letter: Option<f64>,
+    /// Part of the impulse after the first parting, and after the end of the contact of the gauges if that is earlier.
+    pub(crate) missed: Option<[f64; 2]>,
+    /// From touch to parting of the contacts after the first, in s; none where the way knows but one contact.
+    pub(crate) again: Option<Vec<[f64; 2]>>,
+    /// In N s.
+    pub(crate) impulse: f64,
+    /// M_1 V in N s.
+    pub(crate) momentum: f64,
+    pub(crate) restitution: f64,
+    /// Root mean square of the difference from the gauges over the peak.
+    pub(crate) off_gauges: Option<f64>,
+    pub(crate) balance: Option<Residuals>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Residuals {
+    /// (W_1 - W_2 - W_c)/(VJ)
+    #[serde(rename = "at_rounding")]
+    pub(crate) energy: f64,
+    /// Of M_1 V, with the face as it is seen to fly back.
+    pub(crate) momentum: Option<f64>,
+}
+
+/// What is known of (I).
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Uncertainty {
+    pub(crate) face: &'static str,
+    /// Standard errors of a force, in N, and of the end of contact, in s.
+    pub(crate) force: f64,
+    pub(crate) end: Option<f64>,
+    /// Probability that the faces part earlier, at a minimum of the force, and when.
+    pub(crate) may_end_earlier: Option<(f64, f64)>,
+    /// Standard error of a force with both hammers on every line, in N.
+    pub(crate) force_by_variance: f64,
+    /// Part of the prediction (II) of the same lines within the band.
+    pub(crate) inside: f64,
+    /// What the screening of the measured body says.
+    pub(crate) screening: Vec<String>,
+}
+
+pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Result<Forces, Error> {
+    let velocity = paper.case(face)?.impact_velocity;
+    let momentum = paper.mass(face)? * velocity;
+    let rod = paper.long_rod()?;
+    let (gauges, until) = gauges(paper, face, velocity)?;
+    let row = |way, history: &ForceHistory, again: Option<Vec<[f64; 2]>>, end: Option<f64>| {
+        let peak = history.peak();
+        Row {
+            face: face.name(),
+            way,
+            peak: peak.force,
+            peak_time: peak.time,
+            end,
+            again,
+            to_the_letter: None,
+            missed: None,
+            impulse: history.impulse(),
+            momentum,
+            restitution: history.impulse() / momentum - 1.0,
+            off_gauges: None,
+            balance: None,
+        }
+    };
+    let single = |way, stick: &ForceHistory| -> Result<(ForceHistory, Row), Error> {
+        let impact = separate(stick, THRESHOLD * stick.peak().force)?;
+        let time = |end: ContactEnd| match end {
+            ContactEnd::Separated { time } => Some(time),
+            _ => None,
+        };
+        let mut row = row(way, &impact.history, None, time(impact.end));
+        row.to_the_letter = time(separate(stick, 0.0)?.end);
+        Ok((impact.history, row))
+    };
+    let gauge_row = row("gauges", &gauges, None, Some(until));
+    let compared = |row: Row, history: &ForceHistory| Row {
+        off_gauges: Some(difference(&gauges, history, until)),
+        ..row
+    };
+    let marched = |way, prediction: &Prediction| {
+        let mut contacts = prediction
+            .contacts
+            .iter()
+            .filter_map(|contact| Some([contact.begin, contact.end?]))
+            .filter(|[begin, end]| end - begin > SHORTEST);
+        // a graze of a step or two parts the contact before it from the one after it in name only
+        let mut merged: Vec<[f64; 2]> = Vec::new();
+        for [begin, end] in contacts.by_ref() {
+            match merged.last_mut() {
+                Some(last) if begin - last[1] < SHORTEST => last[1] = end,
+                _ => merged.push([begin, end]),
+            }
+        }
+        let end = merged.first().map(|first| first[1]);
+        let again = merged.get(1..).map(<[_]>::to_vec);
+        let impulse_after = |time: f64| {
+            let history = &prediction.history;
+            let late = (0..history.force().len()).filter(|n| history.time_at(*n) > time);
+            late.map(|n| history.force()[n]).sum::<f64>() * history.time_step() / history.impulse()
+        };
+        let mut row = row(way, &prediction.history, again, end);
+        row.missed = end.map(|end| [end, until.min(end)].map(impulse_after));
+        let balance = prediction.balance();
+        row.balance = Some(Residuals {
+            energy: balance.energy_residual,
+            momentum: balance.momentum_residual,
+        });
+        compared(row, &prediction.history)
+    };
+
+    let n_lines = paper.n_lines();
+    let step_hz = measurement.frequency_step_hz;
+    let rod_lines = lines_of(&rod, step_hz, n_lines)?;
+    let problem = |body| StickProblem {
+        first: body,
+        second: &rod_lines,
+        frequency_step_hz: step_hz,
+        impact_velocity: velocity,
+        zero_line: ZeroLine::EffectiveMass(momentum / velocity),
+        roll_off_from_hz: None,
+    };
+    let first = problem(&measurement.larger_force.mobility);
+    let error = first.error(&StickUncertainty {
+        first_variance: Some(&measurement.larger_force.variance),
+        ..StickUncertainty::default()
+    })?;
+    let by_variance = problem(&measurement.inverse_variance.mobility).error(&StickUncertainty {
+        first_variance: Some(&measurement.inverse_variance.variance),
+        ..StickUncertainty::default()
+    })?;
+    let stick = first.solve()?.history;
+    let (measured, measured_row) = single("(I) on lines", &stick)?;
+    let contact = stick
+        .index_near(0.0)
+        .ok_or("the contact is in the history")?;
+    let last = stick
+        .index_near(GAUGED)
+        .ok_or("2.3 ms are in the history")?;
+    let mut random = ChaCha8Rng::seed_from_u64(SEED + 1);
+    let stick_band = error.simultaneous(&stick, LEVEL, contact..last, 1000, &mut random)?;
+    let impact = separate(&stick, THRESHOLD * stick.peak().force)?;
+    let band = contact_band(&stick_band, &impact);
+    // the truth of the virtual body, on the same lines and with the same limit to the band
+    let truth = lines_of(&paper.causal(face)?, step_hz, n_lines)?;
+    let truth = problem(&truth).solve()?.history;
+    let contact_end = error.contact_end(&stick, &impact);
+
+    let body = paper.on_lines(
+        face,
+        &measurement.larger_force.mobility,
+        Some(&measurement.larger_force.variance),
+    )?;
+    let march_step = paper.sample_period / 8.0;
+    let march = |first: &dyn impulse::ImpactBody| {
+        Impact::between(first, &rod)
+            .at_velocity(velocity)
+            .in_steps_of(march_step)
+            .predict(MARCHED)
+    };
+    let measured_march = march(&body)?;
+    let printed = paper.printed(face)?;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a transcribed whole number, 2048"
+    )]
+    let line_band = LineBand {
+        highest_hz: paper.predicted_highest_hz,
+        n_samples: paper.predicted_samples as usize,
+    };
+    let predicted = Impact::between(&printed, &rod)
+        .at_velocity(velocity)
+        .stick_force_on_lines(line_band)?;
+    let (predicted, predicted_row) = single("(II) on lines", &predicted.history)?;
+    let causal = paper.causal(face)?;
+    let causal_march = march(&causal)?;
+
+    let rows = vec![
+        gauge_row,
+        compared(measured_row, &measured),
+        marched("(I) marched", &measured_march),
+        compared(predicted_row, &predicted),
+        marched("(II) marched", &causal_march),
+    ];
+    Ok(Forces {
+        face,
+        velocity,
+        uncertainty: Uncertainty {
+            face: face.name(),
+            force: error.standard_error()[contact],
+            end: contact_end.map(|end| end.standard_error),
+            may_end_earlier: contact_end.and_then(|end| match end.verdict {
+                EndVerdict::MayEndEarlier { time, probability } => Some((time, probability)),
+                _ => None,
+            }),
+            force_by_variance: by_variance.standard_error()[contact],
+            inside: stick_band.part_inside(truth.force(), contact..last),
+            screening: body
+                .screen()
+                .flags()
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+        },
+        gauges,
+        truth,
+        stick,
+        stick_band,
+        measured,
+        band,
+        predicted,
+        marched: causal_march.history,
+        rows,
+    })
+}
+
+/// F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is computed by the damped Fourier transform and ends
+/// at the first zero of the stick force, which is returned with it.
+fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
+    let body = paper.causal(face)?;
+    let rod = paper.gauged_rod()?;
+    #[expect(clippy::cast_precision_loss, reason = "a handful")]
+    let interval = paper.strain_sample_period / FINER as f64;
+    let record = ImpactOfTwoBodies {
+        first: &body,
+        second: &rod,
+        velocity,
+    }
+    .run(GAUGED, interval)?;
+    let force = record.transmitted_force(0, paper.gauge_distance)?;
+    let mut random = ChaCha8Rng::seed_from_u64(SEED + 2);
+    let axial_stiffness = paper.rod_impedance()?.powi(2)
+        / (paper.steel_density * std::f64::consts::PI * (0.5 * paper.rod_diameter).powi(2));
+    let sampled = force
+        .iter()
+        .step_by(FINER)
+        .map(|force| {
+            let noise: f64 = random.sample(StandardNormal);
+            force + axial_stiffness * STRAIN_NOISE * noise
+        })
+        .collect();
+    let transit = paper.gauge_distance / (paper.steel_modulus / paper.steel_density).sqrt();
+    let history = ForceHistory::new(record.start - transit, paper.strain_sample_period, sampled)?;
+    let end = match record.end {
+        rodwave::experiment::impact_of_two_bodies::ContactEnd::Separated { time } => time,
+        _ => GAUGED - transit,
+    };
+    Ok((history, end))
+}
+
+/// Root mean square of the difference over the peak, from after the jump `until` the contact ends.
+fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
+    let squares: Vec<f64> = gauges
+        .force()
+        .iter()
+        .enumerate()
+        .map(|(index, force)| (gauges.time_at(index), force))
+        .filter(|(time, _)| (COMPARED..0.95 * until).contains(time))
+        .filter_map(|(time, force)| Some((force - at(other, time)?).powi(2)))
+        .collect();
+    #[expect(clippy::cast_precision_loss, reason = "some hundred samples")]
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    mean.sqrt() / gauges.peak().force
+}
+
+/// A history between its samples.
+fn at(history: &ForceHistory, time: f64) -> Option<f64> {
+    let nearest = history.index_near(time)?;
+    let before = if history.time_at(nearest) > time {
+        nearest.checked_sub(1)?
+    } else {
+        nearest
+    };
+    let fraction = (time - history.time_at(before)) / history.time_step();
+    let [low, high] = [
+        *history.force().get(before)?,
+        *history.force().get(before + 1)?,
+    ];
+    Some(low + fraction * (high - low))
+}
