@@ -18,11 +18,51 @@
 //!
 //! which is Table 1 of paper A, whose layout is lost in print, derived anew.
 //!
-//! The quadrant fixes kL up to multiples of 2π; these are counted along the sequence of lines by [`resolve`].
+//! The quadrant fixes kL up to multiples of 2π, and at low losses noise turns it into the neighbouring one on every line near
+//! kL = nπ. Therefore no line is put on its branch alone: γ(ω) is inferred from all lines together, and each line then
+//! takes the root next to it.
+//!
+//! # Inference
+//! γ and dγ/dω are a state that changes smoothly with frequency: dγ/dω wanders by 15 % of its size in an e-fold, and at the first
+//! line it is γ/ω, to 5 % and but for the dispersion that goes with damping by causality. Ψ of a line is that of the state
+//! with noise of known variance; one line in a hundred is allowed to be anything. Every root of the first well-determined
+//! lines begins a course, which is followed by a Kalman filter and weighed by what it predicts; a gap in which the phase is
+//! lost lets a course branch out. What is left at the last line is smoothed back to the first. The method is
+//! that of Viterbi and of forward and backward recursion, with a normal distribution in the place of each discrete state.
+//!
+//! The result of a line is a root and its [confidence](TrackedLine::confidence): the probability that the true γℓ is nearer
+//! to this root than to any other. Below [`LEAST_CONFIDENCE`] the line is [doubtful](BranchDoubt).
+//!
+//! # What it cannot know
+//! - How many waves there are before the first line, where they are so many that 5 % of them are half of one or more. Then several
+//!   speeds are equally good, and every line says so, unless there is an anchor: a wave speed, a known branch, or a second
+//!   specimen of another length ([`BranchTracker`]).
+//! - What happens between lines that are farther apart than half a wave: the wave number is taken to advance by less than π
+//!   between the two closest lines, that is, the wave to run through the specimen in less than half the length of the record.
+//! - A jump. A stretch of lines that no smooth curve explains is doubtful, and if it is longer than half a wave, so is all that
+//!   follows.
+//!
+//! [`resolve`] serves one record of a free end; [`BranchTracker`] serves any [`PhaseObservation`], among them a specimen
+//! with a mass at its end and a wave that has travelled some way.
 
+mod anchor;
+mod doubt;
+mod forward;
+mod noise;
+mod observation;
+mod path;
 mod sequence;
+mod tracker;
+mod verdict;
 
-pub use sequence::{BranchDoubt, ResolvedRoot, resolve};
+pub use doubt::BranchDoubt;
+pub use observation::{EndMass, FreeEnd, PhaseObservation, Travel};
+pub(crate) use sequence::SpecimenRecord;
+pub use sequence::{ResolvedRoot, resolve};
+pub use tracker::{
+    BranchTracker, FASTEST_WAVE, LEAST_CONFIDENCE, PhaseRecord, SLOWEST_WAVE, SpeedHypothesis,
+    TrackedBranches, TrackedLine,
+};
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -55,10 +95,12 @@ impl FreeEndRoot {
         };
         let sine = sine_squared.sqrt();
         let cosine = re / (1.0 + sinh_squared).sqrt();
+        let angle = sine.atan2(cosine.abs());
+        let phase = if cosine < 0.0 { PI - angle } else { angle };
         Self {
             damping_length: sinh_squared.sqrt().asinh(),
-            angle: sine.atan2(cosine.abs()),
-            principal_phase: sine.copysign(im).atan2(cosine),
+            angle,
+            principal_phase: phase.copysign(im),
         }
     }
 
@@ -81,25 +123,22 @@ impl FreeEndRoot {
         Complex64::new(self.damping_length, phase)
     }
 
-    /// How well Ψ determines γL, from 0 at kL = nπ without losses to about 1: |dΨ/d(γL)|²/(1 + |Ψ|²).
-    fn information(&self) -> f64 {
-        let root = Complex64::new(self.damping_length, self.principal_phase);
-        root.sinh().norm_sqr() / (1.0 + root.cosh().norm_sqr())
-    }
-
-    /// Of all roots ±γL + 2πi m, the one nearest to `prediction`.
-    fn nearest_to(&self, prediction: Complex64) -> Complex64 {
-        let candidate = |sign: f64| {
-            let phase = sign * self.principal_phase;
-            let turns = ((prediction.im - phase) / TAU).round();
-            Complex64::new(sign * self.damping_length, phase + turns * TAU)
+    /// Of all roots ±γL + 2πi m, the one nearest to `expected`.
+    fn nearest_to(&self, expected: Complex64) -> Complex64 {
+        let near = |root: Complex64| {
+            root + Complex64::new(0.0, TAU * ((expected.im - root.im) / TAU).round())
         };
-        let (decaying, growing) = (candidate(1.0), candidate(-1.0));
-        if (decaying - prediction).norm() <= (growing - prediction).norm() {
+        let (decaying, growing) = (near(self.principal()), near(-self.principal()));
+        if (decaying - expected).norm_sqr() <= (growing - expected).norm_sqr() {
             decaying
         } else {
             growing
         }
+    }
+
+    /// γL with a phase between -π and π.
+    fn principal(&self) -> Complex64 {
+        Complex64::new(self.damping_length, self.principal_phase)
     }
 }
 

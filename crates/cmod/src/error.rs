@@ -253,6 +253,62 @@ pub enum CmodError {
         "no parameters found to start from, expected a loss factor that is raised after the load"
     )]
     NoStart,
+    /// A modulus, or its error, cannot be.
+    #[error("{quantity} of point {index} is {value}, expected {expected}")]
+    ModulusPoint {
+        /// Position of the point, from 0.
+        index: usize,
+        /// Name and unit of the quantity.
+        quantity: &'static str,
+        /// The value found.
+        value: f64,
+        /// The condition it violates.
+        expected: &'static str,
+    },
+    /// No parameters of a law have a finite sum of squares.
+    #[error("no {law} law found to start from, expected moduli within its range")]
+    NoLaw {
+        /// Which law.
+        law: String,
+    },
+    /// A temperature of a sweep is not above the one before, or not above 0 K.
+    #[error(
+        "temperature {index} is {kelvin} K, expected a finite value above {previous} K of the one before"
+    )]
+    Temperature {
+        /// Position in the sweep, from 0.
+        index: usize,
+        /// The value found [K].
+        kelvin: f64,
+        /// The one before [K]; 0 for the first.
+        previous: f64,
+    },
+    /// The shift factors of a master curve have no covariance.
+    #[error(
+        "the data leave a combination of the shift factors open, expected temperatures whose curves overlap"
+    )]
+    ShiftsUndetermined,
+    /// A name of a material that the programs would not read.
+    #[error(
+        "name of the material is {name:?}, expected a letter and up to 79 letters, digits, hyphens or underscores"
+    )]
+    CardName {
+        /// The name found.
+        name: String,
+    },
+    /// A Prony series is too long for a program.
+    #[error("{found} terms, expected at most {most} as {program} takes")]
+    CardTerms {
+        /// Which program.
+        program: &'static str,
+        /// The number of terms.
+        found: usize,
+        /// Its limit.
+        most: usize,
+    },
+    /// A law of the crate `rodwave` refuses its parameters.
+    #[error(transparent)]
+    Rodwave(#[from] rodwave::RodwaveError),
 }
 
 /// Accepts a finite value above zero.

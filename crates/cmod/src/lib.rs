@@ -20,8 +20,8 @@
 //! ```
 //!
 //! with m the mass of the accelerometer at the free end. The equation has infinitely many roots γ. For μ = 0 all are
-//! known in closed form, and the right one is that with k continuous and increasing from 0 ([`branch`]). From there the
-//! mass is put on in steps, and the root followed ([`two_point`]). The variance of Ψ follows from the coherence of several
+//! known in closed form, and the right one is that with k continuous and increasing from 0, which is inferred from all lines
+//! together ([`branch`]). From there the mass is put on in steps, and the root followed ([`two_point`]). The variance of Ψ follows from the coherence of several
 //! blows ([`TwoPoint::estimate_averaged`]). Each line comes with its covariances, what noise and what the specimen contributes
 //! ([`estimate`]), and with a verdict ([`validity`]): of a valid line E' is known to 1 % and the loss factor to 5 %, unless other
 //! limits are asked.
@@ -36,6 +36,9 @@
 //!
 //! Apart from it stands paper C: the loss factor after a creep load, the model that explains it, and the fit of its parameters
 //! ([`recovery`]).
+//!
+//! What a modulus becomes in a program that computes with it is a law: [`rheology`] fits laws, says which of their parameters are
+//! determined, shifts temperatures to one curve and writes cards.
 //!
 //! # Example
 //! Polypropylene in Test 6 of paper A; the accelerations are those of rod and accelerometer by transition matrices.
@@ -99,8 +102,8 @@
 //! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and at low frequency, the
 //!   line is marked, not corrected.
 //! - Calibration is not part of the errors, and positions are not with three gauges and more.
-//! - Branches are followed from line to line, which is sound for clean and mildly noisy data that begin below the
-//!   first half wavelength; a long gap or heavy noise is marked as doubt, not repaired.
+//! - Waves are counted where a smooth wave number explains the lines. What cannot be counted is marked, not guessed: see
+//!   [`branch`] for what helps.
 
 pub mod branch;
 pub mod checks;
@@ -113,6 +116,7 @@ pub mod one_gauge;
 pub mod pulses;
 pub mod recovery;
 pub mod resonance;
+pub mod rheology;
 pub mod section_ratio;
 pub mod two_point;
 pub mod validity;

@@ -12,7 +12,6 @@
 
 mod averages;
 mod end_mass;
-mod expected_root;
 mod specimen;
 
 pub use averages::{AveragedRatio, variance_from_coherence};
@@ -24,7 +23,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
-use crate::branch::{ResolvedRoot, resolve};
+use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::{
     ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
@@ -32,14 +31,13 @@ use crate::estimate::{
 };
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
-use expected_root::ExpectedRoot;
 
 /// How equation 1 is solved on a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
     /// Continuation in the mass ratio. Follows the branch at low losses, too. Where two roots come near to each other, the one
-    /// next to what the lines before lead to expect is taken.
+    /// next to what all lines together lead to expect is taken.
     #[default]
     Continuation,
     /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). Kept for comparison: at low
@@ -156,8 +154,8 @@ impl TwoPoint {
     /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ matters, the line is
     /// marked as [near to a singular one](Violation::NearSingular).
     ///
-    /// All three arrays have one entry a line. The lines must start below the first half wavelength of the specimen and be
-    /// dense enough to count the next ones, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
+    /// All three arrays have one entry a line. The lines must be dense enough to count the half waves in the specimen, see
+    /// [`crate::branch`]. A line at 0 Hz and lines that are not finite are
     /// [refused](ModulusEstimate::refused) one by one.
     ///
     /// # Errors
@@ -248,9 +246,8 @@ impl TwoPoint {
         }
 
         let mut lines = Vec::with_capacity(measured.len());
-        let mut expected = ExpectedRoot::default();
-        for (line, free_end) in measured.iter().zip(resolve_branches(&measured)?) {
-            match self.line(line, free_end, &mut expected, acceptance) {
+        for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
+            match self.line(line, free_end, acceptance) {
                 Ok(line) => lines.push(line),
                 Err(_) => refused.push(RefusedLine {
                     index: line.index,
@@ -267,12 +264,29 @@ impl TwoPoint {
         ))
     }
 
+    /// The branches of all lines that can be evaluated, of which there may be none.
+    fn resolve_branches(&self, measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
+        if measured.is_empty() {
+            return Ok(Vec::new());
+        }
+        let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
+        let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
+        let variance: Vec<f64> = measured.iter().map(|line| line.variance).collect();
+        let record = SpecimenRecord {
+            length: self.specimen.length,
+            mass_ratio: self.specimen.mass_ratio(),
+            frequency_hz: &frequency_hz,
+            acceleration_ratio: &ratio,
+            variance: Some(&variance),
+        };
+        record.resolve(&BranchTracker::new())
+    }
+
     /// Solves one line; refuses it if nothing finite comes of it.
     fn line(
         &self,
         measured: &MeasuredLine,
         free_end: ResolvedRoot,
-        expected: &mut ExpectedRoot,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
         let Specimen {
@@ -294,10 +308,7 @@ impl TwoPoint {
         let mut violations = Vec::new();
         let root = match self.solver {
             Solver::Continuation => {
-                let root = equation.continuation(free_end.gamma_length);
-                let root = expected.choose(&equation, root, measured.frequency_hz);
-                expected.update(&equation, &root, measured.frequency_hz);
-                root
+                equation.continuation_checked(free_end.gamma_length, free_end.loaded_gamma_length)
             }
             Solver::Newton => equation.newton(free_end.gamma_length),
             Solver::Series => {
@@ -416,16 +427,6 @@ struct MeasuredLine {
     ratio: Complex64,
     variance: f64,
     coherence: Option<f64>,
-}
-
-/// The roots without end mass of all lines that can be evaluated, of which there may be none.
-fn resolve_branches(measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
-    if measured.is_empty() {
-        return Ok(Vec::new());
-    }
-    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-    resolve(&frequency_hz, &ratio)
 }
 
 /// The criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.

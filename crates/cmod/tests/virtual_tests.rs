@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use cmod::branch::BranchDoubt;
 use cmod::estimate::Termination;
 use cmod::validity::Violation;
 use cmod::{ModulusLine, Solver, Specimen, TwoPoint};
@@ -393,8 +394,10 @@ fn branches_survive_mild_noise() {
             let label = format!("loss x {fraction}, noise {noise}, seed {seed}");
             for line in record.estimate(specimen, Solver::Continuation) {
                 let doubt = line.closed_form.unwrap().doubt;
+                // At a multiple of π a single line may be doubtful; the count never is.
                 assert!(
-                    !doubt.is_some_and(|doubt| doubt.is_ambiguous()),
+                    !doubt.is_some_and(|doubt| doubt.is_ambiguous())
+                        || matches!(doubt, Some(BranchDoubt::OtherRoot { .. })),
                     "{label}: {doubt:?}"
                 );
                 if line.frequency_hz > 362.0 {

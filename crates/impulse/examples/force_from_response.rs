@@ -139,8 +139,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         parameter.verdict
     );
     println!(
-        "chi-square per degree of freedom {:.3}; {:.0} % of the true force in the band of {} standard errors; {}",
+        "chi-square per degree of freedom {:.3}; the regularisation takes off up to {:.1} N, which the band does not know of; \
+         {:.0} % of the true force in the band of {} standard errors; {}",
         found.reduced_chi_square.ok_or("the noise was stated")?,
+        found
+            .regularisation_bias
+            .iter()
+            .fold(0.0_f64, |largest, bias| largest.max(-bias)),
         100.0 * band.part_inside(&truth, window),
         (10.0 * band.factor).round() / 10.0,
         path.display()

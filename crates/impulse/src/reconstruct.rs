@@ -8,15 +8,17 @@ mod non_negative;
 mod options;
 mod outcome;
 mod sensor;
+mod solution;
 mod support;
 
 use num_complex::Complex64;
 
-use self::lines::{Grid, Transformed, WeightedLines};
-use self::modes::{Filter, Modes};
+use self::lines::{Grid, Transformed};
+use self::modes::Filter;
+use self::solution::{Gain, Solved};
 use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
-use crate::{ForceError, ForceHistory, ImpulseError, fourier};
+use crate::{ForceHistory, ImpulseError, fourier};
 
 pub use calibration_scatter::{CalibrationBlow, CalibrationScatter};
 pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
@@ -376,120 +378,6 @@ impl<'a> Reconstruction<'a> {
             non_negativity: solved.non_negativity,
             response_end,
         })
-    }
-}
-
-/// A force, and the linear method that gave it.
-struct Solved {
-    samples: Vec<f64>,
-    parameter: Option<ChosenParameter>,
-    modes: Modes,
-    lines: WeightedLines,
-    gain: Gain,
-    non_negativity: Option<NonNegativity>,
-    n_silent: usize,
-}
-
-/// From the weighted cross sums of the lines to the force.
-enum Gain {
-    Lines(Vec<f64>),
-    Support {
-        support: Support,
-        /// $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
-        gain: faer::Mat<f64>,
-        /// First row of Q.
-        problem: Vec<f64>,
-    },
-}
-
-impl Solved {
-    /// The error of the force for cross sums of this variance.
-    fn error(&self, cross_variance: &[f64]) -> Result<ForceError, ImpulseError> {
-        let n_samples = self.samples.len();
-        let none = ForceError::none(n_samples);
-        match &self.gain {
-            Gain::Lines(gains) => {
-                let scale = (n_samples as f64).powi(-2);
-                let lines = gains.iter().zip(cross_variance);
-                let variances = lines.map(|(g, v)| g * g * v * scale).collect();
-                Ok(none.with_lines(variances, n_samples, None))
-            }
-            Gain::Support { support, gain, .. } => {
-                let factor = SupportProblem::error_factor(gain, cross_variance, n_samples)?;
-                let rows = (0..support.length)
-                    .map(|i| (0..support.length).map(|j| factor[(i, j)]).collect())
-                    .collect();
-                Ok(none.with_support(support.first, rows))
-            }
-        }
-    }
-
-    /// Root mean square of the force under white noise of 1.
-    fn noise_gain(
-        &self,
-        transformed: &Transformed<'_>,
-        weights_for: Option<&[Complex64]>,
-    ) -> Result<f64, ImpulseError> {
-        let variance = transformed.white_cross_variance(weights_for);
-        match &self.gain {
-            Gain::Lines(_) => {
-                let error = self.error(&variance)?;
-                Ok(error.standard_error().first().copied().unwrap_or(f64::NAN))
-            }
-            Gain::Support { support, gain, .. } => {
-                let n_samples = self.samples.len();
-                let lags = support::lags(&variance, n_samples, support.length);
-                let spread = gain * support::toeplitz(&lags);
-                let square: f64 = (0..support.length)
-                    .flat_map(|i| (0..support.length).map(move |j| (i, j)))
-                    .map(|at| spread[at] * gain[at])
-                    .sum();
-                Ok((square / support.length as f64).sqrt())
-            }
-        }
-    }
-
-    /// $`-(1-\varphi)\hat F`$ as a history.
-    fn bias(&self) -> Vec<f64> {
-        let n_samples = self.samples.len();
-        match &self.gain {
-            Gain::Lines(gains) => {
-                let force = fourier::to_spectrum(&self.samples);
-                let lines = gains.iter().zip(&self.lines.power).zip(&force);
-                let lost: Vec<Complex64> = lines
-                    .map(|((gain, power), f)| {
-                        if *power > 0.0 {
-                            (gain * power - 1.0) * f / n_samples as f64
-                        } else {
-                            Complex64::ZERO
-                        }
-                    })
-                    .collect();
-                fourier::to_samples(&lost, n_samples)
-            }
-            Gain::Support {
-                support,
-                gain,
-                problem,
-            } => {
-                // G Q f - f
-                let Support { first, length } = *support;
-                let force = self.samples.get(first..first + length).unwrap_or_default();
-                let explained: Vec<f64> = (0..length)
-                    .map(|i| {
-                        let terms = force.iter().enumerate();
-                        terms.map(|(j, f)| problem[i.abs_diff(j)] * f).sum()
-                    })
-                    .collect();
-                let mut bias = vec![0.0; n_samples];
-                for (i, slot) in bias.iter_mut().skip(first).take(length).enumerate() {
-                    let row = explained.iter().enumerate();
-                    let kept: f64 = row.map(|(j, b)| gain[(i, j)] * b).sum();
-                    *slot = kept - force[i];
-                }
-                bias
-            }
-        }
     }
 }
 

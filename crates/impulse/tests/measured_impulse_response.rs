@@ -2,7 +2,6 @@
 //! ones (II), for the four cases.
 #![allow(
     clippy::unwrap_used,
-    clippy::panic,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 
@@ -61,18 +60,15 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
         let threshold = 0.02 * peak;
         let impacts = [&first, &second].map(|s| separate(&s.history, threshold).unwrap());
         let ContactEnd::Separated { time } = impacts[1].end else {
-            panic!("{name}: the predicted bodies separate")
+            // this face grazes zero, and pulls by no more than the band limit rings
+            assert_eq!(case, Case::ConeB, "{:?}", impacts[1].end);
+            continue;
         };
         let end = error.contact_end(&first.history, &impacts[0]).unwrap();
-        match end.verdict {
-            EndVerdict::MayEndEarlier { .. } => {
-                assert_eq!(case, Case::ConeB, "only this face grazes zero");
-            }
-            // a straight line or nearly: three standard errors
-            _ => assert!(
-                (end.time - time).abs() < 3.0 * end.standard_error,
-                "{name}: {end:?} {time}"
-            ),
-        }
+        // a straight line or nearly: three standard errors
+        let is_early = matches!(end.verdict, EndVerdict::MayEndEarlier { .. });
+        assert!(!is_early, "{name}: {end:?}");
+        let apart = (end.time - time).abs();
+        assert!(apart < 3.0 * end.standard_error, "{name}: {end:?} {time}");
     }
 }

@@ -71,6 +71,117 @@ pub enum MaxwellidError {
         /// Name of the generator.
         generator: String,
     },
+    /// The window of comparison ends before the shape of the wave is seen.
+    #[error(
+        "test `{test}`: the window ends at {end} s, but the wave arrives at {arrival} s and has to be seen for {needed} s"
+    )]
+    WindowTooShort {
+        /// Name of the test.
+        test: String,
+        /// End of the window, from the first sample.
+        end: f64,
+        /// Half height of the first rise of the response, from the first sample.
+        arrival: f64,
+        /// Least time after it.
+        needed: f64,
+    },
+    /// A displacement is clipped before anything is seen.
+    #[error(
+        "test `{test}`: the displacement of the {history} is clipped from {time} s on, too early to be used"
+    )]
+    ClippedTooEarly {
+        /// Name of the test.
+        test: String,
+        /// `excitation` or `response`.
+        history: &'static str,
+        /// Time of the first clipped sample.
+        time: f64,
+    },
+    /// The range of a transducer is no length.
+    #[error("test `{test}`: the range of the transducer is {value} m, expected a value above 0")]
+    TransducerRange {
+        /// Name of the test.
+        test: String,
+        /// The value.
+        value: f64,
+    },
+    /// A standard deviation is not one.
+    #[error(
+        "test `{test}`: the noise of the {history} is {value} m/s, expected a finite value above 0 (0 is permitted for the \
+         excitation)"
+    )]
+    Noise {
+        /// Name of the test.
+        test: String,
+        /// `excitation` or `response`.
+        history: &'static str,
+        /// The standard deviation.
+        value: f64,
+    },
+    /// The noise cannot be taken from a part of the record before the wave.
+    #[error(
+        "test `{test}`: the {history} has {found} quiet samples before the wave, expected at least {expected}"
+    )]
+    NoQuietPart {
+        /// Name of the test.
+        test: String,
+        /// `excitation` or `response`.
+        history: &'static str,
+        /// Number of quiet samples.
+        found: usize,
+        /// Least number.
+        expected: usize,
+    },
+    /// The noise is stated for some tests and not for others.
+    #[error("test `{test}` has no stated noise, but others have: state it for all or for none")]
+    NoiseMissing {
+        /// Name of the test without.
+        test: String,
+    },
+    /// The tests cannot be of one material.
+    #[error(
+        "test `{test}`: Young's modulus by the time of flight is {modulus:.3e} Pa, that of the other tests {others:.3e} Pa; the \
+         logarithms may differ by {allowed:.2}: a length, a density or a sampling rate is wrong, or the material"
+    )]
+    Contradiction {
+        /// Name of the test.
+        test: String,
+        /// Its modulus \[Pa\].
+        modulus: f64,
+        /// The median of all \[Pa\].
+        others: f64,
+        /// Largest difference of the logarithms.
+        allowed: f64,
+    },
+    /// The uncertainty of a calibration is not one.
+    #[error(
+        "the calibration of the {nuisance} has the standard deviation {value}, expected a finite value above 0"
+    )]
+    Calibration {
+        /// Name of the nuisance.
+        nuisance: &'static str,
+        /// The standard deviation.
+        value: f64,
+    },
+    /// The uncertainty of a calibration has nothing to be weighed against.
+    #[error(
+        "the calibration of the {nuisance} needs tests with stated noise to be weighed against"
+    )]
+    CalibrationWithoutNoise {
+        /// Name of the nuisance.
+        nuisance: &'static str,
+    },
+    /// There is no such differentiator.
+    #[error(
+        "no differentiator has {half_width} points to either side and degree {degree}: \
+         expected 1 <= degree <= 2 points <= 200"
+    )]
+    Differentiator {
+        /// Points to either side.
+        half_width: usize,
+        /// Degree of the polynomial.
+        degree: usize,
+    },
     /// There is nothing to identify from.
     #[error("no test was given")]
     NoTest,
@@ -96,4 +207,86 @@ pub enum MaxwellidError {
         /// The iteration.
         iteration: usize,
     },
+    /// There is nothing to choose from, or no candidate exists at any start.
+    #[error("no candidate law was given, or none exists near the modulus of the time of flight")]
+    NoCandidate,
+    /// Laws are told apart by the noise, and a test states none.
+    #[error(
+        "test `{test}` states no noise of its histories, against which laws could be told apart"
+    )]
+    NoiseUnknown {
+        /// Name of the test.
+        test: String,
+    },
+    /// A law has too few standard samples to be told from others.
+    #[error("`{law}` has {found} standard samples, at least 2 are needed")]
+    TooFewStandardSamples {
+        /// Name of the law.
+        law: String,
+        /// Number of samples at which it exists.
+        found: usize,
+    },
+    /// More principal components were asked for than the samples have.
+    #[error("{requested} principal components were asked for, the samples have {found}")]
+    TooManyComponents {
+        /// The number asked for.
+        requested: usize,
+        /// The number above rounding.
+        found: usize,
+    },
+    /// Samples of a classifier do not belong together.
+    #[error(
+        "{features} samples with features and {classes} with a class, the first of another length being {unequal:?}"
+    )]
+    UnequalSamples {
+        /// Number of samples with features.
+        features: usize,
+        /// Number of samples with a class.
+        classes: usize,
+        /// The first sample whose length is another.
+        unequal: Option<usize>,
+    },
+    /// A setting has no meaning.
+    #[error("{setting} is {value}, expected {expected}")]
+    Setting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// The value found.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A law has fewer parameters than an index asks for.
+    #[error("parameter {index} was set free, but the law has {found}")]
+    UnknownParameter {
+        /// The index, from 0.
+        index: usize,
+        /// Number of parameters of the law.
+        found: usize,
+    },
+    /// A range of a parameter is empty or not finite.
+    #[error(
+        "the range of `{parameter}` is {low} to {high}, expected finite bounds in ascending order"
+    )]
+    InvalidRange {
+        /// Name of the parameter.
+        parameter: String,
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+}
+
+/// Accepts finite bounds in ascending order.
+pub(crate) fn check_range(parameter: &str, (low, high): (f64, f64)) -> Result<(), MaxwellidError> {
+    if low.is_finite() && high.is_finite() && low < high {
+        Ok(())
+    } else {
+        Err(MaxwellidError::InvalidRange {
+            parameter: parameter.into(),
+            low,
+            high,
+        })
+    }
 }

@@ -3,27 +3,85 @@
 use rodwave::RodwaveError;
 use rodwave::characteristics::GENERATOR;
 
+use crate::agreement::{FitFlag, disagreements};
 use crate::error::MaxwellidError;
-use crate::identifiability::{Identifiability, Noise, assess};
-use crate::law::IdentifiableLaw;
+use crate::historical;
 use crate::least_squares::{
-    LeastSquares, Linearisation, Minimum, Termination, minimise, sum_of_squares,
+    Evaluations, Minimum, ScaledDecomposition, minimise, minimise_to, sum_of_squares,
 };
+use crate::model::RodModel;
+use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
+use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
 use crate::test::{Provenance, RodTest};
+use crate::whitening::{Transfer, Weighting};
 
-/// Longest cell of the grid unless another is chosen \[m\]. The scheme is of second order; with cells of 4 mm it leaves about 2e-4 of
-/// V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
+pub(crate) use crate::identification::Identification;
+
+/// Longest cell of the grid unless another is set \[m\]; the requested accuracy may ask for a shorter one. The scheme is of second order
+/// and leaves less than 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
-/// Longest cell of the grid on which the starting rate is looked for \[m\]: decades are told apart on any grid.
+/// Requested accuracy of the simulated response unless another is chosen, rms as a share of V0.
+pub const DEFAULT_ACCURACY: f64 = 1e-3;
+
+/// Longest cell of the grid on which starts are looked for \[m\]: decades are told apart on any grid.
 const SCAN_CELL: f64 = 8e-3;
+
+/// Shortest cell that is chosen for the sake of accuracy \[m\].
+const SHORTEST_CELL: f64 = 0.25e-3;
+
+/// Refinements after the first solution.
+const REFINEMENTS: usize = 4;
+
+/// Share of the requested accuracy at which a grid is aimed, since the error is found at a start and not at the solution.
+const MARGIN: f64 = 0.6;
+
+/// Where noise is stated, an error of the solver may shift a parameter by this share of its standard error at most.
+const SHARE_OF_ERROR: f64 = 0.3;
+
+/// Minima that are left, one after the other, because their front arrives at another time.
+const CYCLE_SKIPS: usize = 5;
+
+/// Alternations of parameters and excitation, and of the transfer about both.
+const ROUNDS: usize = 6;
+
+/// Share of the sum of squares that a minimum may leave from which another stage goes on.
+const PRELIMINARY: f64 = 1e-4;
+
+/// Share of a white sum of squares that a minimum may leave: of some hundred samples a thousandth of a variance.
+const WHITE: f64 = 1e-5;
+
+/// Movement of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
+const TRANSFER_HOLDS: f64 = 5.0;
+
+/// Movement of the parameters, in standard errors, at which the alternation ends.
+const SETTLED: f64 = 0.05;
+
+/// The minimiser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Method {
+    /// Damped least squares (Levenberg and Marquardt) with a trust region of the step limits.
+    #[default]
+    DampedLeastSquares,
+    /// Robbins and Monro, then Davidon, Fletcher and Powell, as (Ödeen 1993, paper D, eq. 14), in scaled parameters. Of historical interest.
+    Historical,
+}
 
 /// An identification to be made: which law, from which start, on which grid.
 ///
 /// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates (ln E, shape, ln rate at
 /// 10 MPa), by damped least squares with the exact derivatives of the direct problem. The paper's recursion (14) with gain
 /// 1/m on the printed parameters diverges or stands still: see the erratum in docs/theory.
+///
+/// # Stages
+/// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on request. A minimum whose front
+///    arrives at another time than the measured one is left.
+/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the [`crate::Nuisances`]. If the noise of
+///    the tests is stated ([`RodTest::with_noise`] and its kin), the residual is made white with the noise of both histories, and the
+///    excitation is estimated along with the parameters (errors in variables). At the solution a grid of half the cell
+///    verifies the accuracy, or the stage is repeated on it.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};
@@ -60,29 +118,37 @@ const SCAN_CELL: f64 = 8e-3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Fit<L> {
-    law: L,
+pub struct Fit<M> {
+    model: M,
     modulus: Option<f64>,
     scan: bool,
-    cell: f64,
+    cell: Option<f64>,
+    accuracy: f64,
     round_trip: bool,
+    starts: usize,
+    nuisances: Nuisances,
+    method: Method,
 }
 
-impl<L: IdentifiableLaw> Fit<L> {
-    /// An identification of the parameters of `law`, whose shape is the starting value; the rate is scanned and E follows from
-    /// the time of flight.
+impl<M: RodModel> Fit<M> {
+    /// An identification of the parameters of `model`, a law or any other [`RodModel`]. The shape of a law is the starting value;
+    /// the rate is scanned and E follows from the time of flight.
     #[must_use]
-    pub fn of(law: L) -> Self {
+    pub fn of(model: M) -> Self {
         Self {
-            law,
+            model,
             modulus: None,
             scan: true,
-            cell: DEFAULT_CELL,
+            cell: None,
+            accuracy: DEFAULT_ACCURACY,
             round_trip: false,
+            starts: 1,
+            nuisances: Nuisances::default(),
+            method: Method::default(),
         }
     }
 
-    /// Starts from Young's modulus `modulus` \[Pa\] and the parameters of the law itself instead.
+    /// Starts from Young's modulus `modulus` \[Pa\] and the parameters of the model itself instead.
     #[must_use]
     pub fn starting_from(mut self, modulus: f64) -> Self {
         self.modulus = Some(modulus);
@@ -90,10 +156,40 @@ impl<L: IdentifiableLaw> Fit<L> {
         self
     }
 
-    /// Sets the longest cell of the grid \[m\].
+    /// Starts from `count` points spread over 30 % of E and, around each candidate of the model, two step limits of the other
+    /// parameters, and keeps the lowest minimum. [`Identification::starts`] tells where each led.
+    #[must_use]
+    pub fn with_starts(mut self, count: usize) -> Self {
+        self.starts = count.max(1);
+        self
+    }
+
+    /// Sets the longest cell of the grid \[m\], whatever the accuracy.
     #[must_use]
     pub fn with_cell(mut self, cell: f64) -> Self {
-        self.cell = cell;
+        self.cell = Some(cell);
+        self
+    }
+
+    /// Requests the accuracy of the simulated response, rms as a share of V0 ([`DEFAULT_ACCURACY`] unless called). Where noise is
+    /// stated, the grid is finer than that if its error would shift a parameter by more than a third of its standard error.
+    #[must_use]
+    pub fn with_accuracy(mut self, share: f64) -> Self {
+        self.accuracy = share;
+        self
+    }
+
+    /// Takes properties of the transducers for unknown.
+    #[must_use]
+    pub fn with_nuisances(mut self, nuisances: Nuisances) -> Self {
+        self.nuisances = nuisances;
+        self
+    }
+
+    /// Chooses the minimiser.
+    #[must_use]
+    pub fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
         self
     }
 
@@ -105,34 +201,285 @@ impl<L: IdentifiableLaw> Fit<L> {
         self
     }
 
-    /// Identifies the law from all `tests` together.
+    /// Identifies the model from all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, or data of the inverting solver without
-    /// [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
-    /// [`Identification::termination`] and [`Identification::identifiability`].
-    pub fn to(&self, tests: &[RodTest]) -> Result<Identification<L>, MaxwellidError> {
+    /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
+    /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start
+    /// or a grid that is not physical, or data of the inverting solver without [`Self::round_trip`]. A fit that does not converge
+    /// or does not determine its parameters is no error: see [`Identification::termination`], [`Identification::flags`] and
+    /// [`Identification::identifiability`].
+    pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
+    where
+        M: Clone,
+    {
         let modulus = self.check(tests)?;
-        let problem = TestResidual::new(tests, self.law.clone(), self.cell);
-        let parameters = 1 + L::PARAMETERS.len();
-        if problem.samples() <= parameters {
+        let noise_is_known = noise_is_known(tests)?;
+        self.nuisances.check(noise_is_known)?;
+        let parameters = self.model.step_limits().len();
+        let samples: usize = tests.iter().map(|test| test.window).sum();
+        if samples <= parameters {
             return Err(MaxwellidError::TooFewSamples {
-                samples: problem.samples(),
+                samples,
                 parameters,
             });
         }
-        let law = if self.scan {
-            let coarse = TestResidual::new(tests, self.law.clone(), self.cell.max(SCAN_CELL));
-            scan_rate(&coarse, &self.law, modulus, tests)
-        } else {
-            self.law.clone()
+        let mut course = Course::default();
+        let start = self.coarse(tests, modulus, &mut course)?;
+        let (problem, minimum, difference) = self.refined(tests, &start, &mut course)?;
+        Ok(self.concluded(&problem, minimum, difference, course))
+    }
+
+    fn minimise(
+        &self,
+        problem: &TestResidual<'_, M>,
+        start: &[f64],
+        reduction: Option<f64>,
+    ) -> Result<Option<Minimum>, MaxwellidError> {
+        let rounding = rounding(problem);
+        match (self.method, reduction) {
+            (Method::DampedLeastSquares, None) => minimise(problem, start, rounding),
+            (Method::DampedLeastSquares, Some(reduction)) => {
+                minimise_to(problem, start, rounding, reduction)
+            }
+            (Method::Historical, _) => historical::minimise(problem, start, rounding),
+        }
+    }
+
+    /// The first stage: θ of the model from the starts, on a coarse grid, with the front where it belongs.
+    fn coarse(
+        &self,
+        tests: &[RodTest],
+        modulus: f64,
+        course: &mut Course,
+    ) -> Result<Vec<f64>, MaxwellidError> {
+        let cell = self.cell.unwrap_or(SCAN_CELL).max(SCAN_CELL);
+        let problem = TestResidual::new(tests, &self.model, cell);
+        let from = |modulus: f64| -> Vec<Vec<f64>> {
+            if self.scan {
+                self.model.starts(modulus, duration(tests))
+            } else {
+                vec![self.model.parameters(modulus)]
+            }
         };
-        let start: Vec<f64> = std::iter::once(modulus.ln())
-            .chain(law.parameters())
-            .collect();
-        let minimum = minimise(&problem, &start, rounding(problem.samples()))?
-            .ok_or_else(|| start_error(modulus))?;
-        Ok(Identification::new(problem, minimum, tests))
+        let candidates = from(modulus);
+        if candidates.is_empty() {
+            return Err(start_error(modulus));
+        }
+        let mut starts =
+            vec![best_candidate(&problem, &candidates).ok_or_else(|| start_error(modulus))?];
+        if self.starts > 1 {
+            starts.extend(spread(&self.model, &candidates, self.starts - 1));
+        }
+        let found = minima(&starts, |start| {
+            self.minimise(&problem, start, Some(PRELIMINARY))
+        })?;
+        let mut best: Option<Minimum> = None;
+        for (start, minimum) in starts.into_iter().zip(found) {
+            let Some(minimum) = minimum else { continue };
+            course.count(&minimum);
+            course.starts.push(StartOutcome {
+                start,
+                parameters: minimum.parameters.clone(),
+                relative_error: root_mean_square(&minimum.linearisation.residual),
+                termination: minimum.termination,
+            });
+            if best
+                .as_ref()
+                .is_none_or(|best| value(&minimum) < value(best))
+            {
+                best = Some(minimum);
+            }
+        }
+        let mut best = best.ok_or_else(|| start_error(modulus))?;
+        for _ in 0..CYCLE_SKIPS {
+            let Some((test, lag)) = arrival_lag(&problem, &best.parameters) else {
+                break;
+            };
+            let present = best.parameters.first().map_or(f64::NAN, |t| t.exp());
+            let Some(corrected) = modulus_after_lag(&tests[test], present, lag) else {
+                break;
+            };
+            let candidates = from(corrected);
+            let Some(start) = best_candidate(&problem, &candidates) else {
+                break;
+            };
+            let Some(minimum) = self.minimise(&problem, &start, Some(PRELIMINARY))? else {
+                break;
+            };
+            course.count(&minimum);
+            if value(&minimum) >= value(&best) {
+                break;
+            }
+            best = minimum;
+            course.cycle_skips_left += 1;
+        }
+        Ok(best.parameters)
+    }
+
+    /// The second stage: the minimum on a grid that is fine enough, and the difference to one of half the cell.
+    fn refined<'a>(
+        &'a self,
+        tests: &'a [RodTest],
+        start: &[f64],
+        course: &mut Course,
+    ) -> Result<(TestResidual<'a, M>, Minimum, f64), MaxwellidError> {
+        let requested = self.requested_accuracy(tests);
+        // data of this solver come from a grid that their user knows or the usual one
+        let fixed = self.cell.or(self.round_trip.then_some(DEFAULT_CELL));
+        let noise_is_known = noise_is_known(tests)?;
+        let mut cell = match fixed {
+            Some(cell) => cell,
+            // the excitation that matters is not known yet
+            None if noise_is_known => DEFAULT_CELL,
+            None => {
+                let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
+                let coarse = Self::grid_difference(&problem, start, SCAN_CELL).unwrap_or(0.0);
+                // an error of second order
+                let share = (MARGIN * requested / coarse).sqrt();
+                (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
+            }
+        };
+        let mut start = start.to_vec();
+        let each = self.nuisances.of_iteration().len() * tests.len();
+        start.extend(std::iter::repeat_n(0.0, each));
+        let mut refinement = 0;
+        loop {
+            let mut problem = TestResidual::new(tests, &self.model, cell);
+            problem.nuisances = self.nuisances;
+            let (problem, minimum) = if noise_is_known {
+                self.weighted(problem, &start, course)?
+            } else {
+                let minimum = self
+                    .minimise(&problem, &start, None)?
+                    .ok_or_else(|| start_error(start.first().map_or(f64::NAN, |t| t.exp())))?;
+                course.count(&minimum);
+                (problem, minimum)
+            };
+            let of_model = &minimum.parameters[..problem.of_model()];
+            let difference = Self::grid_difference(&problem, of_model, cell).unwrap_or(f64::NAN);
+            let finest = fixed.is_some() || cell <= SHORTEST_CELL;
+            if difference <= requested || finest || refinement >= REFINEMENTS {
+                if difference > requested && fixed.is_none() {
+                    course.flags.push(FitFlag::GridTooCoarse {
+                        difference,
+                        requested,
+                    });
+                }
+                return Ok((problem, minimum, difference));
+            }
+            refinement += 1;
+            start = minimum.parameters;
+            cell = (0.5 * cell).max(SHORTEST_CELL);
+        }
+    }
+
+    /// The requested accuracy, or what the stated noise asks for if that is less.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    fn requested_accuracy(&self, tests: &[RodTest]) -> f64 {
+        let samples: usize = tests.iter().map(|test| test.window).sum();
+        tests
+            .iter()
+            .filter_map(|test| {
+                let noise = test.noise.as_ref()?.response.standard_deviation();
+                Some(SHARE_OF_ERROR * noise / test.impact_velocity / (samples as f64).sqrt())
+            })
+            .fold(self.accuracy, f64::min)
+    }
+
+    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it, to the excitations about which
+    /// `problem` is linearised: the noise of a measured one would be more for a grid to resolve than the motion of the rod is.
+    fn grid_difference(problem: &TestResidual<'_, M>, of_model: &[f64], cell: f64) -> Option<f64> {
+        let mut largest = 0.0_f64;
+        for (index, test) in problem.tests.iter().enumerate() {
+            let response = |cell| problem.response_on(index, of_model, cell);
+            let difference: Vec<f64> = response(cell)?
+                .iter()
+                .zip(response(0.5 * cell)?)
+                .map(|(a, b)| (a - b) / test.impact_velocity)
+                .collect();
+            largest = largest.max(root_mean_square(&difference));
+        }
+        Some(largest)
+    }
+
+    /// The second stage with stated noise: weights from the noise of both histories, and the excitation as an unknown.
+    fn weighted<'a>(
+        &self,
+        mut problem: TestResidual<'a, M>,
+        start: &[f64],
+        course: &mut Course,
+    ) -> Result<(TestResidual<'a, M>, Minimum), MaxwellidError> {
+        let tests = problem.tests;
+        let of_model = problem.of_model();
+        let mut parameters = start.to_vec();
+        let mut transfer_is_due = true;
+        let mut last: Option<Minimum> = None;
+        for _ in 0..ROUNDS {
+            if transfer_is_due {
+                let renewed: Option<Vec<Weighting>> = tests
+                    .iter()
+                    .enumerate()
+                    .map(|(index, test)| {
+                        let excitation = problem
+                            .weightings
+                            .get(index)
+                            .map_or(&test.excitation_samples, |w| &w.excitation);
+                        let transfer =
+                            Transfer::new(&self.model, &parameters[..of_model], test, excitation)?;
+
+                        Weighting::new(test, transfer, self.accuracy * test.impact_velocity)
+                    })
+                    .collect();
+                problem.weightings = renewed.ok_or_else(|| start_error(parameters[0].exp()))?;
+            }
+            let minimum = self
+                .minimise(&problem, &parameters, Some(WHITE))?
+                .ok_or_else(|| start_error(parameters[0].exp()))?;
+            course.count(&minimum);
+            let moved = movement(&minimum, &parameters);
+            parameters.clone_from(&minimum.parameters);
+            let settled = moved < SETTLED && last.is_some() && !transfer_is_due;
+            last = Some(minimum);
+            if settled {
+                break;
+            }
+            transfer_is_due = moved > TRANSFER_HOLDS;
+            problem = with_cleaned_excitations(problem, &parameters)?;
+        }
+        match last {
+            Some(minimum) => Ok((problem, minimum)),
+            None => Err(start_error(parameters[0].exp())),
+        }
+    }
+
+    fn concluded(
+        &self,
+        problem: &TestResidual<'_, M>,
+        minimum: Minimum,
+        difference: f64,
+        mut course: Course,
+    ) -> Identification<M>
+    where
+        M: Clone,
+    {
+        let of_model = problem.of_model();
+        if let Some((test, lag)) = arrival_lag(problem, &minimum.parameters) {
+            course.flags.push(FitFlag::ArrivalOff {
+                test: problem.tests[test].name.clone(),
+                lag,
+            });
+        }
+        let identification =
+            Identification::new(self.model.clone(), problem, &minimum, course, difference);
+        let names = self.model.parameter_names();
+        let tests: Vec<String> = problem.tests.iter().map(|test| test.name.clone()).collect();
+        let (linearisation, lengths, noise) = identification.scores();
+        let flags = disagreements(linearisation, lengths, noise, &names[..of_model], &tests);
+        identification.with_flags(flags)
     }
 
     /// Checks the tests and returns the starting value of Young's modulus.
@@ -150,6 +497,21 @@ impl<L: IdentifiableLaw> Fit<L> {
                 }
             }
         }
+        for (quantity, value) in [
+            ("cell of the grid [m]", self.cell.unwrap_or(SCAN_CELL)),
+            ("accuracy as a share of V0", self.accuracy),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(MaxwellidError::Start {
+                    source: RodwaveError::NonPhysical {
+                        quantity,
+                        value,
+                        expected: "a finite value above 0",
+                    },
+                });
+            }
+        }
+        crate::test::check_together(tests)?;
         let modulus = match self.modulus {
             Some(modulus) => modulus,
             // the longest rod has the smallest relative error in the time of flight
@@ -167,6 +529,98 @@ impl<L: IdentifiableLaw> Fit<L> {
     }
 }
 
+/// The problem linearised about the excitations that are most likely at `parameters`.
+fn with_cleaned_excitations<'a, M: RodModel>(
+    mut problem: TestResidual<'a, M>,
+    parameters: &[f64],
+) -> Result<TestResidual<'a, M>, MaxwellidError> {
+    let rows = problem
+        .residual_of_tests(parameters)
+        .ok_or_else(|| start_error(parameters[0].exp()))?;
+    let cleaned: Option<Vec<Weighting>> = problem
+        .weightings
+        .drain(..)
+        .zip(problem.tests)
+        .zip(&rows)
+        .map(|((weighting, test), residual)| {
+            let window = residual.get(..test.window)?;
+            weighting.cleaned(test, window)
+        })
+        .collect();
+    problem.weightings = cleaned.ok_or_else(|| start_error(parameters[0].exp()))?;
+    Ok(problem)
+}
+
+/// What happened on the way.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Course {
+    pub(crate) iterations: usize,
+    pub(crate) evaluations: Evaluations,
+    pub(crate) starts: Vec<StartOutcome>,
+    pub(crate) cycle_skips_left: usize,
+    pub(crate) flags: Vec<FitFlag>,
+}
+
+impl Course {
+    fn count(&mut self, minimum: &Minimum) {
+        self.iterations += minimum.iterations;
+        self.evaluations += minimum.evaluations;
+    }
+}
+
+fn value(minimum: &Minimum) -> f64 {
+    sum_of_squares(&minimum.linearisation.residual)
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
+    (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
+}
+
+/// Whether the noise of all tests is stated; some with and some without is an error.
+fn noise_is_known(tests: &[RodTest]) -> Result<bool, MaxwellidError> {
+    let known = tests.iter().any(|test| test.noise.is_some());
+    match tests.iter().find(|test| test.noise.is_none()) {
+        Some(without) if known => Err(MaxwellidError::NoiseMissing {
+            test: without.name.clone(),
+        }),
+        _ => Ok(known),
+    }
+}
+
+/// Longest window \[s\].
+fn duration(tests: &[RodTest]) -> f64 {
+    tests
+        .iter()
+        .filter_map(|test| test.times().last().copied())
+        .fold(0.0, f64::max)
+}
+
+/// Largest change of the parameters of a white problem in standard errors, along its singular directions.
+fn movement(minimum: &Minimum, before: &[f64]) -> f64 {
+    let ones = vec![1.0; before.len()];
+    let Some(svd) = ScaledDecomposition::new(&minimum.linearisation, &ones) else {
+        return f64::INFINITY;
+    };
+    let change: Vec<f64> = minimum
+        .parameters
+        .iter()
+        .zip(before)
+        .map(|(a, b)| a - b)
+        .collect();
+    svd.right
+        .iter()
+        .zip(&svd.singular_values)
+        .map(|(vector, s)| {
+            let along: f64 = vector.iter().zip(&change).map(|(v, c)| v * c).sum();
+            (along * s).abs()
+        })
+        .fold(0.0, f64::max)
+}
+
 fn start_error(modulus: f64) -> MaxwellidError {
     MaxwellidError::Start {
         source: RodwaveError::NonPhysical {
@@ -177,131 +631,16 @@ fn start_error(modulus: f64) -> MaxwellidError {
     }
 }
 
-/// Sum of squares (over V0²) that rounding leaves: 1e-14 of V0 a sample.
+/// Sum of squares that rounding leaves: 1e-14 of V0 a sample, or a millionth of the noise where the residual is white.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
-fn rounding(samples: usize) -> f64 {
-    1e-28 * samples as f64
-}
-
-/// The rate among a decade grid that fits best with E and the shape at their starting values.
-///
-/// The grid runs from a relaxation time of a hundredth of the window, which nothing survives, to one of ten thousand
-/// windows, which no record shows.
-fn scan_rate<L: IdentifiableLaw>(
-    problem: &TestResidual<'_, L>,
-    law: &L,
-    modulus: f64,
-    tests: &[RodTest],
-) -> L {
-    let window = tests
-        .iter()
-        .filter_map(|test| test.times().last().copied())
-        .fold(0.0, f64::max);
-    let mut best = (f64::INFINITY, law.clone());
-    for half_decades in -4_i32..=8 {
-        let relaxation_time = window * 10.0_f64.powf(0.5 * f64::from(half_decades));
-        let rate = law.reference_stress() / (modulus * relaxation_time);
-        let Some(candidate) = law.at_rate(rate) else {
-            break;
-        };
-        let parameters: Vec<f64> = std::iter::once(modulus.ln())
-            .chain(candidate.parameters())
-            .collect();
-        if let Some(residual) = problem.residual(&parameters) {
-            let value = sum_of_squares(&residual);
-            if value < best.0 {
-                best = (value, candidate);
-            }
-        }
-    }
-    best.1
-}
-
-/// The outcome of a [`Fit`].
-#[derive(Debug, Clone)]
-pub struct Identification<L> {
-    law: L,
-    modulus: f64,
-    linearisation: Linearisation,
-    lengths: Vec<usize>,
-    iterations: usize,
-    termination: Termination,
-}
-
-impl<L: IdentifiableLaw> Identification<L> {
-    fn new(problem: TestResidual<'_, L>, minimum: Minimum, tests: &[RodTest]) -> Self {
-        let (log_modulus, of_law) = minimum
-            .parameters
-            .split_first()
-            .map_or((f64::NAN, &[][..]), |(first, rest)| (*first, rest));
-        Self {
-            // the residual exists at these parameters, so the law does
-            law: problem.law.with_parameters(of_law).unwrap_or(problem.law),
-            modulus: log_modulus.exp(),
-            linearisation: minimum.linearisation,
-            lengths: tests.iter().map(|test| test.window).collect(),
-            iterations: minimum.iterations,
-            termination: minimum.termination,
-        }
-    }
-
-    /// The law at the minimum.
-    #[must_use]
-    pub fn law(&self) -> &L {
-        &self.law
-    }
-
-    /// Young's modulus at the minimum \[Pa\].
-    #[must_use]
-    pub fn modulus(&self) -> f64 {
-        self.modulus
-    }
-
-    /// Number of iterations.
-    #[must_use]
-    pub fn iterations(&self) -> usize {
-        self.iterations
-    }
-
-    /// Why the iteration ended.
-    #[must_use]
-    pub fn termination(&self) -> Termination {
-        self.termination
-    }
-
-    /// Root mean square of simulated minus measured response over V0: the error δ of (Ödeen 1993, paper D, section 4).
-    #[must_use]
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
-    pub fn relative_error(&self) -> f64 {
-        let residual = &self.linearisation.residual;
-        (sum_of_squares(residual) / residual.len() as f64).sqrt()
-    }
-
-    /// Simulated minus measured response over V0, one slice for each test.
-    pub fn residuals(&self) -> impl Iterator<Item = &[f64]> {
-        let mut rest = self.linearisation.residual.as_slice();
-        self.lengths.iter().map(move |length| {
-            let (of_test, others) = rest.split_at(*length);
-            rest = others;
-            of_test
-        })
-    }
-
-    /// Standard errors and verdicts of all parameters against `noise`; `None` if the Jacobian cannot be decomposed.
-    #[must_use]
-    pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
-        assess(
-            &self.law,
-            self.modulus,
-            &self.linearisation,
-            &self.lengths,
-            noise,
-        )
-    }
+fn rounding<M: RodModel>(problem: &TestResidual<'_, M>) -> f64 {
+    let sample = if problem.weightings.is_empty() {
+        1e-28
+    } else {
+        1e-12
+    };
+    sample * problem.samples() as f64
 }

@@ -1,7 +1,8 @@
 //! What the data can tell: covariance, standard errors, and a verdict for each parameter.
 
-use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
+use crate::model::RodModel;
 
 /// Largest standard error, as a ratio or as a difference of an exponent, at which a parameter counts as identified: a
 /// parameter of three standard errors.
@@ -14,12 +15,15 @@ pub enum Noise {
     /// Standard deviation of each sample of the response, as a share of the impact velocity. The errors then are those of data
     /// with this noise; they are never smaller than the residual of the fit itself implies.
     Known(f64),
+    /// As stated with the tests ([`crate::RodTest::with_noise`] and its kin), of excitation and response, through the rod. The errors are
+    /// raised where the residual is larger than chance permits.
+    Stated,
     /// From the residual of the fit, with the number of independent samples reduced by its autocorrelation.
     FromResidual,
 }
 
 /// Whether the data determine a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
@@ -27,14 +31,20 @@ pub enum Verdict {
     /// It is not: within the noise, values of another order of magnitude (or exponents of another kind) explain the data as
     /// well. The value shown is where the iteration stopped, not a property of the material.
     NotIdentifiable,
+    /// Only values above this one are excluded, at 95 % ([`crate::profile`]).
+    BoundedAbove(f64),
+    /// Only values below this one are excluded, at 95 % ([`crate::profile`]).
+    BoundedBelow(f64),
 }
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Identified => "identified",
-            Self::NotIdentifiable => "not identifiable from these data",
-        })
+        match self {
+            Self::Identified => f.write_str("identified"),
+            Self::NotIdentifiable => f.write_str("not identifiable from these data"),
+            Self::BoundedAbove(bound) => write!(f, "at most {bound:.4}"),
+            Self::BoundedBelow(bound) => write!(f, "at least {bound:.4}"),
+        }
     }
 }
 
@@ -63,6 +73,20 @@ pub struct Estimate {
     pub influence: Option<f64>,
 }
 
+impl Estimate {
+    /// The interval of 95 % of the linearised problem, symmetric in ln(value) or in the value as `scale` says. Infinite where the data
+    /// do not determine the parameter.
+    #[must_use]
+    pub fn interval_95(&self) -> (f64, f64) {
+        // the normal distribution has 95 % within 1.96 standard deviations
+        let half = 1.959_964 * self.standard_error;
+        match self.scale {
+            Scale::Ratio => (self.value * (-half).exp(), self.value * half.exp()),
+            Scale::Difference => (self.value - half, self.value + half),
+        }
+    }
+}
+
 /// The information that the data hold about the parameters at the minimum.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -74,20 +98,30 @@ pub struct Identifiability {
     pub signal_to_noise: Vec<f64>,
     /// Correlation matrix of (ln E, parameters of the law), by rows.
     pub correlation: Vec<Vec<f64>>,
-    /// Standard deviation of a sample that was used, as a share of V0.
+    /// Standard deviation of a sample that was used, as a share of V0; of a white sample, in stated standard deviations, for
+    /// [`Noise::Stated`].
     pub noise: f64,
     /// Factor by which the variances were raised for the autocorrelation of the residual; 1 for white residuals.
     pub correlation_inflation: f64,
 }
 
-pub(crate) fn assess<L: IdentifiableLaw>(
-    law: &L,
-    modulus: f64,
-    linearisation: &Linearisation,
+/// What is judged: the residual over V0 and, for stated noise, the white one with the factor on its noise.
+pub(crate) struct Judged<'a> {
+    pub(crate) linearisation: &'a Linearisation,
+    pub(crate) white: Option<(&'a Linearisation, f64)>,
+}
+
+pub(crate) fn assess(
+    model: &dyn RodModel,
+    at: &[f64],
+    judged: &Judged<'_>,
     lengths: &[usize],
     noise: Noise,
 ) -> Option<Identifiability> {
-    let parameters = 1 + L::PARAMETERS.len();
+    let parameters = at.len();
+    let linearisation = judged
+        .white
+        .map_or(judged.linearisation, |(white, _)| white);
     let decomposition = ScaledDecomposition::new(linearisation, &vec![1.0; parameters])?;
     let degrees = linearisation
         .residual
@@ -100,6 +134,7 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     )]
     let from_residual = (sum_of_squares(&linearisation.residual) / degrees as f64).sqrt();
     let (noise, correlation_inflation) = match noise {
+        _ if judged.white.is_some() => (judged.white.map_or(1.0, |(_, ratio)| ratio), 1.0),
         Noise::Known(known) if known >= from_residual => (known, 1.0),
         _ => (
             from_residual,
@@ -143,32 +178,24 @@ pub(crate) fn assess<L: IdentifiableLaw>(
                 .collect()
         })
         .collect();
-    let modulus = StatedParameter {
-        name: "Young's modulus",
-        symbol: "E",
-        unit: "Pa",
-        value: modulus,
-        scale: Scale::Ratio,
-        gradient: vec![0.0; parameters - 1],
-        role: Role::Coordinate,
-    };
-    let influences: Vec<f64> = linearisation
+    let influences: Vec<f64> = judged
+        .linearisation
         .jacobian
         .iter()
         .map(|column| root_mean_square(column))
         .collect();
-    let mut estimates = vec![estimate(&modulus, &covariance, &influences, 1.0)];
-    let stated = law.stated();
-    estimates.extend(
-        stated
-            .iter()
-            .map(|p| estimate(p, &covariance, &influences, 0.0)),
-    );
-    // the last parameter of a law is its rate: where the rate is not seen, neither is the shape of what is not seen,
-    // whatever its linearised error at the point where the iteration stopped
-    let rate_seen = covariance[parameters - 1][parameters - 1].sqrt() < IDENTIFIED_BELOW;
-    if parameters > 1 && !rate_seen {
-        for estimate in &mut estimates[1..] {
+    let mut estimates: Vec<Estimate> = model
+        .stated(at)
+        .iter()
+        .map(|stated| estimate(stated, &covariance, &influences))
+        .collect();
+    // where the damping is not seen, neither is the shape of what is not seen, whatever its linearised error at the point
+    // where the iteration stopped
+    let damping_seen = model
+        .damping_parameter()
+        .is_none_or(|index| covariance[index][index].sqrt() < IDENTIFIED_BELOW);
+    if !damping_seen {
+        for estimate in estimates.iter_mut().skip(1) {
             estimate.verdict = Verdict::NotIdentifiable;
         }
     }
@@ -185,22 +212,15 @@ pub(crate) fn assess<L: IdentifiableLaw>(
     })
 }
 
-fn estimate(
-    parameter: &StatedParameter,
-    covariance: &[Vec<f64>],
-    influences: &[f64],
-    by_log_modulus: f64,
-) -> Estimate {
-    let gradient: Vec<f64> = std::iter::once(by_log_modulus)
-        .chain(parameter.gradient.iter().copied())
-        .collect();
+fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], influences: &[f64]) -> Estimate {
+    let gradient = &parameter.gradient;
     let variance: f64 = gradient
         .iter()
         .zip(covariance)
         .map(|(g, row)| {
             let product: f64 = row
                 .iter()
-                .zip(&gradient)
+                .zip(gradient)
                 .map(|(c, h)| if *h == 0.0 { 0.0 } else { c * h })
                 .sum();
             if *g == 0.0 { 0.0 } else { g * product }
@@ -244,7 +264,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
-fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
+pub(crate) fn correlation_inflation(residual: &[f64], lengths: &[usize]) -> f64 {
     let variance = sum_of_squares(residual);
     if variance <= 0.0 {
         return 1.0;

@@ -12,6 +12,14 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// Largest change of each parameter in one iteration: about the range over which the response is near linear in it.
     const STEP_LIMITS: &'static [f64];
 
+    /// Whether F is proportional to σ for every value of the parameters.
+    const LINEAR: bool = false;
+
+    /// Lower and upper bound of each parameter; none unless the law says otherwise.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(f64::NEG_INFINITY, f64::INFINITY); Self::PARAMETERS.len()]
+    }
+
     /// The parameters as the literature states them, at the present values.
     fn stated(&self) -> Vec<StatedParameter>;
 
@@ -33,7 +41,8 @@ pub struct StatedParameter {
     pub value: f64,
     /// Whether its error is judged as a ratio or as a difference.
     pub scale: Scale,
-    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law.
+    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (of all θ where a [`crate::RodModel`] states
+    /// it).
     pub gradient: Vec<f64>,
     /// Whether it is one of the well-conditioned coordinates of the identification, or follows from them.
     pub role: Role,
@@ -58,6 +67,9 @@ pub enum Role {
     Derived,
 }
 
+/// Bounds of the logarithm of a rate in 1/s: from the age of the universe to the period of an atom.
+const LOG_RATE_BOUNDS: (f64, f64) = (-50.0, 50.0);
+
 fn rate_at_reference(law: &impl InelasticLaw, gradient: Vec<f64>) -> StatedParameter {
     StatedParameter {
         name: "inelastic strain rate at 10 MPa",
@@ -73,6 +85,7 @@ fn rate_at_reference(law: &impl InelasticLaw, gradient: Vec<f64>) -> StatedParam
 impl IdentifiableLaw for Elastic {
     const NAME: &'static str = "elastic";
     const STEP_LIMITS: &'static [f64] = &[];
+    const LINEAR: bool = true;
 
     fn stated(&self) -> Vec<StatedParameter> {
         Vec::new()
@@ -86,6 +99,11 @@ impl IdentifiableLaw for Elastic {
 impl IdentifiableLaw for Maxwell {
     const NAME: &'static str = "Maxwell";
     const STEP_LIMITS: &'static [f64] = &[2.0];
+    const LINEAR: bool = true;
+
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![LOG_RATE_BOUNDS]
+    }
 
     fn stated(&self) -> Vec<StatedParameter> {
         vec![StatedParameter {
@@ -107,6 +125,11 @@ impl IdentifiableLaw for Maxwell {
 impl IdentifiableLaw for MaxwellNorton {
     const NAME: &'static str = "Maxwell-Norton";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    /// κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ = 1 is inside.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(0.05, 50.0), LOG_RATE_BOUNDS]
+    }
 
     fn stated(&self) -> Vec<StatedParameter> {
         vec![
@@ -142,8 +165,13 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
     const NAME: &'static str = "Maxwell-Gurevich-Rabinovich";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
+    /// β from -50 to 50; the linear law β = 0 is inside.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(-50.0, 50.0), LOG_RATE_BOUNDS]
+    }
+
     fn stated(&self) -> Vec<StatedParameter> {
-        let sharpness = self.parameters()[0];
+        let sharpness = InelasticLaw::parameters(self)[0];
         vec![
             rate_at_reference(self, vec![0.0, 1.0]),
             StatedParameter {
@@ -170,6 +198,11 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
     }
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
-        Self::from_reference_rate(self.parameters()[0], rate, self.reference_stress()).ok()
+        Self::from_reference_rate(
+            InelasticLaw::parameters(self)[0],
+            rate,
+            self.reference_stress(),
+        )
+        .ok()
     }
 }

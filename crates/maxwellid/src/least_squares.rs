@@ -24,13 +24,36 @@ pub(crate) trait LeastSquares {
     fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation>;
     /// Largest change of each parameter in one iteration.
     fn step_limits(&self) -> Vec<f64>;
+    /// Lower and upper bound of each parameter.
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        vec![(f64::NEG_INFINITY, f64::INFINITY); self.step_limits().len()]
+    }
+}
+
+/// How often the direct problems of all tests were solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct Evaluations {
+    /// Without derivatives.
+    pub residuals: usize,
+    /// With derivatives by all parameters.
+    pub linearisations: usize,
+}
+
+impl std::ops::AddAssign for Evaluations {
+    fn add_assign(&mut self, other: Self) {
+        self.residuals += other.residuals;
+        self.linearisations += other.linearisations;
+    }
 }
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits promises no further reduction of the sum of squares (less than 1e-10 of it).
+    /// A step within the limits promises no further reduction of the sum of squares: less than 1e-10 of it, or, where the
+    /// residual is white, a hundred-thousandth, which moves no parameter by more than some
+    /// hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,
@@ -38,6 +61,10 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
+    /// As [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of squares still falls.
+    AtBound,
+    /// The parameters no longer improve by the pre-assigned tolerance; only of [`crate::Method::Historical`].
+    ImprovementBelowTolerance,
     /// The limit of iterations was reached.
     OutOfIterations,
 }
@@ -46,7 +73,7 @@ impl Termination {
     /// Whether the parameters are a minimum to the stated tolerances.
     #[must_use]
     pub fn was_successful(self) -> bool {
-        !matches!(self, Self::OutOfIterations)
+        !matches!(self, Self::AtBound | Self::OutOfIterations)
     }
 }
 
@@ -57,6 +84,8 @@ impl std::fmt::Display for Termination {
             Self::StepNegligible => "converged: the step is negligible",
             Self::ResidualIsRounding => "converged: the residual is at the level of rounding",
             Self::NoDescent => "converged: no shorter step descends",
+            Self::ImprovementBelowTolerance => "converged: the improvement is below the tolerance",
+            Self::AtBound => "stopped at a bound: the sum of squares still falls beyond it",
             Self::OutOfIterations => "not converged: out of iterations",
         })
     }
@@ -68,6 +97,7 @@ pub(crate) struct Minimum {
     pub(crate) parameters: Vec<f64>,
     pub(crate) linearisation: Linearisation,
     pub(crate) iterations: usize,
+    pub(crate) evaluations: Evaluations,
     pub(crate) termination: Termination,
 }
 
@@ -116,6 +146,7 @@ impl ScaledDecomposition {
 }
 
 const ITERATIONS: usize = 200;
+/// Share of the sum of squares that a minimum may leave.
 const REDUCTION: f64 = 1e-10;
 const STEP: f64 = 1e-9;
 const SMALLEST_DAMPING: f64 = 1e-12;
@@ -126,11 +157,26 @@ pub(crate) fn minimise(
     start: &[f64],
     rounding: f64,
 ) -> Result<Option<Minimum>, MaxwellidError> {
-    let Some(mut here) = problem.linearisation(start) else {
+    minimise_to(problem, start, rounding, REDUCTION)
+}
+
+/// As [`minimise`], ending when no more than the share `reduction` of the sum of squares can be gained.
+pub(crate) fn minimise_to(
+    problem: &dyn LeastSquares,
+    start: &[f64],
+    rounding: f64,
+    reduction: f64,
+) -> Result<Option<Minimum>, MaxwellidError> {
+    let limits = problem.step_limits();
+    let bounds = problem.bounds();
+    let mut parameters = within(start, &bounds);
+    let Some(mut here) = problem.linearisation(&parameters) else {
         return Ok(None);
     };
-    let limits = problem.step_limits();
-    let mut parameters = start.to_vec();
+    let mut evaluations = Evaluations {
+        residuals: 0,
+        linearisations: 1,
+    };
     let mut damping = 0.0_f64;
     let mut value = sum_of_squares(&here.residual);
     let mut termination = Termination::OutOfIterations;
@@ -141,30 +187,36 @@ pub(crate) fn minimise(
             termination = Termination::ResidualIsRounding;
             break;
         }
-        let Some(svd) = ScaledDecomposition::new(&here, &limits) else {
+        let (free, held) = free_directions(&here, &parameters, &limits, &bounds);
+        let Some(svd) = ScaledDecomposition::new(&here, &free) else {
             return Err(MaxwellidError::Decomposition {
                 iteration: iterations,
             });
         };
         // the smallest damping that means anything against the best-determined direction
         let largest = svd.singular_values.first().copied().unwrap_or(0.0);
+        let no_reduction = if held {
+            Termination::AtBound
+        } else {
+            Termination::NoReductionLeft
+        };
         let smallest_damping = SMALLEST_DAMPING * largest * largest;
         if largest <= 0.0 {
-            termination = Termination::NoReductionLeft;
+            termination = no_reduction;
             break;
         }
         damping = damping.max(smallest_damping);
         let mut rejected = false;
         loop {
-            let step = damped_step(&svd, &limits, damping);
+            let step = damped_step(&svd, &free, damping);
             let within_limits = step.iter().zip(&limits).all(|(p, limit)| p.abs() <= *limit);
             if !within_limits {
                 damping *= 4.0;
                 continue;
             }
             let predicted = svd.predicted_reduction(damping);
-            if !rejected && predicted < REDUCTION * value {
-                termination = Termination::NoReductionLeft;
+            if !rejected && predicted < reduction * value {
+                termination = no_reduction;
                 break 'outer;
             }
             if step
@@ -179,9 +231,12 @@ pub(crate) fn minimise(
                 };
                 break 'outer;
             }
-            let trial: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
+            let beyond: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
+            let trial = within(&beyond, &bounds);
+            evaluations.residuals += 1;
             let reached = problem.residual(&trial).map(|r| sum_of_squares(&r));
             let accepted = reached.filter(|reached| *reached < value);
+            evaluations.linearisations += usize::from(accepted.is_some());
             let next = accepted.and_then(|_| problem.linearisation(&trial));
             let (Some(reached), Some(next)) = (accepted, next) else {
                 rejected = true;
@@ -204,8 +259,45 @@ pub(crate) fn minimise(
         parameters,
         linearisation: here,
         iterations,
+        evaluations,
         termination,
     }))
+}
+
+pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
+    parameters
+        .iter()
+        .zip(bounds)
+        .map(|(t, (low, high))| t.clamp(*low, *high))
+        .collect()
+}
+
+/// The step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and whether there is one.
+fn free_directions(
+    here: &Linearisation,
+    parameters: &[f64],
+    limits: &[f64],
+    bounds: &[(f64, f64)],
+) -> (Vec<f64>, bool) {
+    let mut held = false;
+    let free = limits
+        .iter()
+        .zip(parameters.iter().zip(bounds))
+        .zip(&here.jacobian)
+        .map(|((limit, (t, (low, high))), column)| {
+            if t > low && t < high {
+                return *limit;
+            }
+            let gradient: f64 = column.iter().zip(&here.residual).map(|(j, r)| j * r).sum();
+            if (t <= low && gradient > 0.0) || (t >= high && gradient < 0.0) {
+                held = true;
+                0.0
+            } else {
+                *limit
+            }
+        })
+        .collect();
+    (free, held)
 }
 
 impl ScaledDecomposition {
@@ -286,6 +378,39 @@ mod tests {
     #[test]
     fn a_start_outside_the_model_is_no_minimum() {
         assert!(minimise(&Valley, &[60.0, 0.0, 0.0], 0.0).unwrap().is_none());
+    }
+
+    /// The valley with a wall at θ₁ = 0.5.
+    struct Walled;
+
+    impl LeastSquares for Walled {
+        fn residual(&self, t: &[f64]) -> Option<Vec<f64>> {
+            Valley.residual(t)
+        }
+
+        fn linearisation(&self, t: &[f64]) -> Option<Linearisation> {
+            Valley.linearisation(t)
+        }
+
+        fn step_limits(&self) -> Vec<f64> {
+            Valley.step_limits()
+        }
+
+        fn bounds(&self) -> Vec<(f64, f64)> {
+            vec![(-2.0, 0.5), (-9.0, 9.0), (-9.0, 9.0)]
+        }
+    }
+
+    #[test]
+    fn a_bound_is_reached_and_named() {
+        let minimum = minimise(&Walled, &[-1.2, 1.0, 7.0], 1e-28)
+            .unwrap()
+            .unwrap();
+        assert_eq!(minimum.termination, Termination::AtBound);
+        assert!(!minimum.termination.was_successful());
+        // on the wall the best is the bottom of the valley, θ₂ = θ₁²; the step ends where a ten-billionth is left
+        assert!((minimum.parameters[0] - 0.5).abs() < 1e-15);
+        assert!((minimum.parameters[1] - 0.25).abs() < 1e-5);
     }
 
     /// A line through noisy data: the minimum is that of the normal equations.

@@ -9,7 +9,13 @@
 //! Each evaluation solves the direct problem of [`rodwave::characteristics`] with v_e prescribed; the sum of squares of
 //! simulated minus measured v_r over all tests (paper D, eq. 12) is minimised over (ln E, shape of the law, ln of its rate at
 //! 10 MPa) by damped least squares with exact derivatives. At the minimum the singular values of the Jacobian, the covariance
-//! and a [`Verdict`] for each parameter say what was learnt.
+//! and a [`Verdict`] for each parameter say what was learnt. Where the noise of both histories is stated, the residual is made white
+//! with it and the excitation is estimated too; gain, offset and delay of the transducers can be unknowns ([`Nuisances`]).
+//!
+//! # Which law
+//! [`selection`] compares the three laws with linear competitors ([`linear`]) and may answer that the data cannot tell, or that it is none of
+//! them; [`profile`] bounds parameters that are not identified; [`design`] says what to measure next. The paper's own
+//! classifier is in [`samples`] and [`adequacy`].
 //!
 //! # Errata of the source
 //! * Eq. (14), a recursion with gain 1/m on the printed parameters, diverges or stands still: in Pa the Hessian has the eigenvalues
@@ -18,26 +24,50 @@
 //!   record and their damping cannot be identified from data with 2 % noise. This crate then says so.
 //!
 //! # What this does not do
-//! * It takes velocities; differentiation of measured displacements is the caller's.
-//! * The excitation is taken as exact; its noise is not propagated, so with a noisy excitation the errors are too small.
-//! * It does not choose between laws. Beware: data of a *linear* material with constant loss factor are fitted well by a nonlinear
-//!   law, because amplitude and frequency content fall together along the rod. From one impact velocity the nonlinearity of a
-//!   law is not proved.
+//! * [`Fit`] does not choose between laws; [`selection`] does. Beware: data of a *linear* material with constant loss factor are
+//!   fitted well by a nonlinear law, because amplitude and frequency content fall together along the rod. From one impact velocity
+//!   the nonlinearity of a law is not proved by a fit.
 //! * Errors are those of the linearised problem at the minimum.
 
+pub mod adequacy;
+mod agreement;
+pub mod conformal;
+pub mod design;
+mod displacement;
 mod error;
 mod fit;
+mod historical;
 mod identifiability;
+mod identification;
 mod law;
 mod least_squares;
+pub mod linear;
+mod model;
+mod noise;
+mod nuisance;
+mod parallel;
+pub mod profile;
 mod report;
 mod residual;
+pub mod samples;
+pub mod selection;
+mod start;
 mod test;
+mod velocity;
+mod whitening;
 
+pub use agreement::FitFlag;
+pub use displacement::DisplacementTransducers;
 pub use error::MaxwellidError;
-pub use fit::{DEFAULT_CELL, Fit, Identification};
+pub use fit::{DEFAULT_ACCURACY, DEFAULT_CELL, Fit, Method};
 pub use identifiability::{Estimate, IDENTIFIED_BELOW, Identifiability, Noise, Verdict};
+pub use identification::Identification;
 pub use law::{IdentifiableLaw, Role, Scale, StatedParameter};
-pub use least_squares::Termination;
+pub use least_squares::{Evaluations, Termination};
+pub use model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
+pub use noise::{HistoryNoise, TestNoise};
+pub use nuisance::{Freedom, NuisanceEstimate, Nuisances};
 pub use report::Report;
-pub use test::{Provenance, RodTest, RodTestData};
+pub use start::StartOutcome;
+pub use test::{Provenance, RodTest, RodTestData, TestFlag};
+pub use velocity::Differentiator;

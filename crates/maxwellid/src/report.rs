@@ -2,30 +2,37 @@
 
 use std::fmt;
 
-use crate::fit::Identification;
-use crate::identifiability::{Estimate, Identifiability, Noise, Verdict};
-use crate::law::{IdentifiableLaw, Role, Scale};
+use crate::agreement::FitFlag;
+use crate::identifiability::{Estimate, Identifiability, Noise};
+use crate::identification::Identification;
+use crate::law::{Role, Scale};
+use crate::model::RodModel;
+use crate::nuisance::NuisanceEstimate;
 
 /// Displays an identification: law, termination, residual, and each parameter with error and verdict.
 #[derive(Debug, Clone)]
 pub struct Report {
-    law: &'static str,
+    model: String,
     iterations: usize,
     termination: String,
     relative_error: f64,
     identifiability: Option<Identifiability>,
+    nuisances: Vec<Vec<NuisanceEstimate>>,
+    flags: Vec<FitFlag>,
 }
 
-impl<L: IdentifiableLaw> Identification<L> {
+impl<M: RodModel> Identification<M> {
     /// A report for people, with errors against `noise`.
     #[must_use]
     pub fn report(&self, noise: Noise) -> Report {
         Report {
-            law: L::NAME,
+            model: self.model().name().to_owned(),
             iterations: self.iterations(),
             termination: self.termination().to_string(),
             relative_error: self.relative_error(),
             identifiability: self.identifiability(noise),
+            nuisances: self.nuisances().to_vec(),
+            flags: self.flags().to_vec(),
         }
     }
 }
@@ -35,7 +42,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "{} law, {} after {} iterations; residual {:.3} % of V0",
-            self.law,
+            self.model,
             self.termination,
             self.iterations,
             100.0 * self.relative_error
@@ -48,6 +55,23 @@ impl fmt::Display for Report {
         };
         for estimate in &identifiability.estimates {
             writeln!(f, "  {estimate}")?;
+        }
+        for (test, nuisances) in self.nuisances.iter().enumerate() {
+            for NuisanceEstimate {
+                name,
+                value,
+                standard_error,
+            } in nuisances
+            {
+                writeln!(
+                    f,
+                    "  test {}: {name} = {value:.4e} ± {standard_error:.1e}",
+                    test + 1
+                )?;
+            }
+        }
+        for flag in &self.flags {
+            writeln!(f, "  attention: {flag}")?;
         }
         Ok(())
     }
@@ -63,9 +87,7 @@ impl fmt::Display for Estimate {
         }
         match (self.role, self.verdict) {
             (Role::Derived, _) => write!(f, " (derived)"),
-            (Role::Coordinate, verdict @ (Verdict::Identified | Verdict::NotIdentifiable)) => {
-                write!(f, " ({verdict})")
-            }
+            (Role::Coordinate, verdict) => write!(f, " ({verdict})"),
         }
     }
 }

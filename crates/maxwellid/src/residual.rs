@@ -1,30 +1,62 @@
-//! The direct problem as residual: simulated minus measured response of all tests, over V0.
+//! The direct problem as residual: simulated minus measured response of all tests, over V0 or over its standard deviation.
 
-use rodwave::{DirectProblem, InelasticRod};
+use rodwave::band_limited::SampledHistory;
 
-use crate::law::IdentifiableLaw;
 use crate::least_squares::{LeastSquares, Linearisation};
+use crate::model::{DrivenRod, RodModel};
+use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
+use crate::parallel::map_in_order;
 use crate::test::RodTest;
+use crate::whitening::Weighting;
 
-/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test.
+/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test, or, where
+/// there are weightings, made white.
 ///
-/// Parameters θ = (ln E, parameters of the law).
-pub(crate) struct TestResidual<'a, L> {
+/// The parameters are θ of the model and then, for each test, the nuisances of the iteration.
+pub(crate) struct TestResidual<'a, M> {
     pub(crate) tests: &'a [RodTest],
     /// The times of the samples in the window of each test.
     pub(crate) times: Vec<Vec<f64>>,
-    pub(crate) law: L,
+    pub(crate) model: &'a M,
     /// Longest cell of the grid \[m\].
     pub(crate) cell: f64,
+    pub(crate) nuisances: Nuisances,
+    /// One for each test, or none at all.
+    pub(crate) weightings: Vec<Weighting>,
 }
 
-impl<'a, L: IdentifiableLaw> TestResidual<'a, L> {
-    pub(crate) fn new(tests: &'a [RodTest], law: L, cell: f64) -> Self {
+/// Difference of gain and of offset over V0 by which the derivatives of the excitation's are found.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Difference of time, in samples, by which dS/dt is found.
+const TIME_DIFFERENCE: f64 = 0.02;
+
+/// The simulated response of one test and its derivatives by θ and by the nuisances of the iteration [m/s].
+struct Simulated {
+    velocity: Vec<f64>,
+    derivatives: Vec<Vec<f64>>,
+}
+
+/// What one test contributes to the residual.
+pub(crate) struct TestRows {
+    residual: Vec<f64>,
+    /// By θ and by its own nuisances of the iteration.
+    columns: Vec<Vec<f64>>,
+    /// By gain and offset, if these are unknown.
+    linear_columns: Vec<Vec<f64>>,
+    /// Gain - 1 and offset \[m/s\], those that are unknown.
+    linear: Vec<f64>,
+}
+
+impl<'a, M: RodModel> TestResidual<'a, M> {
+    pub(crate) fn new(tests: &'a [RodTest], model: &'a M, cell: f64) -> Self {
         Self {
             tests,
             times: tests.iter().map(RodTest::times).collect(),
-            law,
+            model,
             cell,
+            nuisances: Nuisances::default(),
+            weightings: Vec::new(),
         }
     }
 
@@ -32,71 +64,381 @@ impl<'a, L: IdentifiableLaw> TestResidual<'a, L> {
         self.times.iter().map(Vec::len).sum()
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "lengths and cells are positive; the ratio is a cell count"
-    )]
-    pub(crate) fn problem(&self, test: &RodTest, parameters: &[f64]) -> Option<DirectProblem<L>> {
-        let (log_modulus, of_law) = parameters.split_first()?;
-        let law = self.law.with_parameters(of_law).ok()?;
-        let rod = InelasticRod::new(test.length, test.density, log_modulus.exp(), law).ok()?;
-        let cells = (test.length / self.cell).ceil().max(16.0) as usize;
-        DirectProblem::new(rod, cells).ok()
+    /// Number of parameters of the model.
+    pub(crate) fn of_model(&self) -> usize {
+        self.model.step_limits().len()
+    }
+
+    fn own_nuisances<'p>(&self, test: usize, parameters: &'p [f64]) -> &'p [f64] {
+        let each = self.nuisances.of_iteration().len();
+        let first = self.of_model() + test * each;
+        parameters.get(first..first + each).unwrap_or(&[])
+    }
+
+    /// Simulates one test at given values of its nuisances; `linearise` asks for derivatives.
+    fn simulated(&self, test: usize, parameters: &[f64], linearise: bool) -> Option<Simulated> {
+        let of_model = parameters.get(..self.of_model())?;
+        let own = self.own_nuisances(test, parameters);
+        let velocity = |own: &[f64], shift: f64| self.velocity(test, of_model, own, shift);
+        if !linearise {
+            return Some(Simulated {
+                velocity: velocity(own, 0.0)?,
+                derivatives: Vec::new(),
+            });
+        }
+        let mut simulated = self.driven(test, own, 0.0, |rod| {
+            let response = self.model.linearised_response(rod, of_model)?;
+            Some(Simulated {
+                velocity: response.velocity,
+                derivatives: response.by_parameter,
+            })
+        })?;
+        let test_of = self.tests.get(test)?;
+        for (index, (nuisance, _)) in self.nuisances.of_iteration().into_iter().enumerate() {
+            let difference = match nuisance {
+                IteratedNuisance::Delay => {
+                    let h = TIME_DIFFERENCE / test_of.sampling_rate_hz;
+                    let (late, early) = (velocity(own, h)?, velocity(own, -h)?);
+                    late.iter()
+                        .zip(&early)
+                        .map(|(l, e)| (l - e) / (2.0 * h))
+                        .collect()
+                }
+                IteratedNuisance::ExcitationGain | IteratedNuisance::ExcitationOffset => {
+                    let step = match nuisance {
+                        IteratedNuisance::ExcitationGain => DIFFERENCE,
+                        _ => DIFFERENCE * test_of.impact_velocity,
+                    };
+                    let mut moved = own.to_vec();
+                    *moved.get_mut(index)? += step;
+                    velocity(&moved, 0.0)?
+                        .iter()
+                        .zip(&simulated.velocity)
+                        .map(|(m, v)| (m - v) / step)
+                        .collect()
+                }
+            };
+            simulated.derivatives.push(difference);
+        }
+        self.add_correction(test, &mut simulated.velocity);
+        Some(simulated)
+    }
+
+    /// S at the times of the samples less the delay less `shift` \[s\], with the correction of a cleaned excitation where it is wanted.
+    fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
+        self.driven(test, own, shift, |rod| self.model.response(rod, of_model))
+    }
+
+    /// S of one test on a grid of `cell` \[m\], with its nuisances at their references.
+    pub(crate) fn response_on(&self, test: usize, of_model: &[f64], cell: f64) -> Option<Vec<f64>> {
+        self.driven(test, &[], 0.0, |rod| {
+            self.model.response(&DrivenRod { cell, ..*rod }, of_model)
+        })
+    }
+
+    fn add_correction(&self, test: usize, velocity: &mut [f64]) {
+        if let Some(weighting) = self.weightings.get(test) {
+            for (v, c) in velocity.iter_mut().zip(&weighting.correction) {
+                *v += c;
+            }
+        }
+    }
+
+    /// Calls `ask` with the rod of a test, its excitation and its times as the nuisances make them.
+    fn driven<R>(
+        &self,
+        test: usize,
+        own: &[f64],
+        shift: f64,
+        ask: impl Fn(&DrivenRod<'_>) -> Option<R>,
+    ) -> Option<R> {
+        let (mut delay, mut gain, mut offset) = (shift, 1.0, 0.0);
+        let mut excitation_changed = false;
+        for ((nuisance, _), value) in self.nuisances.of_iteration().into_iter().zip(own) {
+            match nuisance {
+                IteratedNuisance::Delay => delay += value,
+                IteratedNuisance::ExcitationGain => gain += value,
+                IteratedNuisance::ExcitationOffset => offset = *value,
+            }
+            excitation_changed |= nuisance != IteratedNuisance::Delay;
+        }
+        let times = self.times.get(test)?;
+        let test_of = self.tests.get(test)?;
+        let weighting = self.weightings.get(test);
+        let (samples, history) = weighting.map_or(
+            (test_of.excitation_samples.as_slice(), &test_of.excitation),
+            |weighting| (weighting.excitation.as_slice(), &weighting.history),
+        );
+        // before time 0 the free end is at rest, as it is at time 0
+        let delayed: Vec<f64>;
+        let times = if delay == 0.0 {
+            times
+        } else {
+            delayed = times.iter().map(|t| (t - delay).max(0.0)).collect();
+            &delayed
+        };
+        let rod = DrivenRod {
+            samples,
+            excitation: history,
+            ..test_of.driven_rod(times, self.cell)
+        };
+        if !excitation_changed {
+            return ask(&rod);
+        }
+        let changed: Vec<f64> = samples.iter().map(|v| gain * v + offset).collect();
+        let history = SampledHistory::new(&changed, test_of.sampling_rate_hz).ok()?;
+        ask(&DrivenRod {
+            samples: &changed,
+            excitation: &history,
+            ..rod
+        })
+    }
+
+    /// Over V0, or white.
+    fn weigh(&self, test: usize, history: &mut [f64]) {
+        match self.weightings.get(test) {
+            Some(weighting) => weighting.whiten(history),
+            None => {
+                let scale = 1.0 / self.tests[test].impact_velocity;
+                history.iter_mut().for_each(|h| *h *= scale);
+            }
+        }
+    }
+
+    /// The rows of one test. With `project` gain and offset are eliminated from residual and columns.
+    pub(crate) fn rows(
+        &self,
+        test: usize,
+        parameters: &[f64],
+        linearise: bool,
+        project: bool,
+    ) -> Option<TestRows> {
+        let mut simulated = self.simulated(test, parameters, linearise)?;
+        if !linearise {
+            self.add_correction(test, &mut simulated.velocity);
+        }
+        let measured = self.tests.get(test)?.response();
+        let mut residual: Vec<f64> = simulated
+            .velocity
+            .iter()
+            .zip(measured)
+            .map(|(s, m)| s - m)
+            .collect();
+        self.weigh(test, &mut residual);
+        let linear_freedoms = [self.nuisances.response_gain, self.nuisances.response_offset];
+        let mut linear_columns = Vec::new();
+        if linear_freedoms[0].is_unknown() {
+            linear_columns.push(simulated.velocity.clone());
+        }
+        if linear_freedoms[1].is_unknown() {
+            linear_columns.push(vec![1.0; residual.len()]);
+        }
+        for column in &mut linear_columns {
+            self.weigh(test, column);
+        }
+        let mut columns = simulated.derivatives;
+        for column in &mut columns {
+            self.weigh(test, column);
+        }
+        self.append_calibrations(
+            test,
+            parameters,
+            &mut residual,
+            &mut columns,
+            &mut linear_columns,
+        );
+        let mut linear = Vec::new();
+        if !linear_columns.is_empty() {
+            let orthonormal = Orthonormal::of(&linear_columns);
+            let mut rest = residual.clone();
+            linear = orthonormal.take_from(&mut rest);
+            linear.iter_mut().for_each(|c| *c = -*c);
+            if linear_freedoms[0].is_unknown() {
+                let gain = 1.0 + linear.first().copied().unwrap_or(0.0);
+                columns.iter_mut().flatten().for_each(|d| *d *= gain);
+            }
+            if project {
+                for column in &mut columns {
+                    orthonormal.take_from(column);
+                }
+            }
+            // the sum of squares is that of the eliminated problem either way
+            residual = rest;
+        }
+        let finite = residual
+            .iter()
+            .chain(columns.iter().flatten())
+            .all(|v| v.is_finite());
+        finite.then_some(TestRows {
+            residual,
+            columns,
+            linear_columns,
+            linear,
+        })
+    }
+
+    /// A row for each calibration: (value - its calibration)/standard deviation.
+    fn append_calibrations(
+        &self,
+        test: usize,
+        parameters: &[f64],
+        residual: &mut Vec<f64>,
+        columns: &mut [Vec<f64>],
+        linear_columns: &mut [Vec<f64>],
+    ) {
+        let of_model = self.of_model();
+        let own = self.own_nuisances(test, parameters);
+        let iterated = self.nuisances.of_iteration();
+        for (index, ((_, freedom), value)) in iterated.iter().zip(own).enumerate() {
+            if let Some(weight) = freedom.prior_weight() {
+                residual.push(weight * value);
+                for (k, column) in columns.iter_mut().enumerate() {
+                    column.push(if k == of_model + index { weight } else { 0.0 });
+                }
+                linear_columns
+                    .iter_mut()
+                    .for_each(|column| column.push(0.0));
+            }
+        }
+        let linear = [self.nuisances.response_gain, self.nuisances.response_offset];
+        let unknown: Vec<_> = linear.into_iter().filter(|f| f.is_unknown()).collect();
+        for (index, freedom) in unknown.iter().enumerate() {
+            if let Some(weight) = freedom.prior_weight() {
+                residual.push(0.0);
+                columns.iter_mut().for_each(|column| column.push(0.0));
+                for (k, column) in linear_columns.iter_mut().enumerate() {
+                    column.push(if k == index { weight } else { 0.0 });
+                }
+            }
+        }
+    }
+
+    /// Gain - 1 and offset of each test, those that are unknown.
+    pub(crate) fn linear_nuisances(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
+        (0..self.tests.len())
+            .map(|test| Some(self.rows(test, parameters, false, true)?.linear))
+            .collect()
+    }
+
+    /// The residual of each test, with the rows of its calibrations at the end.
+    pub(crate) fn residual_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
+        (0..self.tests.len())
+            .map(|test| Some(self.rows(test, parameters, false, true)?.residual))
+            .collect()
+    }
+
+    /// The residual over V0 at nuisances as they are at white residuals, with derivatives by θ and the nuisances of the iteration.
+    pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
+        let linear = self.linear_nuisances(parameters)?;
+        let mut residual = Vec::with_capacity(self.samples());
+        let mut jacobian = vec![Vec::with_capacity(self.samples()); self.of_model()];
+        for (test, (of_test, linear)) in self.tests.iter().zip(&linear).enumerate() {
+            let simulated = self.simulated(test, parameters, true)?;
+            let mut coefficients = linear.iter().copied();
+            let gain = if self.nuisances.response_gain.is_unknown() {
+                1.0 + coefficients.next()?
+            } else {
+                1.0
+            };
+            let offset = if self.nuisances.response_offset.is_unknown() {
+                coefficients.next()?
+            } else {
+                0.0
+            };
+            let scale = 1.0 / of_test.impact_velocity;
+            residual.extend(
+                simulated
+                    .velocity
+                    .iter()
+                    .zip(of_test.response())
+                    .map(|(s, m)| scale * (gain * s + offset - m)),
+            );
+            for (column, derivative) in jacobian.iter_mut().zip(&simulated.derivatives) {
+                column.extend(derivative.iter().map(|d| scale * gain * d));
+            }
+        }
+        Some(Linearisation { residual, jacobian })
+    }
+
+    /// Residual and columns of all tests. Without `project` each test's gain and offset have columns of their own at the end.
+    pub(crate) fn assembled(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
+        let tests: Vec<usize> = (0..self.tests.len()).collect();
+        let rows: Option<Vec<TestRows>> =
+            map_in_order(&tests, |test| self.rows(*test, parameters, true, project))
+                .into_iter()
+                .collect();
+        let rows = rows?;
+        let samples = rows.iter().map(|rows| rows.residual.len()).sum();
+        let of_model = self.of_model();
+        let each = self.nuisances.of_iteration().len();
+        let linear = rows.first().map_or(0, |rows| rows.linear_columns.len());
+        let count = of_model + each * rows.len();
+        let all = count + if project { 0 } else { linear * rows.len() };
+        let mut residual = Vec::with_capacity(samples);
+        let mut jacobian = vec![vec![0.0; samples]; all];
+        for (test, rows) in rows.into_iter().enumerate() {
+            let place = residual.len()..residual.len() + rows.residual.len();
+            residual.extend(rows.residual);
+            for (k, column) in rows.columns.into_iter().enumerate() {
+                let at = if k < of_model { k } else { k + test * each };
+                jacobian.get_mut(at)?[place.clone()].copy_from_slice(&column);
+            }
+            if !project {
+                for (k, column) in rows.linear_columns.into_iter().enumerate() {
+                    jacobian.get_mut(count + test * linear + k)?[place.clone()]
+                        .copy_from_slice(&column);
+                }
+            }
+        }
+        Some(Linearisation { residual, jacobian })
     }
 }
 
-impl<L: IdentifiableLaw> LeastSquares for TestResidual<'_, L> {
+impl<M: RodModel> LeastSquares for TestResidual<'_, M> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+        let tests: Vec<usize> = (0..self.tests.len()).collect();
+        let rows = map_in_order(&tests, |test| self.rows(*test, parameters, false, true));
         let mut residual = Vec::with_capacity(self.samples());
-        for (test, times) in self.tests.iter().zip(&self.times) {
-            let simulated = self
-                .problem(test, parameters)?
-                .free_end_velocity(&test.excitation, times)
-                .ok()?;
-            let scale = 1.0 / test.impact_velocity;
-            residual.extend(
-                simulated
-                    .iter()
-                    .zip(test.response())
-                    .map(|(s, m)| scale * (s - m)),
-            );
+        for rows in rows {
+            residual.extend(rows?.residual);
         }
-        residual.iter().all(|r| r.is_finite()).then_some(residual)
+        Some(residual)
     }
 
     fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation> {
-        let samples = self.samples();
-        let mut residual = Vec::with_capacity(samples);
-        let mut jacobian = vec![Vec::with_capacity(samples); parameters.len()];
-        for (test, times) in self.tests.iter().zip(&self.times) {
-            let response = self
-                .problem(test, parameters)?
-                .free_end_velocity_with_sensitivities(&test.excitation, times)
-                .ok()?;
-            let scale = 1.0 / test.impact_velocity;
-            residual.extend(
-                response
-                    .velocity
-                    .iter()
-                    .zip(test.response())
-                    .map(|(s, m)| scale * (s - m)),
-            );
-            let derivatives =
-                std::iter::once(&response.by_log_modulus).chain(&response.by_parameter);
-            for (column, derivative) in jacobian.iter_mut().zip(derivatives) {
-                column.extend(derivative.iter().map(|d| scale * d));
-            }
-        }
-        let finite = residual.iter().all(|r| r.is_finite())
-            && jacobian.iter().flatten().all(|d| d.is_finite());
-        finite.then_some(Linearisation { residual, jacobian })
+        self.assembled(parameters, true)
     }
 
     fn step_limits(&self) -> Vec<f64> {
-        // 10 % of E in one iteration: half a period of the waveform at most
-        std::iter::once(0.1)
-            .chain(L::STEP_LIMITS.iter().copied())
-            .collect()
+        let mut limits = self.model.step_limits();
+        for test in self.tests {
+            limits.extend(self.nuisances.of_iteration().iter().map(
+                |(nuisance, _)| match nuisance {
+                    IteratedNuisance::Delay => 1.0 / test.sampling_rate_hz,
+                    IteratedNuisance::ExcitationGain => 0.2,
+                    IteratedNuisance::ExcitationOffset => 0.2 * test.impact_velocity,
+                },
+            ));
+        }
+        limits
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        let mut bounds = self.model.bounds();
+        for test in self.tests {
+            bounds.extend(self.nuisances.of_iteration().iter().map(
+                |(nuisance, _)| match nuisance {
+                    IteratedNuisance::Delay => {
+                        let largest = Nuisances::LARGEST_DELAY / test.sampling_rate_hz;
+                        (-largest, largest)
+                    }
+                    IteratedNuisance::ExcitationGain => (-0.9, 9.0),
+                    IteratedNuisance::ExcitationOffset => {
+                        (-test.impact_velocity, test.impact_velocity)
+                    }
+                },
+            ));
+        }
+        bounds
     }
 }

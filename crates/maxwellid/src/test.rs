@@ -4,6 +4,8 @@ use rodwave::RodwaveError;
 use rodwave::band_limited::SampledHistory;
 
 use crate::error::MaxwellidError;
+use crate::model::DrivenRod;
+use crate::noise::TestNoise;
 
 /// Where a record comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,6 +58,33 @@ pub struct RodTest {
     pub(crate) response: Vec<f64>,
     pub(crate) provenance: Provenance,
     pub(crate) window: usize,
+    pub(crate) noise: Option<TestNoise>,
+    pub(crate) flags: Vec<TestFlag>,
+}
+
+/// Something about a test that its user should know.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum TestFlag {
+    /// A displacement leaves the range of its transducer; samples from there on are not used.
+    Clipped {
+        /// `excitation` or `response`.
+        history: &'static str,
+        /// Time of the first clipped sample \[s\], from the first sample of the displacement.
+        time: f64,
+    },
+}
+
+impl std::fmt::Display for TestFlag {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Clipped { history, time } => write!(
+                f,
+                "the transducer of the {history} is out of range from {:.3} ms on",
+                1e3 * time
+            ),
+        }
+    }
 }
 
 /// Share of V0 that the first sample may have: noise, not motion.
@@ -144,6 +173,8 @@ impl RodTest {
             response,
             provenance,
             window,
+            noise: None,
+            flags: Vec::new(),
         })
     }
 
@@ -167,8 +198,20 @@ impl RodTest {
                 found: known,
             });
         }
-        self.window = (end * self.sampling_rate_hz).round() as usize + 1;
+        // a window that a clipped response has ended stays ended
+        let limit = if self.flags.is_empty() {
+            usize::MAX
+        } else {
+            self.window
+        };
+        self.window = ((end * self.sampling_rate_hz).round() as usize + 1).min(limit);
         Ok(self)
+    }
+
+    /// What else is to be said of the test.
+    #[must_use]
+    pub fn flags(&self) -> &[TestFlag] {
+        &self.flags
     }
 
     /// Name of the test.
@@ -195,6 +238,21 @@ impl RodTest {
             .collect()
     }
 
+    /// The rod of this test, driven by its excitation, asked for the response at `times` \[s\] on a grid with cells up to
+    /// `cell` \[m\].
+    #[must_use]
+    pub fn driven_rod<'a>(&'a self, times: &'a [f64], cell: f64) -> DrivenRod<'a> {
+        DrivenRod {
+            length: self.length,
+            density: self.density,
+            sampling_rate_hz: self.sampling_rate_hz,
+            samples: &self.excitation_samples,
+            excitation: &self.excitation,
+            times,
+            cell,
+        }
+    }
+
     /// Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
     ///
     /// Good to some per cent, the error being the sharpness of the rise against the time of transit.
@@ -202,6 +260,12 @@ impl RodTest {
     /// # Errors
     /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the excitation.
     pub fn modulus_from_time_of_flight(&self) -> Result<f64, MaxwellidError> {
+        let time = self.time_of_flight()?;
+        Ok(self.density * (self.length / time).powi(2))
+    }
+
+    /// Delay \[s\] between the half heights of the two first rises.
+    fn time_of_flight(&self) -> Result<f64, MaxwellidError> {
         let missing = |history| MaxwellidError::NoArrival {
             test: self.name.clone(),
             history,
@@ -212,8 +276,70 @@ impl RodTest {
         if time <= 0.0 {
             return Err(missing("response"));
         }
-        Ok(self.density * (self.length / time).powi(2))
+        Ok(time)
     }
+
+    /// That the window holds the arrival of the wave and enough after it to see its shape.
+    fn check_window(&self) -> Result<(), MaxwellidError> {
+        let arrival = half_rise(&self.response).ok_or_else(|| MaxwellidError::NoArrival {
+            test: self.name.clone(),
+            history: "response",
+        })?;
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "sample counts are far below 2^52"
+        )]
+        let end = (self.window - 1) as f64;
+        if end < arrival + AFTER_ARRIVAL {
+            return Err(MaxwellidError::WindowTooShort {
+                test: self.name.clone(),
+                end: end / self.sampling_rate_hz,
+                arrival: arrival / self.sampling_rate_hz,
+                needed: AFTER_ARRIVAL / self.sampling_rate_hz,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Samples after the arrival without which the shape of a front is not seen.
+const AFTER_ARRIVAL: f64 = 8.0;
+
+/// Error of a time of flight in samples: half a sample at either end and as much for the change of a front along the rod.
+const TIME_ERROR: f64 = 2.0;
+
+/// Difference of ln E between rods of one material that dispersion and amplitude explain, beside the error of the time of flight.
+const MODULUS_SCATTER: f64 = 0.2;
+
+/// That every window holds a wave and the times of flight do not contradict each other.
+pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
+    for test in tests {
+        test.check_window()?;
+    }
+    if tests.len() < 2 {
+        return Ok(());
+    }
+    let moduli: Vec<f64> = tests
+        .iter()
+        .map(RodTest::modulus_from_time_of_flight)
+        .collect::<Result<_, _>>()?;
+    let mut sorted = moduli.clone();
+    sorted.sort_by(f64::total_cmp);
+    // of two, the upper one: they are symmetric
+    let median = sorted[sorted.len() / 2];
+    for (test, modulus) in tests.iter().zip(&moduli) {
+        let time_error = 2.0 * TIME_ERROR / (test.time_of_flight()? * test.sampling_rate_hz);
+        let allowed = MODULUS_SCATTER + time_error;
+        if (modulus / median).ln().abs() > allowed {
+            return Err(MaxwellidError::Contradiction {
+                test: test.name.clone(),
+                modulus: *modulus,
+                others: median,
+                allowed,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Fractional index at which a history first reaches half the height of its first peak.
@@ -224,7 +350,7 @@ impl RodTest {
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
-fn half_rise(samples: &[f64]) -> Option<f64> {
+pub(crate) fn half_rise(samples: &[f64]) -> Option<f64> {
     let largest = |samples: &[f64]| samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
     let quarter = 0.25 * largest(samples);
     if quarter <= 0.0 {

@@ -190,25 +190,75 @@ fn data_of_the_inverting_solver_are_refused() {
     );
 }
 
-#[test]
-fn a_rod_without_visible_damping_is_called_not_identifiable() {
-    // polyamide 6 of Table 4 read literally: a relaxation time of 12.7 s in a record of milliseconds
-    let test = independent_test(3.209e9, &Maxwell::new(40.85e9).unwrap());
-    let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
-    let of_two_per_cent = fit.identifiability(Noise::Known(0.02)).unwrap();
-    let verdicts: Vec<_> = of_two_per_cent
+/// What is not identifiable from `test` at 2 % of noise.
+fn not_identifiable<L: IdentifiableLaw>(start: L, test: RodTest) -> (Vec<&'static str>, String) {
+    let fit = Fit::of(start).to(&[test]).unwrap();
+    let judged = fit.identifiability(Noise::Known(0.02)).unwrap();
+    let symbols = judged
         .estimates
         .iter()
-        .map(|e| (e.symbol, e.verdict))
+        .filter(|e| e.verdict == Verdict::NotIdentifiable)
+        .map(|e| e.symbol)
         .collect();
-    assert_eq!(
-        verdicts,
-        [
-            ("E", Verdict::Identified),
-            ("eta", Verdict::NotIdentifiable)
-        ],
-        "{}",
-        fit.report(Noise::Known(0.02))
+    (symbols, fit.report(Noise::Known(0.02)).to_string())
+}
+
+#[test]
+fn a_rod_without_visible_damping_is_called_not_identifiable() {
+    // Table 4 read literally: relaxation times of 13 s to 20 min in a record of milliseconds
+    let polyamide = independent_test(3.209e9, &Maxwell::new(40.85e9).unwrap());
+    let (found, report) = not_identifiable(Maxwell::new(1e6).unwrap(), polyamide);
+    assert_eq!(found, ["eta"], "{report}");
+    let polypropylene = independent_test(2.58e9, &MaxwellNorton::new(2.108, 38.16e18).unwrap());
+    let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
+    let (found, report) = not_identifiable(start, polypropylene);
+    assert_eq!(found, ["kappa", "F(10 MPa)", "B"], "{report}");
+    let polyethylene = independent_test(
+        2.107e9,
+        &MaxwellGurevichRabinovich::new(314.6e9, 7.082e12).unwrap(),
+    );
+    let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6).unwrap();
+    let (found, report) = not_identifiable(start, polyethylene);
+    assert_eq!(found, ["F(10 MPa)", "m", "eta"], "{report}");
+}
+
+/// The test of `law` without noise, from two grids of the chain extrapolated.
+fn extrapolated_test<L: InelasticLaw>(modulus: f64, law: &L) -> RodTest {
+    let record = struck(modulus, law);
+    let chain = |cells| {
+        LumpedRod::new(&rod(modulus, law), cells, 0.5)
+            .unwrap()
+            .free_end_velocity(&record.excitation_before_sampling, &times(&record))
+            .unwrap()
+    };
+    let response = chain(300)
+        .iter()
+        .zip(chain(600))
+        .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
+        .collect();
+    RodTest::new(data(&record, response, lumped::GENERATOR)).unwrap()
+}
+
+#[test]
+fn independent_data_without_noise_give_the_parameters_of_each_law() {
+    // the fit's own errors: a grid of 1e-4 of V0 and the interpolation of the excitation
+    let fit = Fit::of(Maxwell::new(1e6).unwrap())
+        .with_accuracy(1e-4)
+        .to(&[extrapolated_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
+        .unwrap();
+    let report = fit.report(Noise::FromResidual);
+    assert!(ratio_error(value(&fit, "eta"), 11.12e6) < 0.005, "{report}");
+    let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
+    let fit = Fit::of(MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap())
+        .with_accuracy(1e-4)
+        .to(&[extrapolated_test(2.58e9, &truth)])
+        .unwrap();
+    let report = fit.report(Noise::FromResidual);
+    assert!(ratio_error(value(&fit, "kappa"), 2.108) < 0.02, "{report}");
+    let rate = truth.inelastic_strain_rate(10e6);
+    assert!(
+        ratio_error(value(&fit, "F(10 MPa)"), rate) < 0.013,
+        "{report}"
     );
 }
 
@@ -241,11 +291,13 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
-    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 2.07.
+    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 1.97, each the same to
+    // 0.01 on grids of half the cell. (A cell of 4 mm at the highest rate gives 2.07: its own error, and twice the residual.)
     let exponents = [at(1.0), at(4.0), at(16.0)];
     assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
     assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");
-    assert!((exponents[2] - 2.108).abs() < 0.06, "{exponents:?}");
+    assert!(exponents[2] > exponents[1] + 0.06, "{exponents:?}");
+    assert!((exponents[2] - 2.108).abs() < 0.2, "{exponents:?}");
 }
 
 #[test]

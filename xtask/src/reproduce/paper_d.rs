@@ -1,7 +1,10 @@
-//! `cargo xtask reproduce-paper-d`: Tables A1, 4 and 5 of paper D, and a figure a material.
+//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, what they are on linear rods of constant loss, and a figure a
+//! material.
 
 mod appendix;
+mod choice;
 mod figure;
+mod flat_loss;
 mod identify;
 mod materials;
 mod tables;
@@ -14,6 +17,7 @@ use super::{Error, Reproduction, Shown};
 use crate::fixtures::paper_d;
 
 use appendix::Row;
+use flat_loss::FlatLoss;
 use materials::Material;
 use virtual_test::Rig;
 
@@ -26,45 +30,87 @@ const FIGURE: Shown = Shown {
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = paper_d::load()?;
     let rig = Rig::of(&paper);
-    let (rows, materials) = compute(&paper, &rig)?;
+    let Computed {
+        rows,
+        choices,
+        materials,
+        flat_losses,
+    } = compute(&paper, &rig)?;
+    let table_3 = tables::table_3(&choices);
+    let of_flat_loss = tables::flat_loss(&flat_losses);
+    let table_a1 = tables::table_a1(&rows);
+    let table_4 = tables::table_4(&materials);
+    let table_5 = tables::table_5(&materials);
     Ok(Reproduction {
         title: "Paper D: tables recomputed".into(),
         introduction: tables::introduction(&paper),
-        body: tables::body(&rows, &materials),
-        conclusion: tables::conclusion(&rows, &materials),
+        body: tables::body(&[
+            (tables::TABLE_A1, &table_a1),
+            (tables::TABLE_3, &table_3),
+            (tables::TABLE_4, &table_4),
+            (tables::TABLE_5, &table_5),
+            (tables::FLAT_LOSS, &of_flat_loss),
+        ]),
+        conclusion: tables::conclusion(&rows, &choices, &materials, &flat_losses),
         summary: json!({
             "command": "cargo xtask reproduce-paper-d",
             "source": "Ödeen 1993, paper D",
             "tests": "virtual: the measured histories were not published",
             "table_a1": rows,
+            "table_3": choices,
             "tables_4_and_5": materials,
+            "tables_4_and_5_constant_loss": flat_losses,
         }),
-        files: materials
-            .iter()
-            .filter(|m| m.reading == paper_d::UnitReading::Realistic)
-            .map(|material| {
-                let name = material.material.to_lowercase().replace(' ', "-");
-                let svg = figure::svg(material, rig.striker.velocity);
-                (format!("{name}.svg"), svg)
-            })
-            .collect(),
+        files: [
+            ("table-a1", &table_a1),
+            ("table-3", &table_3),
+            ("table-4", &table_4),
+            ("table-5", &table_5),
+            ("constant-loss", &of_flat_loss),
+        ]
+        .into_iter()
+        .map(|(name, table)| (format!("{name}.csv"), table.csv()))
+        .chain(
+            materials
+                .iter()
+                .filter(|m| m.reading == paper_d::UnitReading::Realistic)
+                .map(|material| {
+                    let name = material.material.to_lowercase().replace(' ', "-");
+                    let svg = figure::svg(material, rig.striker.velocity);
+                    (format!("{name}.svg"), svg)
+                }),
+        )
+        .collect(),
         shown: Some(FIGURE),
     })
 }
 
-/// All rows, in the order of the tables whatever the number of threads.
-fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<(Vec<Row>, Vec<Material>), Error> {
+/// What is computed, in the order of the tables whatever the number of threads.
+#[derive(Debug, Default)]
+struct Computed {
+    rows: Vec<Row>,
+    choices: Vec<choice::Row>,
+    materials: Vec<Material>,
+    flat_losses: Vec<FlatLoss>,
+}
+
+fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
     enum Job {
-        Appendix(appendix::Job),
+        FlatLoss(flat_loss::Job),
+        Choice(choice::Job),
         Material(materials::Job),
+        Appendix(appendix::Job),
     }
     enum Done {
-        Appendix(Row),
+        FlatLoss(FlatLoss),
+        Choice(choice::Row),
         Material(Material),
+        Appendix(Row),
     }
-    let jobs: Vec<Job> = materials::jobs(paper)
-        .into_iter()
-        .map(Job::Material)
+    // the longest first, so that the last to end are short
+    let jobs: Vec<Job> = (flat_loss::jobs(paper).into_iter().map(Job::FlatLoss))
+        .chain(choice::jobs(paper).into_iter().map(Job::Choice))
+        .chain(materials::jobs(paper).into_iter().map(Job::Material))
         .chain(appendix::jobs(paper).into_iter().map(Job::Appendix))
         .collect();
     let done: Vec<Done> = jobs
@@ -73,17 +119,21 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<(Vec<Row>, Vec<Material
         .with_max_len(1)
         .map(|job| {
             Ok(match job {
-                Job::Appendix(job) => Done::Appendix(appendix::run(job, rig)?),
+                Job::FlatLoss(job) => Done::FlatLoss(flat_loss::run(job, rig)?),
+                Job::Choice(job) => Done::Choice(choice::run(job, rig)?),
                 Job::Material(job) => Done::Material(materials::run(job, rig)?),
+                Job::Appendix(job) => Done::Appendix(appendix::run(job, rig)?),
             })
         })
         .collect::<Result<_, Error>>()?;
-    let (mut rows, mut materials) = (Vec::new(), Vec::new());
+    let mut computed = Computed::default();
     for result in done {
         match result {
-            Done::Appendix(row) => rows.push(row),
-            Done::Material(material) => materials.push(material),
+            Done::FlatLoss(row) => computed.flat_losses.push(row),
+            Done::Choice(row) => computed.choices.push(row),
+            Done::Material(material) => computed.materials.push(material),
+            Done::Appendix(row) => computed.rows.push(row),
         }
     }
-    Ok((rows, materials))
+    Ok(computed)
 }

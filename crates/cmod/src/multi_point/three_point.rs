@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
-use crate::branch::resolve;
+use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::CmodError;
 use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
@@ -109,7 +109,7 @@ impl ThreePoint {
     /// The complex modulus.
     ///
     /// Of several tests, Ψ is the sum of the cross-spectra of (q₁ + q₂)/2 and q₀ by that of the auto-spectra of q₀
-    /// (paper B, section 3). The lines must start below ka = π, see [`crate::branch::resolve`]. The variance of γ is
+    /// (paper B, section 3). Half waves are counted as in [`crate::branch`]. The variance of γ is
     ///
     /// ```text
     /// E|δγ|² = [(σ₁² + σ₂²)/4 + |Ψ|² σ₀²] / (a² |sinh γa|² Σ|q̂₀|²)
@@ -138,10 +138,18 @@ impl ThreePoint {
         }
         let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
         let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
+        let variance: Vec<f64> = ratios.iter().map(|ratio| ratio.variance).collect();
         let roots = if values.is_empty() {
             Vec::new()
         } else {
-            resolve(&frequency_hz, &values)?
+            let record = SpecimenRecord {
+                length: self.distance,
+                mass_ratio: 0.0,
+                frequency_hz: &frequency_hz,
+                acceleration_ratio: &values,
+                variance: Some(&variance),
+            };
+            record.resolve(&BranchTracker::new())?
         };
         let acceptance = Acceptance::new(self.limits, None)?;
         let mut lines = Vec::with_capacity(ratios.len());

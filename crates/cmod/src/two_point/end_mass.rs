@@ -76,6 +76,25 @@ struct Hyperbolic {
     sinh: Complex64,
 }
 
+/// How a root moves with the mass ratio, to second order.
+struct Way {
+    start: Complex64,
+    velocity: Complex64,
+    half_acceleration: Complex64,
+}
+
+impl Way {
+    fn after(&self, step: f64) -> Complex64 {
+        self.start + step * (self.velocity + step * self.half_acceleration)
+    }
+
+    /// Whether the second order is at most half of the first: beyond, the parabola leads to any root, and its end may be near to
+    /// a wrong one.
+    fn bends_little(&self, step: f64) -> bool {
+        4.0 * step * step * self.half_acceleration.norm_sqr() <= self.velocity.norm_sqr()
+    }
+}
+
 impl Hyperbolic {
     /// One exponential, and sine and cosine; by the exponential less 1, so that a small α keeps its digits.
     fn of(x: Complex64) -> Self {
@@ -105,6 +124,19 @@ impl Hyperbolic {
 
     fn second(&self, mass_ratio: f64) -> Complex64 {
         self.cosh + mass_ratio * (2.0 * self.cosh + self.x * self.sinh)
+    }
+
+    /// dx/dμ and d²x/dμ² of the root x at `mass_ratio`, from f(x, μ) = Ψ.
+    fn way(&self, mass_ratio: f64) -> Way {
+        let first = self.first(mass_ratio);
+        let velocity = -self.by_mass_ratio() / first;
+        let mixed = self.sinh + self.x * self.cosh;
+        let bend = self.second(mass_ratio) * velocity + 2.0 * mixed;
+        Way {
+            start: self.x,
+            velocity,
+            half_acceleration: -0.5 * velocity * bend / first,
+        }
     }
 
     /// Whether |f f''|/|f'|² is at most `limit`; not if it is NaN.
@@ -212,10 +244,11 @@ impl EndMassEquation {
 
     /// Continuation in the mass ratio from the root `free_end` of μ = 0.
     ///
-    /// The mass is put on in steps, and the root followed on its branch. A step is as large as Newton's iteration surely
-    /// finds the next root, |f f''| <= |f'|²/5 at its start: f is linear in μ, so that the same is true of all mass ratios
-    /// between, and the roots of all of them are one branch. Mostly one step does; where two roots come near to each other it
-    /// takes many, and where they meet within 1/1024 of the mass the root counts as [lost](EndMassRoot::lost_at).
+    /// The mass is put on in steps, and the root followed on its branch: a step goes along the parabola dx/dμ, d²x/dμ², and is as
+    /// large as its second order is at most half of the first and Newton's iteration surely finds the root from there,
+    /// |f f''| <= |f'|²/5, at its end and in its middle. Between them the parabola is nearer to its roots, and these are one branch. Mostly one step does, or a few for many waves; where
+    /// two roots come near to each other it takes more, and where they meet within 1/1024 of the mass the root counts as
+    /// [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
@@ -228,16 +261,28 @@ impl EndMassEquation {
         let mut lost_at = None;
         loop {
             steps += 1;
-            let mut next = self.mass_ratio;
-            while !at.is_near_root(self, next, SURE_CONVERGENCE) {
-                next = reached + 0.5 * (next - reached);
-                if next - reached < SMALLEST_PART * self.mass_ratio {
-                    next = reached + SMALLEST_PART * self.mass_ratio;
+            let way = at.way(reached);
+            let mut step = self.mass_ratio - reached;
+            let mut end = Hyperbolic::of(way.after(step));
+            loop {
+                let middle = Hyperbolic::of(way.after(0.5 * step));
+                if way.bends_little(step)
+                    && end.is_near_root(self, reached + step, SURE_CONVERGENCE)
+                    && middle.is_near_root(self, reached + 0.5 * step, SURE_CONVERGENCE)
+                {
+                    break;
+                }
+                if step <= SMALLEST_PART * self.mass_ratio {
                     lost_at = lost_at.or(Some(reached));
                     break;
                 }
+                step *= 0.5;
+                end = middle;
             }
-            if next >= self.mass_ratio {
+            at = end;
+            reached += step;
+            // steps are halves of what is left: the last one ends at the mass itself but for rounding
+            if self.mass_ratio - reached <= f64::EPSILON * self.mass_ratio {
                 return EndMassRoot {
                     steps,
                     lost_at,
@@ -245,13 +290,33 @@ impl EndMassEquation {
                 };
             }
             for _ in 0..NEWTON_STEPS_EACH {
-                at = Hyperbolic::of(at.x - at.value(self, next) / at.first(next));
-                iterations += 1;
-                if at.is_near_root(self, next, NEAR_ENOUGH) {
+                if at.is_near_root(self, reached, NEAR_ENOUGH) {
                     break;
                 }
+                at = Hyperbolic::of(at.x - at.value(self, reached) / at.first(reached));
+                iterations += 1;
             }
-            reached = next;
+        }
+    }
+}
+
+impl EndMassEquation {
+    /// The same, and if it ends elsewhere than at the root that was `tracked` along the lines, the tracked root: on a noisy line
+    /// the way from μ = 0 can pass a point where two roots meet on the wrong side.
+    pub(super) fn continuation_checked(
+        &self,
+        free_end: Complex64,
+        tracked: Option<Complex64>,
+    ) -> EndMassRoot {
+        const SAME_ROOT: f64 = 1e-6;
+        let root = self.continuation(free_end);
+        match tracked {
+            Some(tracked)
+                if (root.gamma_length - tracked).norm() > SAME_ROOT * (1.0 + tracked.norm()) =>
+            {
+                self.newton(tracked)
+            }
+            _ => root,
         }
     }
 }

@@ -334,7 +334,7 @@ fn the_chosen_parameter_is_near_the_best() {
 
 #[test]
 fn the_curvature_is_that_of_the_curve() {
-    let modes = Modes {
+    let modes = modes::Modes {
         strengths: vec![9.0, 3.0, 0.5, 0.01, f64::INFINITY],
         energies: vec![30.0, 7.0, 3.0, 1.2, 5.0],
         dimensions: vec![2.0, 2.0, 2.0, 2.0, 1.0],

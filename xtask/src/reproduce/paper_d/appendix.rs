@@ -8,8 +8,8 @@ use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
 
 use super::super::number::significant;
-use super::identify::{Outcome, Parameter, Settings, identify, stated};
-use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
+use super::identify::{Outcome, Parameter, Settings, identify, modulus_of, stated};
+use super::virtual_test::{self, Conditions, NOISE_OF_TABLE_5, Rig, cell_for};
 use crate::fixtures::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, UnitReading};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
@@ -118,7 +118,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         } else {
             128
         },
-        cell: cell_for(*input, row.density, CELLS_PER_WAVE),
+        cell: cell_for(modulus_of(*input), row.density, CELLS_PER_WAVE),
     };
     let test = if round_trip {
         rig.round_trip(&conditions, *input, CELL)?
@@ -129,10 +129,10 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         row.model,
         &[test],
         Settings {
-            cell: CELL,
+            cell: Some(CELL),
             round_trip,
             noise: Noise::FromResidual,
-            recorder_noise: NOISE,
+            recorder_noise: NOISE_OF_TABLE_5,
         },
     )?;
     Ok(Row {

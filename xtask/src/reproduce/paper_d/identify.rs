@@ -97,7 +97,8 @@ pub(crate) struct Outcome {
 /// How to identify.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
-    pub(crate) cell: f64,
+    /// Longest cell of the grid in m; chosen for the noise if not given.
+    pub(crate) cell: Option<f64>,
     pub(crate) round_trip: bool,
     /// Noise for the errors of the values.
     pub(crate) noise: Noise,
@@ -133,7 +134,10 @@ fn run<L: IdentifiableLaw>(
     tests: &[RodTest],
     settings: Settings,
 ) -> Result<Outcome, MaxwellidError> {
-    let mut fit = Fit::of(start).with_cell(settings.cell);
+    let mut fit = Fit::of(start);
+    if let Some(cell) = settings.cell {
+        fit = fit.with_cell(cell);
+    }
     if settings.round_trip {
         fit = fit.round_trip();
     }

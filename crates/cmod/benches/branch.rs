@@ -1,0 +1,63 @@
+//! Counting the waves of 4096 lines with 5 % of noise: a free end, an end mass, a band that begins at 3 kHz.
+#![allow(
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "a bench has no user but the one who runs it"
+)]
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+use cmod::branch::{BranchTracker, EndMass, FreeEnd, PhaseObservation, PhaseRecord};
+use criterion::{Criterion, criterion_group, criterion_main};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const LINES: usize = 4096;
+const LENGTH: f64 = 0.8;
+const NOISE: f64 = 0.05;
+
+fn bench(criterion: &mut Criterion) {
+    let mass = EndMass { mass_ratio: 0.02 };
+    let cases: [(&str, &dyn PhaseObservation, f64); 3] = [
+        ("free end", &FreeEnd, 0.0),
+        ("end mass", &mass, 0.0),
+        ("end mass from 3 kHz", &mass, 3000.0),
+    ];
+    let mut group = criterion.benchmark_group("branch of 4096 lines");
+    for (name, observation, first) in cases {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+        let frequency_hz: Vec<f64> = (1..=LINES).map(|j| first + 5.0 * j as f64).collect();
+        let observed: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| {
+                let gamma = Complex64::new(0.035, 1.0) * (TAU * f / 1680.0);
+                let [ratio, ..] = observation.expand(gamma * LENGTH);
+                let error = Complex64::new(normal(), normal()) * (NOISE * 0.5_f64.sqrt());
+                ratio + ratio.norm() * error
+            })
+            .collect();
+        let variance: Vec<f64> = observed
+            .iter()
+            .map(|ratio| NOISE * NOISE * ratio.norm_sqr())
+            .collect();
+        let record = PhaseRecord {
+            observation,
+            length: LENGTH,
+            frequency_hz: &frequency_hz,
+            observed: &observed,
+            variance: Some(&variance),
+        };
+        let tracker = BranchTracker::new();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| tracker.track(black_box(&[record])).unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

@@ -1,0 +1,93 @@
+//! A law of five parameters to 200 complex points; a Prony series of chosen order to a master curve of 206; the master curve itself.
+#![allow(
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "a bench has no user but the one who runs it"
+)]
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+use cmod::rheology::{
+    FitOptions, Law, MasterCurve, ModulusData, ModulusPoint, PronyFit, RheologicalFit,
+    TemperatureSweep,
+};
+use criterion::{Criterion, criterion_group, criterion_main};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::modulus::{
+    ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, MaxwellBranch,
+};
+
+/// Lines at equal ratios of frequency with 1 % of noise.
+fn measured(law: &dyn Fn(f64) -> Complex64, from: f64, to: f64, lines: u32) -> ModulusData {
+    let mut random = ChaCha8Rng::seed_from_u64(u64::from(lines));
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let step = (to / from).ln() / f64::from(lines - 1);
+    let points: Vec<_> = (0..lines)
+        .map(|j| {
+            let frequency_hz = from * (step * f64::from(j)).exp();
+            let modulus = law(TAU * frequency_hz);
+            let sigma = 0.01 * modulus.norm();
+            let noise = sigma * Complex64::new(normal(), normal());
+            ModulusPoint::circular(frequency_hz, modulus + noise, sigma)
+        })
+        .collect();
+    ModulusData::new(&points).unwrap()
+}
+
+fn bench(criterion: &mut Criterion) {
+    let options = FitOptions::default();
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    let two = GeneralisedMaxwell::new(2e9, vec![branch(0.4e9, 2e-5), branch(0.3e9, 1e-3)]).unwrap();
+    let data = measured(&|omega| two.at(omega), 20.0, 50e3, 200);
+    let far = GeneralisedMaxwell::new(1e9, vec![branch(1e9, 6e-6), branch(0.1e9, 3e-3)]).unwrap();
+    let far = cmod::rheology::FittedLaw::GeneralisedMaxwell(far);
+    criterion.bench_function(
+        "two branches (5 parameters), 200 points, start a factor of three away",
+        |bencher| {
+            bencher.iter(|| RheologicalFit::from_start(black_box(&data), &far, &options));
+        },
+    );
+    criterion.bench_function("the same with order selection", |bencher| {
+        bencher.iter(|| PronyFit::new(black_box(&data), &options));
+    });
+    let skew = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5).unwrap();
+    let data = measured(&|omega| skew.at(omega), 20.0, 50e3, 200);
+    criterion.bench_function(
+        "Havriliak-Negami (5 parameters), grid and three starts",
+        |bencher| {
+            bencher.iter(|| RheologicalFit::new(black_box(&data), Law::HavriliakNegami, &options));
+        },
+    );
+    let broad = FractionalZener::new(1e6, 2e9, 1e-4, 0.35).unwrap();
+    let data = measured(&|omega| broad.at(omega), 1e-8, 1e7, 206);
+    let plain = options.with_profiles(false);
+    for (name, options) in [("", plain), (", with profiles", options)] {
+        criterion.bench_function(
+            &format!("Prony series with order selection, 206 points over 15 decades{name}"),
+            |bencher| {
+                bencher.iter(|| PronyFit::new(black_box(&data), &options));
+            },
+        );
+    }
+    let steps: Vec<_> = (0..13)
+        .map(|k| {
+            let a = (-1.1 * f64::from(k - 6)).exp();
+            let data = measured(&|omega| broad.at(omega * a), 400.0, 10e3, 16);
+            (293.15 + 10.0 * f64::from(k), data)
+        })
+        .collect();
+    let sweep = TemperatureSweep::new(steps).unwrap();
+    criterion.bench_function("master curve of 13 temperatures, 208 points", |bencher| {
+        bencher.iter(|| MasterCurve::new(black_box(&sweep), 6, &plain));
+    });
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

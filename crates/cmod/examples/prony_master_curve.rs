@@ -1,0 +1,195 @@
+//! A virtual temperature sweep in the range of Test 6 of paper A, 20 to 140 °C: moduli from 400 Hz to 10 kHz with 1 % noise are
+//! shifted to one curve, the shifts explained, laws compared at one temperature, and the series written as cards.
+//!
+//! ```text
+//! cargo run --release --package cmod --example prony_master_curve
+//! ```
+//!
+//! writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the material, a fractional Zener model that shifts by
+//! Williams, Landel and Ferry, is our choice.
+#![allow(
+    clippy::print_stdout,
+    reason = "an example talks to the one who runs it"
+)]
+
+use std::error::Error;
+use std::f64::consts::{LN_10, TAU};
+use std::fs;
+use std::path::Path;
+
+use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
+use cmod::rheology::{
+    Comparison, FitOptions, Law, MasterCurve, ModulusData, ModulusPoint, TemperatureSweep,
+};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::LegendPosition;
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::modulus::{ComplexModulus, FractionalZener};
+
+/// 20 to 140 °C.
+const TEMPERATURES: u32 = 13;
+/// Index of 80 °C.
+const REFERENCE: usize = 6;
+const C1: f64 = 9.0;
+const C2: f64 = 190.0;
+const NOISE: f64 = 0.01;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let material = FractionalZener::new(0.15e9, 3.6e9, 1.2e-5, 0.32)?;
+    let temperature = |step: u32| 293.15 + 10.0 * f64::from(step);
+    let log_shift = |kelvin: f64| {
+        let d = kelvin - 353.15;
+        -LN_10 * C1 * d / (C2 + d)
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let mut steps = Vec::new();
+    for step in 0..TEMPERATURES {
+        let kelvin = temperature(step);
+        let a = log_shift(kelvin).exp();
+        let points: Vec<ModulusPoint> = (0..16)
+            .map(|line| {
+                let frequency_hz = 400.0 * 25.0_f64.powf(f64::from(line) / 15.0);
+                let modulus = material.at(TAU * frequency_hz * a);
+                let sigma = NOISE * modulus.norm();
+                let re: f64 = StandardNormal.sample(&mut random);
+                let im: f64 = StandardNormal.sample(&mut random);
+                let noise = sigma * Complex64::new(re, im);
+                ModulusPoint::circular(frequency_hz, modulus + noise, sigma)
+            })
+            .collect();
+        steps.push((kelvin, ModulusData::new(&points)?));
+    }
+    let laws = [
+        Law::KelvinVoigt,
+        Law::Zener,
+        Law::FractionalZener,
+        Law::GeneralisedMaxwell,
+        Law::PowerLaw { density: 912.0 },
+    ];
+    let options = FitOptions::default();
+    println!(
+        "at 80 C alone:\n{}\n",
+        Comparison::new(&steps[REFERENCE].1, &laws, &options)?
+    );
+
+    let curve = MasterCurve::new(&TemperatureSweep::new(steps)?, REFERENCE, &options)?;
+    let shift_laws = curve.shift_laws()?;
+    println!("{curve}\n{shift_laws}\n");
+    let series = curve.series().ok_or("a master curve is a Prony series")?;
+    let card = MaterialCard::new("PP-80C", 912.0, 0.38, series)?;
+    println!("{}", card.abaqus(Moduli::LongTerm, BulkBehaviour::Elastic)?);
+    println!("{}", card.ls_dyna(1)?);
+
+    let reduced = |part: &dyn Fn(Complex64) -> f64| -> Vec<(f64, f64)> {
+        let points = curve.points.iter();
+        points
+            .map(|point| (point.reduced_frequency_hz.log10(), part(point.modulus)))
+            .collect()
+    };
+    let line = |modulus: &dyn Fn(f64) -> Complex64, part: &dyn Fn(Complex64) -> f64| {
+        (-20..=90_i32)
+            .map(|tenth| {
+                let decade = 0.1 * f64::from(tenth);
+                (decade, part(modulus(TAU * 10.0_f64.powf(decade))))
+            })
+            .collect::<Vec<(f64, f64)>>()
+    };
+    let truth = |omega: f64| material.at(omega);
+    let fitted = |omega: f64| series.at(omega);
+    let panel = |part: &dyn Fn(Complex64) -> f64| {
+        vec![
+            Plot::Scatter(
+                ScatterPlot::new()
+                    .with_data(reduced(part))
+                    .with_color("#c2410c")
+                    .with_size(2.0)
+                    .with_legend("shifted lines"),
+            ),
+            curve_of(line(&truth, part), "#777777", "material"),
+            curve_of(line(&fitted, part), "#1d4ed8", "Prony series"),
+        ]
+    };
+    let found: Vec<(f64, f64)> = curve
+        .shifts
+        .iter()
+        .map(|shift| (shift.temperature - 273.15, shift.log_shift / LN_10))
+        .collect();
+    let errors: Vec<f64> = curve
+        .shifts
+        .iter()
+        .map(|s| s.standard_error / LN_10)
+        .collect();
+    let law = |value: &dyn Fn(f64) -> Option<f64>| -> Vec<(f64, f64)> {
+        (20..=140_u32)
+            .filter_map(|celsius| {
+                let celsius = f64::from(celsius);
+                value(celsius + 273.15).map(|log| (celsius, log / LN_10))
+            })
+            .collect()
+    };
+    let wlf = law(&|t| shift_laws.wlf.log_shift(t).map(|(log, _)| log));
+    let arrhenius = law(&|t| shift_laws.arrhenius.log_shift(t).map(|(log, _)| log));
+    let panels = vec![
+        panel(&|modulus| 1e-9 * modulus.re),
+        panel(&|modulus| modulus.im / modulus.re),
+        vec![
+            Plot::Scatter(
+                ScatterPlot::new()
+                    .with_data(found)
+                    .with_y_err(errors)
+                    .with_color("#c2410c")
+                    .with_size(2.5)
+                    .with_legend("shifts"),
+            ),
+            curve_of(wlf, "#1d4ed8", "WLF"),
+            curve_of(arrhenius, "#777777", "Arrhenius"),
+        ],
+    ];
+    let labels = [
+        ("log10 (reduced frequency, Hz)", "E', GPa"),
+        ("log10 (reduced frequency, Hz)", "loss factor"),
+        ("temperature, C", "log10 a"),
+    ];
+    let layouts = panels
+        .iter()
+        .zip(labels)
+        .map(|(plots, (x, y))| {
+            Layout::auto_from_plots(plots)
+                .with_title("Sweep from 20 to 140 C, reference 80 C")
+                .with_x_label(x)
+                .with_y_label(y)
+                .with_legend_position(LegendPosition::InsideTopRight)
+        })
+        .collect();
+    let scene = Figure::new(3, 1)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(760.0, 300.0)
+        .render();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join("prony_master_curve.svg");
+    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    println!("figure in {}", path.display());
+    Ok(())
+}
+
+fn curve_of(data: Vec<(f64, f64)>, colour: &str, legend: &str) -> Plot {
+    Plot::Line(
+        LinePlot::new()
+            .with_data(data)
+            .with_color(colour)
+            .with_legend(legend),
+    )
+}

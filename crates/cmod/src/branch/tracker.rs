@@ -1,0 +1,369 @@
+//! The branch of every line of one record or several.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+
+use super::Branch;
+use super::anchor::{Anchors, KnownWaveNumber};
+use super::doubt::BranchDoubt;
+use super::forward::{Courses, LineAt};
+use super::noise::{NoiseLevel, assumed_variance, least_variance};
+use super::observation::PhaseObservation;
+use super::path::Sight;
+use super::verdict::Verdict;
+use crate::error::{
+    CmodError, check_frequencies, check_length, check_not_negative, check_positive,
+};
+
+/// Wave speeds that are thought possible [m/s], from soft rubber to beyond any solid in a rod.
+pub const SLOWEST_WAVE: f64 = 20.0;
+/// See [`SLOWEST_WAVE`].
+pub const FASTEST_WAVE: f64 = 20e3;
+/// Confidence below which a branch counts as doubtful, if nothing else is asked for.
+pub const LEAST_CONFIDENCE: f64 = 0.9999;
+/// Standard deviations of the wave speed around a guess within which it is searched.
+const WITHIN: f64 = 5.0;
+/// How often the noise is adjusted at most.
+const ADJUSTMENTS: usize = 6;
+
+/// The lines of one record that are to be put on their branches.
+#[derive(Clone, Copy)]
+pub struct PhaseRecord<'a> {
+    /// What Ψ is as a function of γℓ.
+    pub observation: &'a dyn PhaseObservation,
+    /// ℓ \[m\], the length by which γ is multiplied.
+    pub length: f64,
+    /// Increasing frequencies \[Hz\].
+    pub frequency_hz: &'a [f64],
+    /// Ψ, one a line. A line that is not finite, or at 0 Hz, is passed over.
+    pub observed: &'a [Complex64],
+    /// E|δΨ|², one a line, of real and imaginary part together; `None` if it is not known.
+    pub variance: Option<&'a [f64]>,
+}
+
+impl std::fmt::Debug for PhaseRecord<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("PhaseRecord")
+            .field("length", &self.length)
+            .field("frequency_hz", &self.frequency_hz)
+            .field("observed", &self.observed)
+            .field("variance", &self.variance)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A line on its branch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct TrackedLine {
+    /// The root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None` where the line is not
+    /// finite or has no root near.
+    pub root: Option<Complex64>,
+    /// γℓ from this line and all others, a smooth curve.
+    pub expected: Complex64,
+    /// Its standard error, of real and imaginary part each.
+    pub expected_error: f64,
+    /// Probability that the root is the one that belongs to γ of the material; 0 where what was assumed has failed.
+    pub confidence: f64,
+    /// Why the branch may be wrong. The count of waves is in doubt where it [is ambiguous](BranchDoubt::is_ambiguous).
+    pub doubt: Option<BranchDoubt>,
+}
+
+impl TrackedLine {
+    const AT_REST: Self = Self {
+        root: Some(Complex64::ZERO),
+        expected: Complex64::ZERO,
+        expected_error: 0.0,
+        confidence: 1.0,
+        doubt: None,
+    };
+
+    /// The integers s and n of Table 1 on which the root lies, with s = 1 and n = 0 where there is none.
+    #[must_use]
+    pub fn branch(&self) -> Branch {
+        Branch::at(self.root.unwrap_or(self.expected).im)
+    }
+}
+
+/// A wave speed that explains the lines, and its probability.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct SpeedHypothesis {
+    /// Phase velocity ω/k at the first line [m/s].
+    pub wave_speed: f64,
+    /// Probability, of all hypotheses together 1.
+    pub probability: f64,
+}
+
+/// The result of [`BranchTracker::track`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TrackedBranches {
+    /// One entry a record and a line, in the order of what was given.
+    pub records: Vec<Vec<TrackedLine>>,
+    /// The courses that the lines leave open, the most probable first; none if there was no line to begin with.
+    pub hypotheses: Vec<SpeedHypothesis>,
+    /// Scatter of the lines about the smooth curve by what was stated, as amplitudes; at least 1 with a stated variance.
+    pub noise_factor: f64,
+}
+
+/// Counts waves.
+///
+/// ```
+/// use cmod::branch::{BranchTracker, FreeEnd, PhaseRecord};
+/// use num_complex::Complex64;
+///
+/// // 0.8 m of a rod with c = 1700 m/s and a loss factor of 0.1; the first line is in the sixth half wave
+/// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
+/// let frequency_hz: Vec<f64> = (0..300).map(|j| 6000.0 + 20.0 * f64::from(j)).collect();
+/// let mut observed: Vec<Complex64> = frequency_hz.iter().map(|&f| (0.8 * gamma(f)).cosh()).collect();
+/// observed[100..150].fill(Complex64::new(f64::NAN, 0.0));
+/// let variance: Vec<f64> = observed.iter().map(|ratio| 1e-4 * ratio.norm_sqr()).collect();
+///
+/// let tracked = BranchTracker::new().with_wave_speed(1600.0, 0.1)?.track(&[PhaseRecord {
+///     observation: &FreeEnd,
+///     length: 0.8,
+///     frequency_hz: &frequency_hz,
+///     observed: &observed,
+///     variance: Some(&variance),
+/// }])?;
+/// let last = &tracked.records[0][299];
+/// assert!((last.root.unwrap() - 0.8 * gamma(11_980.0)).norm() < 1e-12);
+/// assert!(last.confidence > 0.999 && last.doubt.is_none());
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchTracker {
+    speed: Option<(f64, f64)>,
+    slowest: f64,
+    fastest: f64,
+    known: Vec<KnownWaveNumber>,
+    least_confidence: f64,
+}
+
+impl Default for BranchTracker {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl BranchTracker {
+    /// Nothing is known but that the wave speed lies between [`SLOWEST_WAVE`] and [`FASTEST_WAVE`].
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            speed: None,
+            slowest: SLOWEST_WAVE,
+            fastest: FASTEST_WAVE,
+            known: Vec::new(),
+            least_confidence: LEAST_CONFIDENCE,
+        }
+    }
+
+    /// The same with a guess of the wave speed [m/s] at the first lines, and its `relative_error`, a standard deviation. Five
+    /// of them are the range in which it is searched.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless both are finite and above 0.
+    pub fn with_wave_speed(
+        mut self,
+        wave_speed: f64,
+        relative_error: f64,
+    ) -> Result<Self, CmodError> {
+        self.speed = Some((
+            check_positive("wave speed [m/s]", wave_speed)?,
+            check_positive("relative error of the wave speed", relative_error)?,
+        ));
+        let range = (WITHIN * relative_error).exp();
+        self.slowest = wave_speed / range;
+        self.fastest = wave_speed * range;
+        Ok(self)
+    }
+
+    /// For lengths in another unit than metres.
+    pub(super) fn with_any_wave_speed(mut self) -> Self {
+        self.slowest = f64::MIN_POSITIVE;
+        self.fastest = f64::INFINITY;
+        self
+    }
+
+    /// The same with a wave number k [rad/m] known at a frequency \[Hz\], inside or outside of the record, with its
+    /// standard error.
+    ///
+    /// It chooses between counts, and moves no line.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k is finite, 0 or above.
+    pub fn with_wave_number(
+        mut self,
+        frequency_hz: f64,
+        wave_number: f64,
+        standard_error: f64,
+    ) -> Result<Self, CmodError> {
+        let anchor = KnownWaveNumber {
+            omega: TAU * check_positive("frequency of the known wave number [Hz]", frequency_hz)?,
+            wave_number: check_not_negative("known wave number [rad/m]", wave_number)?,
+            standard_error: check_positive(
+                "standard error of the wave number [rad/m]",
+                standard_error,
+            )?,
+        };
+        let behind = self
+            .known
+            .partition_point(|other| other.omega <= anchor.omega);
+        self.known.insert(behind, anchor);
+        Ok(self)
+    }
+
+    /// The same with a branch known at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the quadrant of
+    /// the branch, to half of its width.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless frequency and length are finite and above 0.
+    pub fn with_branch(
+        self,
+        frequency_hz: f64,
+        branch: Branch,
+        length: f64,
+    ) -> Result<Self, CmodError> {
+        let length = check_positive("length [m]", length)?;
+        let middle = PI * f64::from(branch.half_waves()) + f64::from(branch.sign()) * 0.25 * PI;
+        self.with_wave_number(frequency_hz, middle / length, 0.25 * PI / length)
+    }
+
+    /// The same with another confidence below which a branch is doubtful, instead of [`LEAST_CONFIDENCE`].
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is at least ½ and below 1.
+    pub fn with_least_confidence(mut self, least_confidence: f64) -> Result<Self, CmodError> {
+        if !(0.5..1.0).contains(&least_confidence) {
+            return Err(CmodError::NonPhysical {
+                quantity: "least confidence",
+                value: least_confidence,
+                expected: "0.5 or above, below 1",
+            });
+        }
+        self.least_confidence = least_confidence;
+        Ok(self)
+    }
+
+    /// Puts all lines of all `records` on their branches. The records are of one material: they share γ(ω).
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`] without a record, or a record without lines; [`CmodError::NonPhysical`] for a length that is
+    /// not above 0; [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::LengthMismatch`];
+    /// [`CmodError::NegativeVariance`].
+    pub fn track(&self, records: &[PhaseRecord<'_>]) -> Result<TrackedBranches, CmodError> {
+        if records.is_empty() {
+            return Err(CmodError::NoLines);
+        }
+        for record in records {
+            record.check()?;
+        }
+        let (mut lines, places) = lines_in_order(records);
+        let stated = records.iter().all(|record| record.variance.is_some());
+        let anchors = Anchors {
+            slowest: self.slowest,
+            fastest: self.fastest,
+            speed: self.speed,
+            known: &self.known,
+        };
+        let mut courses = Courses::default();
+        let mut noise = NoiseLevel::of(&lines, &places, stated);
+        for adjustment in 0..=ADJUSTMENTS {
+            noise.apply(&mut lines);
+            courses.follow(&lines, &anchors);
+            if adjustment == ADJUSTMENTS || !noise.adjust(courses.excess()) {
+                break;
+            }
+        }
+
+        let mut tracked: Vec<Vec<TrackedLine>> = records
+            .iter()
+            .map(|record| vec![TrackedLine::AT_REST; record.frequency_hz.len()])
+            .collect();
+        let verdict = Verdict::of(&courses, &lines, self.least_confidence);
+        for (index, (line, place)) in lines.iter().zip(&places).enumerate() {
+            let entry = tracked
+                .get_mut(place.record)
+                .and_then(|record| record.get_mut(place.line));
+            if let Some(entry) = entry {
+                *entry = verdict.line(index, line);
+            }
+        }
+        Ok(TrackedBranches {
+            records: tracked,
+            hypotheses: verdict.hypotheses(&lines),
+            noise_factor: noise.factor(),
+        })
+    }
+}
+
+impl<'a> PhaseRecord<'a> {
+    fn check(&self) -> Result<(), CmodError> {
+        check_positive("length [m]", self.length)?;
+        check_frequencies(self.frequency_hz)?;
+        let count = self.frequency_hz.len();
+        check_length("observed ratio", self.observed.len(), count)?;
+        if let Some(variance) = self.variance {
+            check_length("variance", variance.len(), count)?;
+            if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
+                return Err(CmodError::NegativeVariance { index, variance });
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&self, index: usize) -> Option<LineAt<'a>> {
+        let omega = TAU * self.frequency_hz.get(index)?;
+        let observed = *self.observed.get(index)?;
+        let variance = match self.variance {
+            Some(variance) => *variance.get(index)?,
+            None => assumed_variance(observed),
+        };
+        let variance = variance.max(least_variance(observed));
+        Some(LineAt {
+            omega,
+            missing: !(observed.is_finite() && variance.is_finite()),
+            sight: Sight {
+                observation: self.observation,
+                length: self.length,
+                observed,
+                variance,
+            },
+        })
+    }
+}
+
+/// The lines of all records above 0 Hz, in order of frequency, and where they come from.
+fn lines_in_order<'a>(records: &[PhaseRecord<'a>]) -> (Vec<LineAt<'a>>, Vec<Place>) {
+    let count = records.iter().map(|record| record.frequency_hz.len()).sum();
+    let mut lines = Vec::with_capacity(count);
+    let mut places = Vec::with_capacity(count);
+    for (index, record) in records.iter().enumerate() {
+        for line in 0..record.frequency_hz.len() {
+            if let Some(entry) = record.line(line).filter(|line| line.omega > 0.0) {
+                lines.push(entry);
+                places.push(Place {
+                    record: index,
+                    line,
+                });
+            }
+        }
+    }
+    if records.len() == 1 {
+        return (lines, places);
+    }
+    let mut all: Vec<_> = lines.into_iter().zip(places).collect();
+    all.sort_by(|a, b| a.0.omega.total_cmp(&b.0.omega));
+    all.into_iter().unzip()
+}
+
+/// Where a line comes from.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) record: usize,
+    pub(super) line: usize,
+}

@@ -1,0 +1,91 @@
+//! Laws of viscoelasticity fitted to a complex modulus.
+//!
+//! # Problem
+//! A measurement gives a complex modulus a line with the covariance of its error ([`ModulusData`]). Programs that compute with a
+//! material ask for a law with a handful of parameters. Which law, with which values, and which of them do the data determine?
+//!
+//! # Method
+//! Minimise χ² = Σ δᵀC⁻¹δ, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the line:
+//! [`RheologicalFit`] for a law with a fixed number of parameters, [`PronyFit`] for a generalised Maxwell model whose number
+//! of branches is found, [`Comparison`] for several laws side by side. Each parameter comes with its error, an interval, and a
+//! [`Verdict`] with the [`Reason`] if the data do not determine it. Whether the law is that of the material is told by χ² and by the
+//! [`Whiteness`] of the residuals.
+//!
+//! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts explained by [`ShiftLaws`]. The series
+//! that results is written as a [`card`] of a finite-element program.
+//!
+//! # Example
+//! A fractional Zener model with deviations of some tenths of a per cent: Zener's has residuals that are no noise, and the data
+//! prefer the fractional one.
+//!
+//! ```
+//! use cmod::rheology::{Comparison, FitOptions, Law, ModulusData, ModulusPoint};
+//! use num_complex::Complex64;
+//! use rodwave::modulus::{ComplexModulus, FractionalZener};
+//!
+//! let material = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
+//! let points: Vec<ModulusPoint> = (0..40)
+//!     .map(|j| {
+//!         let frequency_hz = 100.0 * 1.12_f64.powi(j);
+//!         let modulus = material.at(2.0 * std::f64::consts::PI * frequency_hz);
+//!         let error = 5e6 * Complex64::from_polar(1.0, 2.4 * f64::from(j * j)); // stands for noise
+//!         ModulusPoint::circular(frequency_hz, modulus + error, 5e6)
+//!     })
+//!     .collect();
+//! let data = ModulusData::new(&points)?;
+//!
+//! let laws = [Law::Zener, Law::FractionalZener, Law::GeneralisedMaxwell];
+//! let comparison = Comparison::new(&data, &laws, &FitOptions::default())?;
+//! let best = comparison.best().ok_or("three laws were fitted")?;
+//! assert_eq!(best.law.law(), Law::FractionalZener);
+//! let exponent = best.parameter("exponent").ok_or("a parameter of this law")?;
+//! assert!(exponent.verdict.is_identified() && exponent.interval.contains(0.45));
+//!
+//! let zener = &comparison.rows[2].fit;
+//! assert!(zener.law.law() == Law::Zener && !zener.whiteness.is_white(0.01));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What this does not do
+//! - The errors of the lines are taken as independent of each other. What is uncertain of the specimen, the same on all lines, is
+//!   not part of the errors of the parameters; a law of the wrong density is wrong by as much as the density.
+//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, and χ² says so.
+//! - No continuous relaxation spectrum: an ill-posed question, of which a Prony series with few branches is the answer that the data
+//!   support.
+
+pub mod card;
+mod comparison;
+mod data;
+mod fit;
+mod information;
+mod judgement;
+mod law;
+mod least_squares;
+mod master_curve;
+mod model;
+mod non_negative;
+mod order;
+mod overlap;
+mod parameter;
+mod power_law;
+mod profile;
+mod prony;
+mod shift_law;
+mod start;
+mod sweep;
+mod whiteness;
+
+pub use comparison::{Comparison, ComparisonRow};
+pub use data::{ModulusData, ModulusPoint};
+pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFit};
+pub use law::{FittedLaw, Law};
+pub use least_squares::Ending;
+pub use master_curve::{MasterCurve, MasterPoint, Shift};
+pub use order::{Order, PronyFit};
+pub use parameter::{
+    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
+};
+pub use power_law::PowerLaw;
+pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
+pub use sweep::TemperatureSweep;
+pub use whiteness::Whiteness;

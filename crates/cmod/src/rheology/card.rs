@@ -1,0 +1,252 @@
+//! Cards of finite-element programs for a Prony series.
+//!
+//! A rod gives E(ω); a program for solids asks for shear and bulk modulus. What is missing is one number, the Poisson ratio, and an
+//! assumption on how it changes ([`BulkBehaviour`]). All three programs take a relaxation as a sum of exponentials:
+//!
+//! | program | card | moduli | relaxation times |
+//! |---|---|---|---|
+//! | Abaqus | `*VISCOELASTIC, TIME=PRONY` | ratios gᵢ, kᵢ to the instantaneous modulus; `*ELASTIC` is instantaneous or long-term as stated | τᵢ, common to shear and bulk |
+//! | ANSYS | `TB,PRONY` for `SHEAR` and `BULK` | ratios αᵢ to the instantaneous modulus, which is `MP,EX` | τᵢ |
+//! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, that of rate 0 is the long-term one; `BULK` elastic | βᵢ = 1/τᵢ |
+//!
+//! Units are SI. Numbers are written with all their digits, in LS-DYNA's ten columns with six at least.
+//!
+//! ```
+//! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
+//! use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
+//!
+//! let law = GeneralisedMaxwell::new(1.5e9, vec![MaxwellBranch { modulus: 0.5e9, relaxation_time: 1e-4 }])?;
+//! let card = MaterialCard::new("PP", 912.0, 0.4, &law)?;
+//! let text = card.abaqus(Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio)?;
+//! assert!(text.contains("*ELASTIC, MODULI=LONG TERM\n1.5e9, 0.4\n"));
+//! assert!(text.ends_with("*VISCOELASTIC, TIME=PRONY\n2.5e-1, 2.5e-1, 1e-4\n"));
+//! # Ok::<(), cmod::CmodError>(())
+//! ```
+
+mod isotropic;
+
+use std::fmt::Write as _;
+
+use rodwave::modulus::GeneralisedMaxwell;
+
+use crate::error::{CmodError, check_positive};
+use isotropic::Isotropic;
+
+/// Most terms that ANSYS takes for shear, and for bulk.
+pub const ANSYS_TERMS: usize = 100;
+/// Most terms of `*MAT_GENERAL_VISCOELASTIC`, that of rate 0 included.
+pub const LS_DYNA_TERMS: usize = 18;
+
+/// What the elastic constants beside a Prony series of Abaqus are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moduli {
+    /// Those of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not take it in the frequency domain.
+    Instantaneous,
+    /// Those of the slowest, E(0): `MODULI=LONG TERM`.
+    LongTerm,
+}
+
+/// How the response to a pressure relaxes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BulkBehaviour {
+    /// As the shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ = Eᵢ/E(∞).
+    ConstantPoissonRatio,
+    /// Not at all: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which is a Prony series with as many
+    /// branches of shorter times. The Poisson ratio grows towards 1/2 as the material relaxes, as that of polymers does.
+    Elastic,
+}
+
+/// A material as the programs know it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialCard<'a> {
+    name: &'a str,
+    density: f64,
+    poisson_ratio: f64,
+    law: &'a GeneralisedMaxwell,
+}
+
+impl<'a> MaterialCard<'a> {
+    /// A material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the modulus `law`.
+    ///
+    /// # Errors
+    /// [`CmodError::CardName`] unless the name is a letter followed by at most 79 letters, digits, `-` or `_`;
+    /// [`CmodError::NonPhysical`] unless the density is finite and above 0, the Poisson ratio above -1 and below 1/2
+    /// (at 1/2 the bulk modulus is infinite), the series has branches, and it is a solid: without a long-term modulus
+    /// the ratios of Abaqus and ANSYS sum to 1, which they refuse or round.
+    pub fn new(
+        name: &'a str,
+        density: f64,
+        poisson_ratio: f64,
+        law: &'a GeneralisedMaxwell,
+    ) -> Result<Self, CmodError> {
+        let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if !(name.starts_with(|c: char| c.is_ascii_alphabetic())
+            && name.len() <= 80
+            && name.chars().all(allowed))
+        {
+            return Err(CmodError::CardName {
+                name: name.to_owned(),
+            });
+        }
+        check_positive("density [kg/m^3]", density)?;
+        if !(poisson_ratio > -1.0 && poisson_ratio < 0.5) {
+            return Err(CmodError::NonPhysical {
+                quantity: "Poisson ratio",
+                value: poisson_ratio,
+                expected: "above -1 and below 0.5",
+            });
+        }
+        check_positive(
+            "long-term modulus of a card [Pa]",
+            law.equilibrium_modulus(),
+        )?;
+        if law.branches().is_empty() {
+            return Err(CmodError::NonPhysical {
+                quantity: "number of branches of a card",
+                value: 0.0,
+                expected: "at least 1",
+            });
+        }
+        Ok(Self {
+            name,
+            density,
+            poisson_ratio,
+            law,
+        })
+    }
+
+    /// Keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of [`BulkBehaviour::Elastic`] cannot be told apart.
+    pub fn abaqus(&self, moduli: Moduli, bulk: BulkBehaviour) -> Result<String, CmodError> {
+        let solid = Isotropic::of(self.law, self.poisson_ratio, bulk)?;
+        let (keyword, shear, compression) = match moduli {
+            Moduli::Instantaneous => (
+                "INSTANTANEOUS",
+                solid.instantaneous_shear,
+                solid.instantaneous_bulk,
+            ),
+            Moduli::LongTerm => ("LONG TERM", solid.long_term_shear(), solid.long_term_bulk()),
+        };
+        let young = 9.0 * compression * shear / (3.0 * compression + shear);
+        let poisson = 0.5 * (3.0 * compression - 2.0 * shear) / (3.0 * compression + shear);
+        let (young, poisson) = match (moduli, bulk) {
+            // as given, without the rounding of the way there and back
+            (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.poisson_ratio),
+            (Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio) => {
+                (self.law.equilibrium_modulus(), self.poisson_ratio)
+            }
+            (Moduli::LongTerm, BulkBehaviour::Elastic) => (young, poisson),
+        };
+        let mut text = format!(
+            "** units: m, kg, s, Pa\n*MATERIAL, NAME={}\n*DENSITY\n{},\n*ELASTIC, MODULI={keyword}\n{}, {poisson}\n*VISCOELASTIC, TIME=PRONY\n",
+            self.name,
+            self.density,
+            number(young),
+        );
+        for term in &solid.terms {
+            // to a String nothing can fail
+            let _ = writeln!(
+                text,
+                "{}, {}, {}",
+                number(term.shear / solid.instantaneous_shear),
+                number(term.bulk / solid.instantaneous_bulk),
+                number(term.relaxation_time)
+            );
+        }
+        Ok(text)
+    }
+
+    /// Commands of ANSYS for `material`, to be read in `/PREP7`.
+    ///
+    /// # Errors
+    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`]; as [`Self::abaqus`].
+    pub fn ansys(&self, material: u32, bulk: BulkBehaviour) -> Result<String, CmodError> {
+        let solid = Isotropic::of(self.law, self.poisson_ratio, bulk)?;
+        check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
+        let mut text = format!(
+            "! {}; units: m, kg, s, Pa; elastic constants are instantaneous\nMP,EX,{material},{}\nMP,PRXY,{material},{}\nMP,DENS,{material},{}\n",
+            self.name,
+            number(self.law.unrelaxed_modulus()),
+            self.poisson_ratio,
+            self.density,
+        );
+        let shear = |term: &isotropic::Term| term.shear / solid.instantaneous_shear;
+        let compression = |term: &isotropic::Term| term.bulk / solid.instantaneous_bulk;
+        let mut table = |option: &str, ratio: &dyn Fn(&isotropic::Term) -> f64| {
+            let _ = writeln!(text, "TB,PRONY,{material},1,{},{option}", solid.terms.len());
+            for (place, term) in solid.terms.iter().enumerate() {
+                let _ = writeln!(
+                    text,
+                    "TBDATA,{},{},{}",
+                    2 * place + 1,
+                    number(ratio(term)),
+                    number(term.relaxation_time)
+                );
+            }
+        };
+        table("SHEAR", &shear);
+        if bulk == BulkBehaviour::ConstantPoissonRatio {
+            table("BULK", &compression);
+        }
+        Ok(text)
+    }
+
+    /// Keyword of LS-DYNA for `material`, with [`BulkBehaviour::Elastic`].
+    ///
+    /// # Errors
+    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included; as [`Self::abaqus`].
+    pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
+        let solid = Isotropic::of(self.law, self.poisson_ratio, BulkBehaviour::Elastic)?;
+        check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
+        let mut text = format!(
+            "*MAT_GENERAL_VISCOELASTIC_TITLE\n{}\n$ units: m, kg, s, Pa\n$#     mid        ro      bulk       pcf        ef      tref         a         b\n{material:>10}{}{}{}\n$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk\n{}\n$#      gi     betai        ki    betaki\n",
+            self.name,
+            column(self.density),
+            column(solid.instantaneous_bulk),
+            column(0.0).repeat(5),
+            format!("{:>10}", 0).repeat(8),
+        );
+        let zero = column(0.0).repeat(2);
+        let long_term = (solid.long_term_shear(), 0.0);
+        let terms = solid
+            .terms
+            .iter()
+            .map(|t| (t.shear, t.relaxation_time.recip()));
+        for (shear, rate) in std::iter::once(long_term).chain(terms) {
+            let _ = writeln!(text, "{}{}{zero}", column(shear), column(rate));
+        }
+        Ok(text)
+    }
+}
+
+fn check_terms(program: &'static str, found: usize, most: usize) -> Result<(), CmodError> {
+    if found <= most {
+        Ok(())
+    } else {
+        Err(CmodError::CardTerms {
+            program,
+            found,
+            most,
+        })
+    }
+}
+
+/// The shortest digits that read back as the same number.
+fn number(value: f64) -> String {
+    format!("{value:e}")
+}
+
+/// All digits if ten columns hold them, or as many as they do.
+fn column(value: f64) -> String {
+    let all = number(value);
+    if all.len() <= 10 {
+        return format!("{all:>10}");
+    }
+    (0..=8)
+        .rev()
+        .map(|digits| format!("{value:.digits$e}"))
+        .find(|text| text.len() <= 10)
+        .map_or_else(|| format!("{value:>10.0e}"), |text| format!("{text:>10}"))
+}

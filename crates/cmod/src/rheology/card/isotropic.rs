@@ -1,0 +1,124 @@
+//! Shear and bulk relaxation of an isotropic solid from the relaxation of a rod.
+
+use rodwave::modulus::GeneralisedMaxwell;
+
+use super::BulkBehaviour;
+use crate::error::CmodError;
+
+/// G(t) = G(0) - Σ Gᵢ (1 - e^{-t/τᵢ}), and K(t) likewise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Isotropic {
+    pub(super) instantaneous_shear: f64,
+    pub(super) instantaneous_bulk: f64,
+    pub(super) terms: Vec<Term>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Term {
+    pub(super) shear: f64,
+    pub(super) bulk: f64,
+    pub(super) relaxation_time: f64,
+}
+
+impl Isotropic {
+    pub(super) fn of(
+        law: &GeneralisedMaxwell,
+        poisson_ratio: f64,
+        behaviour: BulkBehaviour,
+    ) -> Result<Self, CmodError> {
+        let young = law.unrelaxed_modulus();
+        let instantaneous_shear = 0.5 * young / (1.0 + poisson_ratio);
+        let instantaneous_bulk = young / (3.0 * (1.0 - 2.0 * poisson_ratio));
+        let terms = match behaviour {
+            BulkBehaviour::ConstantPoissonRatio => law
+                .branches()
+                .iter()
+                .map(|branch| Term {
+                    shear: instantaneous_shear * branch.modulus / young,
+                    bulk: instantaneous_bulk * branch.modulus / young,
+                    relaxation_time: branch.relaxation_time,
+                })
+                .collect(),
+            BulkBehaviour::Elastic => shear_terms(law, instantaneous_bulk)?,
+        };
+        Ok(Self {
+            instantaneous_shear,
+            instantaneous_bulk,
+            terms,
+        })
+    }
+
+    pub(super) fn long_term_shear(&self) -> f64 {
+        self.instantaneous_shear - self.terms.iter().map(|term| term.shear).sum::<f64>()
+    }
+
+    pub(super) fn long_term_bulk(&self) -> f64 {
+        self.instantaneous_bulk - self.terms.iter().map(|term| term.bulk).sum::<f64>()
+    }
+}
+
+/// The branches of G = 3KE/(9K - E) with K constant.
+///
+/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, falls from +∞ to -∞ between two neighbours of the λᵢ, and from +∞ to E(∞) < 9K
+/// above the last: E = 9K has one root μ in each. There G has a pole, of the branch Gμ = 27K²/(μ E'(s)), which is positive because
+/// E'(s) = Σ Eᵢλᵢ/(s + λᵢ)² is.
+fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodError> {
+    let mut rates: Vec<(f64, f64)> = law
+        .branches()
+        .iter()
+        .map(|branch| (branch.relaxation_time.recip(), branch.modulus))
+        .collect();
+    rates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let young = |x: f64| {
+        law.equilibrium_modulus()
+            + rates
+                .iter()
+                .map(|(rate, modulus)| modulus * x / (x - rate))
+                .sum::<f64>()
+    };
+    let mut terms = Vec::with_capacity(rates.len());
+    for (place, (rate, _)) in rates.iter().enumerate() {
+        let mut low = *rate;
+        let mut high = match rates.get(place + 1) {
+            Some((next, _)) => *next,
+            None => {
+                let mut beyond = 2.0 * rate;
+                while young(beyond) > 9.0 * bulk {
+                    beyond *= 2.0;
+                }
+                beyond
+            }
+        };
+        // to neighbouring numbers
+        loop {
+            let middle = 0.5 * (low + high);
+            if !(middle > low && middle < high) {
+                break;
+            }
+            if young(middle) > 9.0 * bulk {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let slope: f64 = rates
+            .iter()
+            .map(|(rate, modulus)| modulus * rate / (rate - high).powi(2))
+            .sum();
+        let shear = 27.0 * bulk * bulk / (high * slope);
+        if !(shear.is_finite() && shear > 0.0) {
+            return Err(CmodError::NonPhysical {
+                quantity: "shear modulus of a branch [Pa]",
+                value: shear,
+                expected: "a finite value above 0, of relaxation times that differ",
+            });
+        }
+        terms.push(Term {
+            shear,
+            bulk: 0.0,
+            relaxation_time: high.recip(),
+        });
+    }
+    terms.sort_by(|a, b| a.relaxation_time.total_cmp(&b.relaxation_time));
+    Ok(terms)
+}

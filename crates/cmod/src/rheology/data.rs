@@ -1,0 +1,233 @@
+//! What a law is fitted to: moduli over frequency with their covariances.
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_positive};
+use crate::estimate::{ComplexCovariance, ModulusEstimate};
+
+/// A measured complex modulus at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModulusPoint {
+    /// Frequency \[Hz\], above 0.
+    pub frequency_hz: f64,
+    /// Complex modulus E = E' + iE'' \[Pa\].
+    pub modulus: Complex64,
+    /// Covariance of E' and E'' \[Pa²\], positive definite, of errors that are independent from point to point.
+    pub covariance: ComplexCovariance,
+}
+
+impl ModulusPoint {
+    /// A point whose error is circular: `standard_error` \[Pa\] of E' and of E'' each, without correlation.
+    #[must_use]
+    pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
+        Self {
+            frequency_hz,
+            modulus,
+            covariance: ComplexCovariance::circular(2.0 * standard_error * standard_error),
+        }
+    }
+}
+
+/// Points of increasing frequency, checked, with the matrices that make their errors independent and of unit variance.
+///
+/// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with WᵀW = C⁻¹, W lower
+/// triangular.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModulusData {
+    pub(super) omega: Vec<f64>,
+    pub(super) modulus: Vec<Complex64>,
+    pub(super) whitening: Vec<Whitening>,
+}
+
+/// Lower triangular W of one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Whitening {
+    pub(super) storage: f64,
+    pub(super) mixed: f64,
+    pub(super) loss: f64,
+}
+
+impl Whitening {
+    fn of(point: &ModulusPoint) -> Self {
+        let ComplexCovariance {
+            real,
+            imaginary,
+            mixed,
+        } = point.covariance;
+        let storage = real.sqrt().recip();
+        let slope = mixed / real;
+        let loss = (imaginary - slope * mixed).sqrt().recip();
+        Self {
+            storage,
+            mixed: -slope * loss,
+            loss,
+        }
+    }
+
+    pub(super) fn apply(&self, delta: Complex64) -> [f64; 2] {
+        [
+            self.storage * delta.re,
+            self.mixed * delta.re + self.loss * delta.im,
+        ]
+    }
+
+    /// The same for moduli that are `factor` times as large.
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        Self {
+            storage: self.storage / factor,
+            mixed: self.mixed / factor,
+            loss: self.loss / factor,
+        }
+    }
+}
+
+impl ModulusData {
+    /// Checks `points`.
+    ///
+    /// # Errors
+    /// [`CmodError::NoLines`]; [`CmodError::ModulusPoint`] unless every frequency is finite and above 0, every modulus
+    /// finite, and every covariance matrix positive definite; [`CmodError::FrequencyOrder`] unless the frequencies increase.
+    pub fn new(points: &[ModulusPoint]) -> Result<Self, CmodError> {
+        if points.is_empty() {
+            return Err(CmodError::NoLines);
+        }
+        let mut previous: Option<f64> = None;
+        for (index, point) in points.iter().enumerate() {
+            check_point(index, point)?;
+            if let Some(previous_hz) = previous
+                && point.frequency_hz <= previous_hz
+            {
+                return Err(CmodError::FrequencyOrder {
+                    index,
+                    frequency_hz: point.frequency_hz,
+                    previous_hz,
+                });
+            }
+            previous = Some(point.frequency_hz);
+        }
+        Ok(Self {
+            omega: points
+                .iter()
+                .map(|point| std::f64::consts::TAU * point.frequency_hz)
+                .collect(),
+            modulus: points.iter().map(|point| point.modulus).collect(),
+            whitening: points.iter().map(Whitening::of).collect(),
+        })
+    }
+
+    /// The valid lines of an estimate, with the covariance of their random errors.
+    ///
+    /// What is uncertain of the specimen errs alike on all lines: it is no weight, and it is not part of the errors of a fit.
+    /// A density that is wrong by 1 % makes every modulus of every law wrong by 1 %.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; [`CmodError::NoLines`] if no line is valid. Lines without a random error would have infinite weight
+    /// and are refused.
+    pub fn from_estimate(estimate: &ModulusEstimate) -> Result<Self, CmodError> {
+        let points: Vec<_> = estimate
+            .valid()
+            .map(|line| ModulusPoint {
+                frequency_hz: line.frequency_hz,
+                modulus: line.modulus,
+                covariance: line.uncertainty.random.modulus,
+            })
+            .collect();
+        Self::new(&points)
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// Always false: data without points are an error.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.omega.is_empty()
+    }
+
+    /// Angular frequencies [rad/s].
+    #[must_use]
+    pub fn omega(&self) -> &[f64] {
+        &self.omega
+    }
+
+    /// Moduli \[Pa\].
+    #[must_use]
+    pub fn modulus(&self) -> &[Complex64] {
+        &self.modulus
+    }
+
+    /// Lowest and highest angular frequency [rad/s].
+    pub(super) fn band(&self) -> (f64, f64) {
+        let fold = |start, pick: fn(f64, f64) -> f64| self.omega.iter().copied().fold(start, pick);
+        (fold(f64::INFINITY, f64::min), fold(0.0, f64::max))
+    }
+
+    /// All lines of several data one after the other, in units where their moduli are divided by `factors`.
+    pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
+        let mut all = Self {
+            omega: Vec::new(),
+            modulus: Vec::new(),
+            whitening: Vec::new(),
+        };
+        for (part, factor) in parts {
+            all.omega.extend_from_slice(&part.omega);
+            let moduli = part.modulus.iter().map(|modulus| modulus / factor);
+            all.modulus.extend(moduli);
+            let whitening = part.whitening.iter().map(|w| w.scaled(factor.recip()));
+            all.whitening.extend(whitening);
+        }
+        all
+    }
+}
+
+fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
+    let refused = |quantity, value, expected| {
+        Err(CmodError::ModulusPoint {
+            index,
+            quantity,
+            value,
+            expected,
+        })
+    };
+    if check_positive("frequency [Hz]", point.frequency_hz).is_err() {
+        return refused(
+            "frequency [Hz]",
+            point.frequency_hz,
+            "a finite value above 0",
+        );
+    }
+    for (quantity, value) in [
+        ("storage modulus [Pa]", point.modulus.re),
+        ("loss modulus [Pa]", point.modulus.im),
+    ] {
+        if !value.is_finite() {
+            return refused(quantity, value, "a finite value");
+        }
+    }
+    let ComplexCovariance {
+        real,
+        imaginary,
+        mixed,
+    } = point.covariance;
+    for (quantity, value) in [
+        ("variance of the storage modulus [Pa^2]", real),
+        ("variance of the loss modulus [Pa^2]", imaginary),
+    ] {
+        // the reciprocal of a root is the weight
+        if !(value.is_finite() && value > 0.0 && value.sqrt().recip().is_finite()) {
+            return refused(quantity, value, "a finite value above 0");
+        }
+    }
+    let correlation = mixed / real.sqrt() / imaginary.sqrt();
+    if !(correlation.is_finite() && correlation.abs() < 1.0) {
+        return refused(
+            "correlation of storage and loss modulus",
+            correlation,
+            "a value between -1 and 1",
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,142 @@
+//! What the linearised law says of the errors of its parameters.
+
+use faer::Mat;
+use num_complex::Complex64;
+
+use super::least_squares::Linearised;
+
+/// A singular value below this share of the largest is rounding.
+const RANK: f64 = 1e-10;
+
+/// Singular values and right vectors of the whitened Jacobian.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Information {
+    /// Descending; 0 where it is rounding.
+    pub(super) singular_values: Vec<f64>,
+    /// `directions[k]` belongs to `singular_values[k]`.
+    pub(super) directions: Vec<Vec<f64>>,
+}
+
+impl Information {
+    /// `None` if the Jacobian is not finite.
+    pub(super) fn of(linearised: &Linearised, parameters: usize) -> Option<Self> {
+        // empty rows below do not change the singular values, and make as many as there are parameters
+        let rows = linearised.residual.len().max(parameters);
+        let entry = |i: usize, j: usize| {
+            linearised
+                .jacobian
+                .get(i * parameters + j)
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let svd = Mat::from_fn(rows, parameters, entry).thin_svd().ok()?;
+        let values = svd.S().column_vector();
+        let vectors = svd.V();
+        let largest = if parameters > 0 { values[0] } else { 0.0 };
+        largest.is_finite().then(|| Self {
+            singular_values: (0..parameters)
+                .map(|k| {
+                    if values[k] > RANK * largest {
+                        values[k]
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+            directions: (0..parameters)
+                .map(|k| (0..parameters).map(|j| vectors[(j, k)]).collect())
+                .collect(),
+        })
+    }
+
+    pub(super) fn rank(&self) -> usize {
+        self.singular_values.iter().filter(|s| **s > 0.0).count()
+    }
+
+    /// gᵀ (JᵀJ)⁻¹ h; infinite where both have a part along a direction that the data do not see.
+    pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
+        let along = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        self.singular_values
+            .iter()
+            .zip(&self.directions)
+            .map(|(s, direction)| {
+                let (a, b) = (along(g, direction), along(h, direction));
+                if *s > 0.0 {
+                    a * b / (s * s)
+                } else if a.abs() <= 1e-6 * along(g, g).sqrt()
+                    || b.abs() <= 1e-6 * along(h, h).sqrt()
+                {
+                    // the vectors of rounding are themselves accurate to about RANK
+                    0.0
+                } else {
+                    f64::INFINITY * (a * b).signum()
+                }
+            })
+            .sum()
+    }
+
+    /// Covariance of the coordinates; `None` if a combination of them is not determined at all.
+    pub(super) fn matrix(&self) -> Option<Vec<Vec<f64>>> {
+        let parameters = self.singular_values.len();
+        (self.rank() == parameters).then(|| {
+            (0..parameters)
+                .map(|i| (0..parameters).map(|j| self.entry(i, j)).collect())
+                .collect()
+        })
+    }
+
+    /// Variance of a coordinate.
+    pub(super) fn variance(&self, index: usize) -> f64 {
+        let mut unit = vec![0.0; self.singular_values.len()];
+        unit[index] = 1.0;
+        self.covariance(&unit, &unit)
+    }
+
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        self.singular_values
+            .iter()
+            .zip(&self.directions)
+            .map(|(s, direction)| direction[i] * direction[j] / (s * s))
+            .sum()
+    }
+
+    /// Covariance \[Pa²\] of (E', E'') where the derivatives by the coordinates are `gradient` \[Pa\].
+    pub(super) fn of_modulus(&self, gradient: &[Complex64]) -> [[f64; 2]; 2] {
+        let storage: Vec<f64> = gradient.iter().map(|g| g.re).collect();
+        let loss: Vec<f64> = gradient.iter().map(|g| g.im).collect();
+        let mixed = self.covariance(&storage, &loss);
+        [
+            [self.covariance(&storage, &storage), mixed],
+            [mixed, self.covariance(&loss, &loss)],
+        ]
+    }
+
+    /// The other coordinate whose error is most correlated with that of `index`, among those that share the least determined
+    /// direction with it, and the coefficient.
+    pub(super) fn partner(&self, index: usize) -> Option<(usize, f64)> {
+        // smallest singular value in which the coordinate takes part: it makes most of its variance
+        let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
+        let weight = |k: usize| self.directions[k][index] / self.singular_values[k].max(floor);
+        let weakest = (0..self.directions.len())
+            .max_by(|a, b| weight(*a).abs().total_cmp(&weight(*b).abs()))?;
+        let direction = &self.directions[weakest];
+        let partner = (0..direction.len())
+            .filter(|other| *other != index)
+            .max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))?;
+        let correlation = self.correlation(index, partner);
+        correlation.is_finite().then_some((partner, correlation))
+    }
+
+    /// Coefficient of correlation of two coordinates; singular values that are rounding count as the least that is not.
+    pub(super) fn correlation(&self, i: usize, j: usize) -> f64 {
+        let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
+        let sum = |i: usize, j: usize| -> f64 {
+            self.singular_values
+                .iter()
+                .zip(&self.directions)
+                .map(|(s, direction)| direction[i] * direction[j] / s.max(floor).powi(2))
+                .sum()
+        };
+        sum(i, j) / (sum(i, i) * sum(j, j)).sqrt()
+    }
+}

@@ -1,0 +1,210 @@
+//! What a minimum says of each parameter: errors, intervals, verdicts.
+
+use std::ops::Range;
+
+use super::data::ModulusData;
+use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores};
+use super::information::Information;
+use super::law::{FittedLaw, Law};
+use super::least_squares::{Effort, Minimum, count, minimise};
+use super::model::Model;
+use super::parameter::{
+    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
+};
+use super::profile::{End, end};
+use super::whiteness::Whiteness;
+use crate::error::CmodError;
+
+/// Correlation from which on a parameter shares the fate of one with a large error.
+const ASSOCIATED: f64 = 0.3;
+
+/// All that a minimum is judged by.
+pub(super) struct Scene<'a, M: ?Sized> {
+    pub(super) model: &'a M,
+    pub(super) data: &'a ModulusData,
+    /// Lowest and highest angular frequency at which the law is seen [rad/s].
+    pub(super) band: (f64, f64),
+    pub(super) sequences: &'a [Range<usize>],
+    pub(super) options: FitOptions,
+}
+
+impl<M: Model + ?Sized> Scene<'_, M> {
+    /// Errors, intervals, verdicts. A profile that finds a lower minimum begins the judgement anew from there.
+    pub(super) fn judge(
+        &self,
+        mut minimum: Minimum,
+        law: Law,
+        wrap: impl Fn(&[f64]) -> Result<FittedLaw, CmodError>,
+    ) -> Result<RheologicalFit, CmodError> {
+        let no_law = || CmodError::NoLaw {
+            law: law.to_string(),
+        };
+        let values = 2 * self.data.len();
+        for _ in 0..5 {
+            let parameters = minimum.at.len();
+            let information =
+                Information::of(&minimum.linearised, parameters).ok_or_else(no_law)?;
+            let degrees_of_freedom = values.saturating_sub(information.rank());
+            let variance_factor = match self.options.error_scale {
+                ErrorScale::FromResidual => minimum.chi_squared / count(degrees_of_freedom.max(1)),
+                _ => 1.0,
+            };
+            let judged =
+                self.parameters(&minimum, &information, variance_factor, degrees_of_freedom);
+            match judged {
+                Ok(parameters) => {
+                    let scores = Scores::of(
+                        self.options.error_scale,
+                        minimum.chi_squared,
+                        values,
+                        minimum.at.len(),
+                    );
+                    let scaled = |row: &Vec<f64>| row.iter().map(|c| variance_factor * c).collect();
+                    return Ok(RheologicalFit {
+                        law: wrap(&minimum.at)?,
+                        parameters,
+                        covariance: information
+                            .matrix()
+                            .map(|matrix| matrix.iter().map(scaled).collect()),
+                        signal_to_noise: information.singular_values.clone(),
+                        directions: information.directions.clone(),
+                        chi_squared: minimum.chi_squared,
+                        degrees_of_freedom,
+                        error_scale: self.options.error_scale,
+                        variance_factor,
+                        aicc: scores.aicc,
+                        bic: scores.bic,
+                        whiteness: Whiteness::of(&minimum.linearised.residual, self.sequences),
+                        residuals: minimum.linearised.residual,
+                        ending: minimum.ending,
+                        information,
+                        coordinates: minimum.at,
+                    });
+                }
+                Err(lower) => {
+                    minimum = minimise(self.model, self.data, &lower, None, Effort::Full)
+                        .ok_or_else(no_law)?;
+                }
+            }
+        }
+        Err(no_law())
+    }
+
+    /// The parameters, or the coordinates of a lower minimum.
+    fn parameters(
+        &self,
+        minimum: &Minimum,
+        information: &Information,
+        variance_factor: f64,
+        degrees_of_freedom: usize,
+    ) -> Result<Vec<Parameter>, Vec<f64>> {
+        let quantile = self.options.quantile(degrees_of_freedom);
+        let threshold = variance_factor * quantile * quantile;
+        let kinds = self.model.kinds();
+        let mut parameters = Vec::with_capacity(kinds.len());
+        let standard_errors: Vec<f64> = (0..kinds.len())
+            .map(|index| (variance_factor * information.variance(index)).sqrt())
+            .collect();
+        // what goes with a parameter of large error has no linear error either
+        let is_linear = |index: usize| {
+            (0..kinds.len()).all(|other| {
+                // a comparison with NaN is false
+                standard_errors[other] <= LINEAR_BELOW
+                    || other != index && information.correlation(index, other).abs() < ASSOCIATED
+            })
+        };
+        for (index, kind) in kinds.iter().enumerate() {
+            let here = minimum.at[index];
+            let standard_error = standard_errors[index];
+            let value = |coordinate: f64| kind.scale.value(coordinate);
+            let (interval, verdict) = if is_linear(index) {
+                let interval = Interval {
+                    lower: value(here - quantile * standard_error),
+                    upper: value(here + quantile * standard_error),
+                    method: IntervalMethod::Linear,
+                };
+                (interval, Verdict::Identified)
+            } else {
+                let ends = [-1.0, 1.0].map(|direction: f64| {
+                    if !self.options.profiles {
+                        return End::Open;
+                    }
+                    let first = direction * (0.5 * quantile * standard_error).min(0.7);
+                    let (at, chi) = (&minimum.at, minimum.chi_squared);
+                    end(self.model, self.data, at, chi, index, first, threshold)
+                });
+                let ends = match ends {
+                    [End::LowerMinimum(at), _] | [_, End::LowerMinimum(at)] => return Err(at),
+                    [End::At(lower), End::At(upper)] => [Some(lower), Some(upper)],
+                    [End::At(lower), End::Open] => [Some(lower), None],
+                    [End::Open, End::At(upper)] => [None, Some(upper)],
+                    [End::Open, End::Open] => [None, None],
+                };
+                let interval = Interval {
+                    lower: value(ends[0].unwrap_or(f64::NEG_INFINITY)),
+                    upper: value(ends[1].unwrap_or(f64::INFINITY)),
+                    method: IntervalMethod::Profile,
+                };
+                let reason = || self.reason(minimum, information, index, standard_error);
+                let verdict = match ends {
+                    [Some(lower), Some(upper)] if upper - lower <= WIDEST => Verdict::Identified,
+                    [Some(_), Some(_)] => Verdict::PoorlyDetermined(reason()),
+                    [Some(_), None] => Verdict::BoundedBelow(reason()),
+                    [None, Some(_)] => Verdict::BoundedAbove(reason()),
+                    [None, None] => Verdict::NotIdentifiable(reason()),
+                };
+                (interval, verdict)
+            };
+            parameters.push(Parameter {
+                name: kind.name.clone(),
+                unit: kind.unit,
+                value: value(here),
+                scale: kind.scale,
+                standard_error,
+                interval,
+                verdict,
+            });
+        }
+        Ok(parameters)
+    }
+
+    fn reason(
+        &self,
+        minimum: &Minimum,
+        information: &Information,
+        index: usize,
+        standard_error: f64,
+    ) -> Reason {
+        let kinds = self.model.kinds();
+        let parameters = kinds.len();
+        let (lowest, highest) = self.band;
+        if let Some(time) = kinds[index].relaxation_time {
+            let relaxation_time = minimum.at[time].exp();
+            if relaxation_time * highest < 1.0 || relaxation_time * lowest > 1.0 {
+                return Reason::OutsideBand {
+                    relaxation_time,
+                    shortest: highest.recip(),
+                    longest: lowest.recip(),
+                };
+            }
+        }
+        let column: f64 = minimum
+            .linearised
+            .jacobian
+            .iter()
+            .skip(index)
+            .step_by(parameters)
+            .map(|entry| entry * entry)
+            .sum();
+        if column.sqrt() <= 1e-6 {
+            return Reason::NoInfluence;
+        }
+        match information.partner(index) {
+            Some((partner, correlation)) if correlation.abs() > 0.9 => Reason::Correlated {
+                with: kinds[partner].name.clone(),
+                correlation,
+            },
+            _ => Reason::Noise { standard_error },
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Damped least squares (Levenberg-Marquardt) for laws of up to some tens of parameters.
+//!
+//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal equations (JᵀJ + μD) δ = -Jᵀr:
+//! with whitened residuals these are well enough scaled for the way to the minimum, and cheap where there are many more lines
+//! than parameters. What is said of the minimum comes from the singular values of J itself ([`super::information`]).
+
+use num_complex::Complex64;
+
+use super::data::ModulusData;
+use super::model::Model;
+pub use crate::recovery::fit::Ending;
+
+/// How closely a minimum is approached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// As closely as rounding allows, for a result.
+    Full,
+    /// To 1e-2 in χ², for a comparison of values of χ² that differ by more.
+    Comparison,
+    /// The same in few iterations: what is slower than that lies in a flat valley.
+    Search,
+}
+
+impl Effort {
+    fn most_iterations(self) -> usize {
+        match self {
+            Self::Full => 300,
+            Self::Comparison => 60,
+            Self::Search => 25,
+        }
+    }
+
+    /// Part of what one standard deviation changes in χ² that is not worth a step.
+    fn negligible(self) -> f64 {
+        match self {
+            Self::Full => 1e-9,
+            Self::Comparison | Self::Search => 1e-2,
+        }
+    }
+
+    /// The same of a long step.
+    fn idle(self) -> f64 {
+        match self {
+            Self::Full => IDLE,
+            Self::Comparison | Self::Search => 3e-2,
+        }
+    }
+}
+
+/// No coordinate changes by more in one iteration: a logarithm by 1.5 is a factor of 4.5.
+const LONGEST_STEP: f64 = 1.5;
+/// A component may be longer than its limit by this factor, so that it can follow another that is held there.
+const MOST_EXCESS: f64 = 1.3;
+/// Damping in units of χ² for each squared unit of a coordinate that the data do not see.
+const FLOOR: f64 = 1e-3;
+/// A step of this length or more that promises no more than [`IDLE`] is not worth it.
+const IDLE_STEP: f64 = 0.1;
+/// Of what one standard deviation changes in χ²: a parameter is then within 0.06 of its standard error.
+const IDLE: f64 = 3e-3;
+const LEAST_DAMPING: f64 = 1e-8;
+
+/// Where an iteration ended.
+#[derive(Debug, Clone)]
+pub(super) struct Minimum {
+    pub(super) at: Vec<f64>,
+    pub(super) chi_squared: f64,
+    pub(super) linearised: Linearised,
+    pub(super) ending: Ending,
+}
+
+/// Whitened residuals (law minus measured; two a line) and their derivatives by rows.
+#[derive(Debug, Clone)]
+pub(super) struct Linearised {
+    pub(super) residual: Vec<f64>,
+    pub(super) jacobian: Vec<f64>,
+    modulus: Vec<Complex64>,
+    gradient: Vec<Complex64>,
+}
+
+impl Linearised {
+    pub(super) fn new(lines: usize, parameters: usize) -> Self {
+        Self {
+            residual: vec![0.0; 2 * lines],
+            jacobian: vec![0.0; 2 * lines * parameters],
+            modulus: vec![Complex64::ZERO; lines],
+            gradient: vec![Complex64::ZERO; lines * parameters],
+        }
+    }
+
+    /// χ² at `at`; `None` where there is no law or no finite value.
+    pub(super) fn evaluate<M: Model + ?Sized>(
+        &mut self,
+        model: &M,
+        data: &ModulusData,
+        at: &[f64],
+    ) -> Option<f64> {
+        if !model.evaluate(at, &data.omega, &mut self.modulus, &mut self.gradient) {
+            return None;
+        }
+        let parameters = at.len();
+        let mut chi_squared = 0.0;
+        for (line, whitening) in data.whitening.iter().enumerate() {
+            let residual = whitening.apply(self.modulus[line] - data.modulus[line]);
+            chi_squared += residual[0] * residual[0] + residual[1] * residual[1];
+            self.residual[2 * line..2 * line + 2].copy_from_slice(&residual);
+            let row = &self.gradient[line * parameters..(line + 1) * parameters];
+            let rows = &mut self.jacobian[2 * line * parameters..2 * (line + 1) * parameters];
+            let (storage, loss) = rows.split_at_mut(parameters);
+            for ((storage, loss), derivative) in storage.iter_mut().zip(loss).zip(row) {
+                [*storage, *loss] = whitening.apply(*derivative);
+            }
+        }
+        chi_squared.is_finite().then_some(chi_squared)
+    }
+}
+
+/// Minimises χ² from `start`; the coordinate `held` keeps its value. `None` if there is no law at the start.
+pub(super) fn minimise<M: Model + ?Sized>(
+    model: &M,
+    data: &ModulusData,
+    start: &[f64],
+    held: Option<usize>,
+    effort: Effort,
+) -> Option<Minimum> {
+    let parameters = start.len();
+    let mut here = Linearised::new(data.len(), parameters);
+    let mut there = here.clone();
+    let mut at = start.to_vec();
+    let mut trial = at.clone();
+    let mut chi_squared = here.evaluate(model, data, &at)?;
+    let mut normal = Normal::new(parameters);
+    normal.form(&here, held);
+    let freedom = count((2 * data.len()).saturating_sub(parameters).max(1));
+    let mut damping: f64 = 1e-3;
+    let mut growth = 2.0;
+    let mut rejected = 0;
+    let mut ending = Ending::OutOfIterations;
+    for _ in 0..effort.most_iterations() {
+        // of what one standard deviation changes, or the rounding of the sum of squares
+        let scale = (chi_squared / freedom).min(1.0);
+        let negligible = (effort.negligible() * scale).max(1e-13 * chi_squared);
+        let Some(promised) = normal.step(damping) else {
+            damping = (damping * 10.0).max(LEAST_DAMPING);
+            continue;
+        };
+        let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
+        // far along a valley that is flat: a relaxation runs out of the band without changing what is seen
+        let idle = longest >= IDLE_STEP && promised <= effort.idle() * scale;
+        if promised <= negligible || longest < 1e-11 || idle {
+            if rejected > 0 {
+                ending = Ending::NoDescent;
+                break;
+            }
+            if damping <= 1e-2 {
+                ending = Ending::Converged;
+                break;
+            }
+            damping = 1e-3;
+            continue;
+        }
+        for ((trial, at), step) in trial.iter_mut().zip(&at).zip(&normal.step) {
+            *trial = at + step;
+        }
+        match there.evaluate(model, data, &trial) {
+            Some(reached) if reached < chi_squared => {
+                let gain = (chi_squared - reached) / promised;
+                std::mem::swap(&mut here, &mut there);
+                std::mem::swap(&mut at, &mut trial);
+                chi_squared = reached;
+                normal.form(&here, held);
+                damping =
+                    (damping * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(LEAST_DAMPING);
+                growth = 2.0;
+                rejected = 0;
+            }
+            _ => {
+                rejected += 1;
+                damping *= growth;
+                growth *= 2.0;
+                if rejected > 30 {
+                    ending = Ending::NoDescent;
+                    break;
+                }
+            }
+        }
+    }
+    Some(Minimum {
+        at,
+        chi_squared,
+        linearised: here,
+        ending,
+    })
+}
+
+/// Normal equations of one linearisation.
+struct Normal {
+    parameters: usize,
+    /// JᵀJ by rows, upper triangle.
+    matrix: Vec<f64>,
+    /// Jᵀr.
+    gradient: Vec<f64>,
+    factor: Vec<f64>,
+    target: Vec<f64>,
+    step: Vec<f64>,
+    /// Components of the step at their limit.
+    held: Vec<bool>,
+}
+
+impl Normal {
+    fn new(parameters: usize) -> Self {
+        Self {
+            parameters,
+            matrix: vec![0.0; parameters * parameters],
+            gradient: vec![0.0; parameters],
+            factor: vec![0.0; parameters * parameters],
+            target: vec![0.0; parameters],
+            step: vec![0.0; parameters],
+            held: vec![false; parameters],
+        }
+    }
+
+    fn form(&mut self, linearised: &Linearised, held: Option<usize>) {
+        let p = self.parameters;
+        self.matrix.fill(0.0);
+        self.gradient.fill(0.0);
+        for (row, residual) in linearised
+            .jacobian
+            .chunks_exact(p.max(1))
+            .zip(&linearised.residual)
+        {
+            for (i, entry) in row.iter().enumerate() {
+                self.gradient[i] += entry * residual;
+                let target = &mut self.matrix[i * p + i..(i + 1) * p];
+                for (sum, other) in target.iter_mut().zip(&row[i..]) {
+                    *sum += entry * other;
+                }
+            }
+        }
+        if let Some(held) = held {
+            self.gradient[held] = 0.0;
+            for i in 0..p {
+                self.matrix[held.min(i) * p + held.max(i)] = f64::from(u8::from(i == held));
+            }
+        }
+    }
+
+    /// Finds the step for `damping` and returns the reduction of χ² that the linear model promises of it; `None` if rounding
+    /// makes the matrix indefinite.
+    ///
+    /// A component that would be too long is held at its limit and all others are found anew: cut alone, it would take the
+    /// others from the bottom of a valley.
+    fn step(&mut self, damping: f64) -> Option<f64> {
+        self.held.fill(false);
+        loop {
+            self.solve(damping)?;
+            let longest = (0..self.parameters)
+                .filter(|i| !self.held[*i])
+                .max_by(|a, b| self.step[*a].abs().total_cmp(&self.step[*b].abs()))
+                .filter(|i| self.step[*i].abs() > MOST_EXCESS * LONGEST_STEP);
+            let Some(longest) = longest else {
+                break;
+            };
+            self.held[longest] = true;
+            self.step[longest] = LONGEST_STEP.copysign(self.step[longest]);
+        }
+        let mut promised = 0.0;
+        for i in 0..self.parameters {
+            let own = 0.5 * self.entry(i, i) * self.step[i];
+            let others = (i + 1..self.parameters).map(|j| self.entry(i, j) * self.step[j]);
+            let half: f64 = own + others.sum::<f64>();
+            promised -= 2.0 * self.step[i] * (self.gradient[i] + half);
+        }
+        Some(promised)
+    }
+
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        self.matrix[i.min(j) * self.parameters + i.max(j)]
+    }
+
+    /// The components of the step that are not held.
+    fn solve(&mut self, damping: f64) -> Option<()> {
+        let p = self.parameters;
+        for i in 0..p {
+            for j in 0..i {
+                self.factor[i * p + j] = if self.held[i] || self.held[j] {
+                    0.0
+                } else {
+                    self.matrix[j * p + i]
+                };
+            }
+            let own = self.matrix[i * p + i];
+            self.factor[i * p + i] = own + damping * (own + FLOOR);
+        }
+        for j in 0..p {
+            let row = &mut self.factor[j * p..=j * p + j];
+            let sum: f64 = row[..j].iter().map(|l| l * l).sum();
+            let pivot = row[j] - sum;
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return None;
+            }
+            let pivot = pivot.sqrt();
+            row[j] = pivot;
+            for i in j + 1..p {
+                let (upper, lower) = self.factor.split_at_mut(i * p);
+                let known: f64 = upper[j * p..j * p + j]
+                    .iter()
+                    .zip(&lower[..j])
+                    .map(|(a, b)| a * b)
+                    .sum();
+                lower[j] = (lower[j] - known) / pivot;
+            }
+        }
+        for i in 0..p {
+            self.target[i] = if self.held[i] {
+                0.0
+            } else {
+                let held = (0..p).filter(|j| self.held[*j]);
+                -self.gradient[i] - held.map(|j| self.entry(i, j) * self.step[j]).sum::<f64>()
+            };
+        }
+        for i in 0..p {
+            let known: f64 = (0..i)
+                .map(|k| self.factor[i * p + k] * self.target[k])
+                .sum();
+            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
+        }
+        for i in (0..p).rev() {
+            let known: f64 = (i + 1..p)
+                .map(|k| self.factor[k * p + i] * self.target[k])
+                .sum();
+            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
+            if !self.held[i] {
+                self.step[i] = self.target[i];
+            }
+        }
+        self.step.iter().all(|step| step.is_finite()).then_some(())
+    }
+}
+
+/// A number of things as a float.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "numbers of lines and parameters are far below 2^52"
+)]
+pub(super) fn count(number: usize) -> f64 {
+    number as f64
+}

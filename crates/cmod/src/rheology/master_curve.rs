@@ -1,0 +1,302 @@
+//! One curve from moduli at several temperatures.
+
+use std::fmt;
+
+use num_complex::Complex64;
+use rodwave::modulus::GeneralisedMaxwell;
+
+use super::data::ModulusData;
+use super::fit::{FitOptions, RheologicalFit, enough};
+use super::judgement::Scene;
+use super::law::{FittedLaw, Law};
+use super::least_squares::{Effort, minimise};
+use super::order::{Order, choose};
+use super::overlap;
+use super::prony::Prony;
+use super::shift_law::ShiftLaws;
+use super::sweep::TemperatureSweep;
+use crate::error::CmodError;
+
+/// Rounds of choosing an order and fitting it with the shifts; two are the rule.
+const MOST_ROUNDS: usize = 5;
+
+/// A master curve: one Prony series for all temperatures, with a shift factor for each.
+///
+/// ```text
+/// E(ω, T) = b_T E_ref(ω a_T) ,    a = 1 at the reference
+/// ```
+///
+/// Neighbouring temperatures are first shifted onto each other where they overlap. Then series and all shifts are fitted together to
+/// all lines, so that the shifts come with their covariance, and whether the material can be shifted to one curve at all is told by χ²
+/// and the whiteness of the residuals.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct MasterCurve {
+    /// The series at the reference temperature, with all shift factors but that of the reference as its last parameters.
+    /// Its `aicc` and `bic` count them.
+    pub fit: RheologicalFit,
+    /// Orders that were tried in the last round.
+    pub orders: Vec<Order>,
+    /// Tᵣ [K].
+    pub reference_temperature: f64,
+    /// One for each temperature.
+    pub shifts: Vec<Shift>,
+    /// All lines at their reduced frequencies, in the order of the sweep.
+    pub points: Vec<MasterPoint>,
+}
+
+/// The shift at one temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Shift {
+    /// T [K].
+    pub temperature: f64,
+    /// ln a_T.
+    pub log_shift: f64,
+    /// Standard error of ln a_T; 0 at the reference.
+    pub standard_error: f64,
+    /// b_T as given.
+    pub vertical: f64,
+    /// ln (a_T/a_{T-1}) from the overlap with the temperature before; `None` for the first, and where they do not overlap. Then the
+    /// iteration began with no shift between the two.
+    pub overlap: Option<f64>,
+}
+
+/// A line of a master curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct MasterPoint {
+    /// T [K].
+    pub temperature: f64,
+    /// Frequency times a_T \[Hz\].
+    pub reduced_frequency_hz: f64,
+    /// Modulus divided by b_T \[Pa\].
+    pub modulus: Complex64,
+}
+
+impl MasterCurve {
+    /// From `sweep`, at the temperature of index `reference`.
+    ///
+    /// # Errors
+    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise as [`RheologicalFit::new`].
+    pub fn new(
+        sweep: &TemperatureSweep,
+        reference: usize,
+        options: &FitOptions,
+    ) -> Result<Self, CmodError> {
+        let options = options.checked()?;
+        let count = sweep.temperatures.len();
+        if reference >= count {
+            return Err(CmodError::ReferenceTest {
+                index: reference,
+                count,
+            });
+        }
+        let factors = sweep.factors(reference);
+        let overlaps = overlaps(sweep, &factors);
+        let mut log_shifts = accumulated(&overlaps, reference);
+        let joined = ModulusData::joined(sweep.data.iter().zip(factors.iter().copied()));
+        enough(&joined, count, options.error_scale)?;
+
+        let others: Vec<usize> = (0..count).filter(|step| *step != reference).collect();
+        let temperatures: Vec<f64> = others
+            .iter()
+            .map(|step| sweep.temperatures[*step])
+            .collect();
+        let shift_of_line: Vec<Option<usize>> = sweep
+            .data
+            .iter()
+            .enumerate()
+            .flat_map(|(step, data)| {
+                let shift = others.iter().position(|other| *other == step);
+                std::iter::repeat_n(shift, data.len())
+            })
+            .collect();
+
+        let no_law = || CmodError::NoLaw {
+            law: Law::GeneralisedMaxwell.to_string(),
+        };
+        let mut best = None;
+        for _ in 0..MOST_ROUNDS {
+            let shifted = shifted(sweep, &joined, &log_shifts);
+            let chosen = choose(&shifted, &options)?;
+            let series = &chosen.best.series;
+            let solid = series.equilibrium > 0.0;
+            let model = Prony::shifted(
+                solid,
+                series.branches.len(),
+                shift_of_line.clone(),
+                &temperatures,
+            );
+            let mut start = chosen.best.minimum.at.clone();
+            start.extend(others.iter().map(|step| log_shifts[*step]));
+            let minimum =
+                minimise(&model, &joined, &start, None, Effort::Full).ok_or_else(no_law)?;
+            let first = minimum.at.len() - others.len();
+            for (step, found) in others.iter().zip(&minimum.at[first..]) {
+                log_shifts[*step] = *found;
+            }
+            let key = (series.branches.len(), solid);
+            let settled = matches!(&best, Some((before, _, _, _)) if *before == key);
+            best = Some((key, model, minimum, chosen.orders));
+            if settled {
+                break;
+            }
+        }
+        let (_, model, minimum, orders) = best.ok_or_else(no_law)?;
+
+        let shifted = shifted(sweep, &joined, &log_shifts);
+        let mut begin = 0;
+        let sequences: Vec<_> = sweep
+            .data
+            .iter()
+            .map(|data| {
+                let sequence = begin..begin + data.len();
+                begin = sequence.end;
+                sequence
+            })
+            .collect();
+        let scene = Scene {
+            model: &model,
+            data: &joined,
+            band: shifted.band(),
+            sequences: &sequences,
+            options,
+        };
+        let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
+        let fit = scene.judge(minimum, Law::GeneralisedMaxwell, wrap)?;
+        let first = fit.parameters.len() - others.len();
+        let found = &fit.parameters[first..];
+        let shifts: Vec<Shift> = (0..count)
+            .map(|step| {
+                let own = others.iter().position(|other| *other == step);
+                Shift {
+                    temperature: sweep.temperatures[step],
+                    log_shift: own.map_or(0.0, |k| fit.coordinates[first + k]),
+                    standard_error: own.map_or(0.0, |k| found[k].standard_error),
+                    vertical: factors[step],
+                    overlap: overlaps[step],
+                }
+            })
+            .collect();
+        let points = sequences
+            .iter()
+            .zip(&shifts)
+            .flat_map(|(sequence, shift)| sequence.clone().map(move |line| (line, shift)))
+            .map(|(line, shift)| MasterPoint {
+                temperature: shift.temperature,
+                reduced_frequency_hz: joined.omega[line] * shift.log_shift.exp()
+                    / std::f64::consts::TAU,
+                modulus: joined.modulus[line],
+            })
+            .collect();
+        Ok(Self {
+            fit,
+            orders,
+            reference_temperature: sweep.temperatures[reference],
+            shifts,
+            points,
+        })
+    }
+
+    /// The series at the reference temperature.
+    #[must_use]
+    pub fn series(&self) -> Option<&GeneralisedMaxwell> {
+        self.fit.law.prony_series()
+    }
+
+    /// The laws of Williams, Landel & Ferry and of Arrhenius fitted to the shifts.
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewReadings`] below three temperatures; [`CmodError::ShiftsUndetermined`] if the data leave a
+    /// combination of the shifts open.
+    pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
+        let reference = self.reference_temperature;
+        let others: Vec<&Shift> = self
+            .shifts
+            .iter()
+            .filter(|shift| shift.temperature.total_cmp(&reference).is_ne())
+            .collect();
+        let parameters = self.fit.parameters.len();
+        let first = parameters - others.len();
+        let unit = |k: usize| {
+            let mut unit = vec![0.0; parameters];
+            unit[first + k] = 1.0;
+            unit
+        };
+        let units: Vec<Vec<f64>> = (0..others.len()).map(unit).collect();
+        let information = &self.fit.information;
+        let covariance: Vec<Vec<f64>> = units
+            .iter()
+            .map(|a| {
+                let row = units.iter().map(|b| information.covariance(a, b));
+                row.map(|entry| self.fit.variance_factor * entry).collect()
+            })
+            .collect();
+        let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();
+        let log_shifts: Vec<f64> = others.iter().map(|s| s.log_shift).collect();
+        ShiftLaws::new(reference, &differences, &log_shifts, &covariance)
+    }
+}
+
+/// The relative shift of each temperature to the one before.
+fn overlaps(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<f64>> {
+    let reduced: Vec<ModulusData> = sweep
+        .data
+        .iter()
+        .zip(factors)
+        .map(|(data, factor)| ModulusData::joined(std::iter::once((data, *factor))))
+        .collect();
+    std::iter::once(None)
+        .chain(reduced.windows(2).map(|pair| match pair {
+            [colder, warmer] => overlap::shift(colder, warmer),
+            _ => None,
+        }))
+        .collect()
+}
+
+/// ln a_T with 0 at the reference.
+fn accumulated(overlaps: &[Option<f64>], reference: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let all: Vec<f64> = overlaps
+        .iter()
+        .map(|overlap| {
+            sum += overlap.unwrap_or(0.0);
+            sum
+        })
+        .collect();
+    all.iter().map(|shift| shift - all[reference]).collect()
+}
+
+/// All lines at their reduced frequencies.
+fn shifted(sweep: &TemperatureSweep, joined: &ModulusData, log_shifts: &[f64]) -> ModulusData {
+    let factors = sweep
+        .data
+        .iter()
+        .zip(log_shifts)
+        .flat_map(|(data, shift)| std::iter::repeat_n(shift.exp(), data.len()));
+    ModulusData {
+        omega: joined
+            .omega
+            .iter()
+            .zip(factors)
+            .map(|(omega, a)| omega * a)
+            .collect(),
+        ..joined.clone()
+    }
+}
+
+impl fmt::Display for MasterCurve {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "reference {} K", self.reference_temperature)?;
+        for shift in &self.shifts {
+            writeln!(
+                f,
+                "{:>8.2} K  ln a = {:>8.3} +- {:.3}",
+                shift.temperature, shift.log_shift, shift.standard_error
+            )?;
+        }
+        write!(f, "{}", self.fit)
+    }
+}

@@ -1,0 +1,254 @@
+//! Least squares with coefficients that are not negative, from the normal equations.
+
+use super::least_squares::count;
+
+/// min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23), on
+/// AᵀA and Aᵀb as Bro & de Jong have it (*J. Chemom.* **11** (1997) 393).
+///
+/// The columns come as whitened values of a law. Two neighbours of a grid of relaxation times are never so alike that squaring
+/// their condition would matter to a start that is refined afterwards; a column that rounding cannot tell from the
+/// others does not enter.
+#[derive(Debug)]
+pub(super) struct NonNegative {
+    columns: usize,
+    values: usize,
+    /// AᵀA of columns of length 1, by rows.
+    gram: Vec<f64>,
+    /// Aᵀb of columns of length 1.
+    target: Vec<f64>,
+    lengths: Vec<f64>,
+    /// bᵀb.
+    square: f64,
+}
+
+/// The optimum.
+#[derive(Debug)]
+pub(super) struct Optimum {
+    pub(super) coefficients: Vec<f64>,
+    /// |b - A x|².
+    pub(super) square: f64,
+}
+
+/// A pivot of columns of length 1 below this is rounding.
+const LEAST_PIVOT: f64 = 1e-12;
+/// Of so few columns all are tried at once before the search.
+const FEW: usize = 40;
+
+impl NonNegative {
+    /// `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
+    pub(super) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
+        let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
+        let n = columns.len();
+        let mut gram = vec![0.0; n * n];
+        for i in 0..n {
+            for j in i..n {
+                let value = dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
+                gram[i * n + j] = value;
+                gram[j * n + i] = value;
+            }
+        }
+        Self {
+            columns: n,
+            values: target.len(),
+            gram,
+            target: columns
+                .iter()
+                .zip(&lengths)
+                .map(|(column, length)| dot(column, target) / length)
+                .collect(),
+            lengths,
+            square: dot(target, target),
+        }
+    }
+
+    /// The problem of some of the columns.
+    pub(super) fn of_columns(&self, chosen: &[usize]) -> Self {
+        let pick = |values: &[f64]| chosen.iter().map(|j| values[*j]).collect::<Vec<f64>>();
+        Self {
+            columns: chosen.len(),
+            values: self.values,
+            gram: chosen
+                .iter()
+                .flat_map(|i| chosen.iter().map(move |j| self.gram[i * self.columns + j]))
+                .collect(),
+            target: pick(&self.target),
+            lengths: pick(&self.lengths),
+            square: self.square,
+        }
+    }
+
+    /// Ends where no single column promises to lower the square by 1e-4 of its share for each value (or of 1, if that is less).
+    pub(super) fn solve(&self) -> Optimum {
+        let n = self.columns;
+        let mut x = vec![0.0; n];
+        let mut passive: Vec<usize> = Vec::new();
+        let mut refused = vec![false; n];
+        if n <= FEW {
+            let all: Vec<usize> = (0..n).collect();
+            if let Some(z) = self.least_squares(&all)
+                && z.iter().all(|z| *z > 0.0)
+            {
+                x = z;
+                passive = all;
+            }
+        }
+        let rounding = 1e-13 * self.target.iter().fold(0.0, |l: f64, b| l.max(b.abs()));
+        for _ in 0..4 * n {
+            let rest = self.rest(&x, &passive);
+            let enough = (1e-4 * (rest.max(0.0) / count(self.values)).min(1.0)).sqrt();
+            let steepest = (0..n)
+                .filter(|j| !refused[*j] && !passive.contains(j))
+                .map(|j| (j, self.gradient(j, &x, &passive)))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((entering, gradient)) = steepest else {
+                break;
+            };
+            // NaN is the gradient of a column that is 0
+            if gradient.is_nan() || gradient <= enough.max(rounding) {
+                break;
+            }
+            passive.push(entering);
+            if self.settle(&mut x, &mut passive, entering) {
+                refused.fill(false);
+            } else {
+                refused[entering] = true;
+            }
+        }
+        Optimum {
+            square: self.rest(&x, &passive).max(0.0),
+            coefficients: x
+                .iter()
+                .zip(&self.lengths)
+                .map(|(x, l)| if *x > 0.0 { x / l } else { 0.0 })
+                .collect(),
+        }
+    }
+
+    /// Moves to the optimum of the passive columns; those that would become negative leave. False, and nothing moved, if the
+    /// entering one would.
+    fn settle(&self, x: &mut [f64], passive: &mut Vec<usize>, entering: usize) -> bool {
+        loop {
+            let Some(optimum) = self.least_squares(passive) else {
+                passive.retain(|j| *j != entering);
+                return false;
+            };
+            let own = passive.iter().zip(&optimum).find(|(j, _)| **j == entering);
+            if x[entering] <= 0.0 && own.is_some_and(|(_, z)| *z <= 0.0) {
+                passive.retain(|j| *j != entering);
+                return false;
+            }
+            let share = passive
+                .iter()
+                .zip(&optimum)
+                .filter(|(_, z)| **z <= 0.0)
+                .map(|(j, z)| x[*j] / (x[*j] - z))
+                .fold(1.0, f64::min);
+            let blocked = optimum.iter().any(|z| *z <= 0.0);
+            for (j, z) in passive.iter().zip(&optimum) {
+                let leaves = *z <= 0.0 && x[*j] / (x[*j] - z) <= share;
+                x[*j] = if leaves {
+                    0.0
+                } else {
+                    x[*j] + share * (z - x[*j])
+                };
+            }
+            if !blocked {
+                return true;
+            }
+            passive.retain(|j| x[*j] > 0.0);
+        }
+    }
+
+    /// Optimum over the given columns, by Cholesky's factors; `None` if they are not independent.
+    fn least_squares(&self, passive: &[usize]) -> Option<Vec<f64>> {
+        let k = passive.len();
+        let mut factor = vec![0.0; k * k];
+        let mut z = vec![0.0; k];
+        for i in 0..k {
+            for j in 0..=i {
+                let known = dot(&factor[i * k..i * k + j], &factor[j * k..j * k + j]);
+                let value = self.gram[passive[i] * self.columns + passive[j]] - known;
+                if i == j {
+                    if value.is_nan() || value <= LEAST_PIVOT {
+                        return None;
+                    }
+                    factor[i * k + i] = value.sqrt();
+                } else {
+                    factor[i * k + j] = value / factor[j * k + j];
+                }
+            }
+            let known = dot(&factor[i * k..i * k + i], &z[..i]);
+            z[i] = (self.target[passive[i]] - known) / factor[i * k + i];
+        }
+        for i in (0..k).rev() {
+            let known: f64 = (i + 1..k).map(|j| factor[j * k + i] * z[j]).sum();
+            z[i] = (z[i] - known) / factor[i * k + i];
+        }
+        Some(z)
+    }
+
+    fn gradient(&self, j: usize, x: &[f64], passive: &[usize]) -> f64 {
+        let row = &self.gram[j * self.columns..(j + 1) * self.columns];
+        self.target[j] - passive.iter().map(|i| row[*i] * x[*i]).sum::<f64>()
+    }
+
+    /// |b - A x|².
+    fn rest(&self, x: &[f64], passive: &[usize]) -> f64 {
+        // bᵀb - bᵀAx - xᵀ(Aᵀb - AᵀAx)
+        let fitted: f64 = passive
+            .iter()
+            .map(|j| x[*j] * (self.target[*j] + self.gradient(*j, x, passive)))
+            .sum();
+        self.square - fitted
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; tested on a problem whose
+    /// unconstrained optimum has negative coefficients.
+    #[test]
+    fn optimum_satisfies_its_conditions() {
+        let columns: Vec<Vec<f64>> = (0..12)
+            .map(|k| (0..20).map(|j| (-0.05 * f64::from(k * j)).exp()).collect())
+            .collect();
+        let target: Vec<f64> = (0..20).map(|j| 1.0 / (1.0 + f64::from(j * j))).collect();
+        let optimum = NonNegative::new(&columns, &target).solve();
+        let mut rest = target;
+        for (column, amount) in columns.iter().zip(&optimum.coefficients) {
+            assert!(*amount >= 0.0);
+            for (rest, entry) in rest.iter_mut().zip(column) {
+                *rest -= amount * entry;
+            }
+        }
+        assert!((dot(&rest, &rest) - optimum.square).abs() < 1e-14);
+        let enough = 1e-2 * (optimum.square / 20.0).sqrt();
+        for (column, amount) in columns.iter().zip(&optimum.coefficients) {
+            let gradient = dot(column, &rest) / dot(column, column).sqrt();
+            // the tolerance that ends the search; for passive columns rounding by a condition of 1e6
+            assert!(gradient < 1.01 * enough, "{gradient:e}");
+            assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
+        }
+        assert!(optimum.coefficients.iter().any(|amount| *amount > 0.0));
+        assert!(optimum.coefficients.contains(&0.0));
+    }
+
+    #[test]
+    fn target_inside_the_cone_is_reached() {
+        let columns = [
+            vec![1.0, 0.0, 0.0],
+            vec![1.0, 1.0, 0.0],
+            vec![0.0, 1.0, 3.0],
+        ];
+        let optimum = NonNegative::new(&columns, &[3.0, 4.0, 3.0]).solve();
+        for (found, exact) in optimum.coefficients.iter().zip([0.0, 3.0, 1.0]) {
+            assert!((found - exact).abs() < 1e-12, "{found}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Power laws for damping coefficient and wave number, with a density, as a law for the modulus.
+
+use num_complex::Complex64;
+use rodwave::RodwaveError;
+use rodwave::modulus::PowerLawPropagation;
+
+use super::data::ModulusData;
+use super::model::{Model, ParameterKind};
+use super::parameter::Scale;
+
+/// E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
+///
+/// p and q are what the fit finds, also where they are no law of nature: of an elastic rod, q is 1 plus an error of either
+/// sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct PowerLaw {
+    /// a [s^p/m].
+    pub damping_factor: f64,
+    /// p.
+    pub damping_exponent: f64,
+    /// b [s^q/m].
+    pub wave_number_factor: f64,
+    /// q.
+    pub wave_number_exponent: f64,
+    /// ρ [kg/m³], as given.
+    pub density: f64,
+}
+
+impl PowerLaw {
+    /// Propagation coefficient γ [1/m] at `omega` > 0 [rad/s].
+    #[must_use]
+    pub fn propagation_coefficient(&self, omega: f64) -> Complex64 {
+        Complex64::new(
+            self.damping_factor * omega.powf(self.damping_exponent),
+            self.wave_number_factor * omega.powf(self.wave_number_exponent),
+        )
+    }
+
+    /// Complex modulus \[Pa\] at `omega` > 0 [rad/s].
+    #[must_use]
+    pub fn modulus(&self, omega: f64) -> Complex64 {
+        let slowness = self.propagation_coefficient(omega) / omega;
+        -self.density / (slowness * slowness)
+    }
+
+    /// The law of `rodwave`.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] for q > 1, a material that is softer the faster it is loaded, and for p <= 0.
+    pub fn law(&self) -> Result<PowerLawPropagation, RodwaveError> {
+        PowerLawPropagation::new(
+            self.damping_factor,
+            self.damping_exponent,
+            self.wave_number_factor,
+            self.wave_number_exponent,
+        )
+    }
+}
+
+/// In ln a, p, ln b, q.
+#[derive(Debug, Clone)]
+pub(super) struct PowerLawModel {
+    density: f64,
+    kinds: Vec<ParameterKind>,
+}
+
+impl PowerLawModel {
+    pub(super) fn new(density: f64) -> Self {
+        Self {
+            density,
+            kinds: vec![
+                ParameterKind::new("damping factor", "s^p/m", Scale::Ratio),
+                ParameterKind::new("damping exponent", "1", Scale::Difference),
+                ParameterKind::new("wave number factor", "s^q/m", Scale::Ratio),
+                ParameterKind::new("wave number exponent", "1", Scale::Difference),
+            ],
+        }
+    }
+
+    pub(super) fn law_at(&self, at: &[f64]) -> PowerLaw {
+        match *at {
+            [a, p, b, q] => PowerLaw {
+                damping_factor: a.exp(),
+                damping_exponent: p,
+                wave_number_factor: b.exp(),
+                wave_number_exponent: q,
+                density: self.density,
+            },
+            // no caller has another number of coordinates
+            _ => PowerLaw {
+                damping_factor: f64::NAN,
+                damping_exponent: f64::NAN,
+                wave_number_factor: f64::NAN,
+                wave_number_exponent: f64::NAN,
+                density: self.density,
+            },
+        }
+    }
+
+    /// Straight lines through ln α and ln k of the points that have α > 0; `None` if fewer than two have.
+    pub(super) fn start(&self, data: &ModulusData) -> Option<Vec<f64>> {
+        let mut damping = Vec::new();
+        let mut wave_number = Vec::new();
+        for (omega, modulus) in data.omega.iter().zip(&data.modulus) {
+            let gamma = Complex64::new(0.0, *omega) * (self.density / modulus).sqrt();
+            if gamma.im > 0.0 {
+                wave_number.push((omega.ln(), gamma.im.ln()));
+                if gamma.re > 0.0 {
+                    damping.push((omega.ln(), gamma.re.ln()));
+                }
+            }
+        }
+        let (a, p) = straight_line(&damping)?;
+        let (b, q) = straight_line(&wave_number)?;
+        Some(vec![a, p, b, q])
+    }
+}
+
+/// Intercept and slope.
+fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = super::least_squares::count(points.len());
+    let x: f64 = points.iter().map(|(x, _)| x / n).sum();
+    let y: f64 = points.iter().map(|(_, y)| y / n).sum();
+    let xx: f64 = points.iter().map(|(px, _)| (px - x).powi(2)).sum();
+    let xy: f64 = points.iter().map(|(px, py)| (px - x) * (py - y)).sum();
+    (points.len() >= 2 && xx > 0.0).then(|| (y - x * xy / xx, xy / xx))
+}
+
+impl Model for PowerLawModel {
+    fn kinds(&self) -> &[ParameterKind] {
+        &self.kinds
+    }
+
+    fn evaluate(
+        &self,
+        at: &[f64],
+        omega: &[f64],
+        modulus: &mut [Complex64],
+        gradient: &mut [Complex64],
+    ) -> bool {
+        let law = self.law_at(at);
+        let rows = gradient.chunks_exact_mut(4);
+        for ((omega, modulus), row) in omega.iter().zip(modulus).zip(rows) {
+            let gamma = law.propagation_coefficient(*omega);
+            let slowness = gamma / omega;
+            *modulus = -self.density / (slowness * slowness);
+            // dE = -2E dγ/γ
+            let factor = -2.0 * *modulus / gamma;
+            let logarithm = omega.ln();
+            let by_damping = factor * gamma.re;
+            let by_wave_number = factor * Complex64::new(0.0, gamma.im);
+            row.copy_from_slice(&[
+                by_damping,
+                by_damping * logarithm,
+                by_wave_number,
+                by_wave_number * logarithm,
+            ]);
+        }
+        true
+    }
+}

@@ -1,0 +1,154 @@
+//! The generalised Maxwell model as a function of its coordinates, on lines that may belong to several temperatures.
+
+use num_complex::Complex64;
+use rodwave::RodwaveError;
+use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
+
+use super::model::{Model, ParameterKind};
+use super::parameter::Scale;
+
+/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the logarithms of the shifts
+/// a_T: on a line of temperature T the law is taken at ω a_T.
+#[derive(Debug, Clone)]
+pub(super) struct Prony {
+    solid: bool,
+    branches: usize,
+    /// Which shift each line has, if any; empty without shifts.
+    shift_of_line: Vec<Option<usize>>,
+    kinds: Vec<ParameterKind>,
+}
+
+impl Prony {
+    pub(super) fn new(solid: bool, branches: usize) -> Self {
+        Self::shifted(solid, branches, Vec::new(), &[])
+    }
+
+    /// With a shift for each temperature [K] of `shifted`, at the end of the coordinates.
+    pub(super) fn shifted(
+        solid: bool,
+        branches: usize,
+        shift_of_line: Vec<Option<usize>>,
+        shifted: &[f64],
+    ) -> Self {
+        let first = usize::from(solid);
+        let mut kinds = Vec::with_capacity(first + 2 * branches + shifted.len());
+        if solid {
+            kinds.push(ParameterKind::new(
+                "equilibrium modulus",
+                "Pa",
+                Scale::Ratio,
+            ));
+        }
+        for i in 0..branches {
+            let time = first + 2 * i + 1;
+            let modulus = ParameterKind::new(format!("modulus {}", i + 1), "Pa", Scale::Ratio);
+            kinds.push(modulus.of_relaxation(time));
+            let relaxation =
+                ParameterKind::new(format!("relaxation time {}", i + 1), "s", Scale::Ratio);
+            kinds.push(relaxation.of_relaxation(time));
+        }
+        for temperature in shifted {
+            let name = format!("shift factor at {temperature} K");
+            kinds.push(ParameterKind::new(name, "1", Scale::Ratio));
+        }
+        Self {
+            solid,
+            branches,
+            shift_of_line,
+            kinds,
+        }
+    }
+
+    /// First coordinate of a branch.
+    fn first(&self) -> usize {
+        usize::from(self.solid)
+    }
+
+    pub(super) fn law_at(&self, at: &[f64]) -> Result<GeneralisedMaxwell, RodwaveError> {
+        let (equilibrium, rest) = at.split_at(self.first());
+        let branches = rest[..2 * self.branches]
+            .as_chunks()
+            .0
+            .iter()
+            .map(|[modulus, time]| MaxwellBranch {
+                modulus: modulus.exp(),
+                relaxation_time: time.exp(),
+            })
+            .collect();
+        GeneralisedMaxwell::new(equilibrium.first().map_or(0.0, |e| e.exp()), branches)
+    }
+
+    /// Coordinates of a series, without shifts, in the order of increasing relaxation times.
+    pub(super) fn coordinates(equilibrium_modulus: f64, branches: &[MaxwellBranch]) -> Vec<f64> {
+        let mut at = Vec::with_capacity(1 + 2 * branches.len());
+        if equilibrium_modulus > 0.0 {
+            at.push(equilibrium_modulus.ln());
+        }
+        for branch in branches {
+            at.push(branch.modulus.ln());
+            at.push(branch.relaxation_time.ln());
+        }
+        at
+    }
+}
+
+/// z = ix/(1 + ix), the share of a spring that carries at x = ωτ; overflows nowhere.
+pub(super) fn share(x: f64) -> Complex64 {
+    if x < 1e150 {
+        let d = (1.0 + x * x).recip();
+        Complex64::new(x * x * d, x * d)
+    } else {
+        Complex64::new(1.0, x.recip())
+    }
+}
+
+impl Model for Prony {
+    fn kinds(&self) -> &[ParameterKind] {
+        &self.kinds
+    }
+
+    fn evaluate(
+        &self,
+        at: &[f64],
+        omega: &[f64],
+        modulus: &mut [Complex64],
+        gradient: &mut [Complex64],
+    ) -> bool {
+        // e^±230 = 1e±100: products stay within the range of numbers
+        if at.iter().any(|coordinate| coordinate.abs() > 230.0) {
+            return false;
+        }
+        let first = self.first();
+        let shifts = first + 2 * self.branches;
+        let values: Vec<f64> = at.iter().map(|coordinate| coordinate.exp()).collect();
+        let equilibrium = if self.solid { values[0] } else { 0.0 };
+        if at.is_empty() {
+            return false;
+        }
+        for (line, row) in gradient.chunks_exact_mut(at.len()).enumerate() {
+            let shift = self.shift_of_line.get(line).copied().flatten();
+            let shifted = shift.map_or(omega[line], |k| omega[line] * values[shifts + k]);
+            let mut sum = Complex64::from(equilibrium);
+            let mut slope = Complex64::ZERO;
+            for entry in &mut row[..first] {
+                *entry = Complex64::from(equilibrium);
+            }
+            let branches = row[first..shifts].as_chunks_mut().0;
+            for ([by_modulus, by_time], [e, tau]) in
+                branches.iter_mut().zip(values[first..shifts].as_chunks().0)
+            {
+                let z = share(shifted * tau);
+                *by_modulus = e * z;
+                *by_time = e * (z * (1.0 - z));
+                sum += *by_modulus;
+                slope += *by_time;
+            }
+            row[shifts..].fill(Complex64::ZERO);
+            if let Some(k) = shift {
+                row[shifts + k] = slope;
+            }
+            modulus[line] = sum;
+        }
+        true
+    }
+}

@@ -1,0 +1,336 @@
+//! How shift factors depend on temperature.
+//!
+//! With d = T - Tᵣ both laws are
+//!
+//! ```text
+//! ln a_T = -β d/(1 + κ d)
+//! ```
+//!
+//! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ = 1/Tᵣ with β = E_a/(R Tᵣ²),
+//! because T = Tᵣ + d. So they are nested, and one parameter decides between them. β and κ stay finite where the shifts
+//! are a straight line and C₁ and C₂ do not.
+
+use std::fmt;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::least_squares::count;
+use crate::error::CmodError;
+
+/// R [J/(mol K)], exact since 2019 (CODATA 2018).
+pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
+
+/// log₁₀ a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ) (Williams, Landel & Ferry, *J. Am. Chem. Soc.* **77** (1955) 3701).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Wlf {
+    /// Tᵣ [K].
+    pub reference_temperature: f64,
+    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative where they are bent the other way.
+    pub c1: f64,
+    /// C₂ [K].
+    pub c2: f64,
+    /// Standard error of C₁, to first order in κ's.
+    pub c1_standard_error: f64,
+    /// Standard error of C₂ [K], to first order in κ's.
+    pub c2_standard_error: f64,
+    /// β [1/K], the slope of -ln a_T at Tᵣ.
+    pub slope: f64,
+    /// κ [1/K].
+    pub curvature: f64,
+    /// Covariance of (β, κ), by rows.
+    pub covariance: [[f64; 2]; 2],
+    /// χ² of the shifts with their covariance.
+    pub chi_squared: f64,
+    /// Shifts less 2.
+    pub degrees_of_freedom: usize,
+}
+
+impl Wlf {
+    /// ln a_T at `temperature` [K] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
+    #[must_use]
+    pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
+        let d = temperature - self.reference_temperature;
+        let (value, gradient) = evaluate(self.slope, self.curvature, d)?;
+        let variance = quadratic(&self.covariance, gradient);
+        Some((value, variance.sqrt()))
+    }
+
+    /// Whether the shifts tell C₁ and C₂ apart: κ exceeds two of its standard errors. If not, only their ratio is known, C₁/C₂ =
+    /// β/ln 10.
+    #[must_use]
+    pub fn constants_are_identified(&self) -> bool {
+        self.curvature > 2.0 * self.covariance[1][1].sqrt()
+    }
+}
+
+/// ln a_T = (E_a/R)(1/T - 1/Tᵣ).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Arrhenius {
+    /// Tᵣ [K].
+    pub reference_temperature: f64,
+    /// E_a [J/mol].
+    pub activation_energy: f64,
+    /// Its standard error [J/mol].
+    pub standard_error: f64,
+    /// χ² of the shifts with their covariance.
+    pub chi_squared: f64,
+    /// Shifts less 1.
+    pub degrees_of_freedom: usize,
+}
+
+impl Arrhenius {
+    /// ln a_T at `temperature` [K] with its standard error; `None` unless it is above 0.
+    #[must_use]
+    pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
+        (temperature > 0.0).then(|| {
+            let x = (temperature.recip() - self.reference_temperature.recip()) / GAS_CONSTANT;
+            (self.activation_energy * x, (self.standard_error * x).abs())
+        })
+    }
+}
+
+/// Both laws fitted to the same shifts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct ShiftLaws {
+    /// The law of Williams, Landel and Ferry.
+    pub wlf: Wlf,
+    /// The law of Arrhenius.
+    pub arrhenius: Arrhenius,
+    /// Probability that WLF gains as much over Arrhenius if that is true (χ² of one degree of freedom).
+    pub arrhenius_p_value: f64,
+}
+
+impl ShiftLaws {
+    /// Fits both to `log_shifts` at `differences` T - Tᵣ [K] with their `covariance`.
+    pub(super) fn new(
+        reference_temperature: f64,
+        differences: &[f64],
+        log_shifts: &[f64],
+        covariance: &[Vec<f64>],
+    ) -> Result<Self, CmodError> {
+        if differences.len() < 2 {
+            return Err(CmodError::TooFewReadings {
+                found: differences.len() + 1,
+                expected: 3,
+            });
+        }
+        let factor = Cholesky::of(covariance).ok_or(CmodError::ShiftsUndetermined)?;
+        let problem = Problem {
+            differences,
+            log_shifts,
+            factor,
+        };
+        let arrhenius = problem.arrhenius(reference_temperature);
+        let wlf = problem.wlf(reference_temperature, &arrhenius);
+        let gain = (arrhenius.chi_squared - wlf.chi_squared).max(0.0);
+        Ok(Self {
+            wlf,
+            arrhenius,
+            arrhenius_p_value: ChiSquared::new(1.0).map_or(f64::NAN, |one| one.sf(gain)),
+        })
+    }
+
+    /// Probability of no smaller χ² if WLF is true.
+    #[must_use]
+    pub fn wlf_p_value(&self) -> f64 {
+        if self.wlf.degrees_of_freedom == 0 {
+            return 1.0;
+        }
+        ChiSquared::new(count(self.wlf.degrees_of_freedom))
+            .map_or(f64::NAN, |chi| chi.sf(self.wlf.chi_squared))
+    }
+}
+
+impl fmt::Display for ShiftLaws {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (wlf, arrhenius) = (&self.wlf, &self.arrhenius);
+        writeln!(
+            f,
+            "WLF: C1 = {:.2} +- {:.2}, C2 = {:.1} +- {:.1} K, chi-squared {:.1} of {}",
+            wlf.c1,
+            wlf.c1_standard_error,
+            wlf.c2,
+            wlf.c2_standard_error,
+            wlf.chi_squared,
+            wlf.degrees_of_freedom
+        )?;
+        write!(
+            f,
+            "Arrhenius: {:.1} +- {:.1} kJ/mol, chi-squared {:.1} of {}; p = {:.2e} against WLF",
+            1e-3 * arrhenius.activation_energy,
+            1e-3 * arrhenius.standard_error,
+            arrhenius.chi_squared,
+            arrhenius.degrees_of_freedom,
+            self.arrhenius_p_value
+        )
+    }
+}
+
+/// -βd/(1 + κd) and its derivatives by β and κ; `None` beyond the pole.
+fn evaluate(slope: f64, curvature: f64, d: f64) -> Option<(f64, [f64; 2])> {
+    let pole = 1.0 + curvature * d;
+    (pole > 0.0).then(|| {
+        let by_slope = -d / pole;
+        let by_curvature = -slope * by_slope * d / pole;
+        (slope * by_slope, [by_slope, by_curvature])
+    })
+}
+
+fn quadratic(matrix: &[[f64; 2]; 2], g: [f64; 2]) -> f64 {
+    g[0] * (matrix[0][0] * g[0] + 2.0 * matrix[0][1] * g[1]) + matrix[1][1] * g[1] * g[1]
+}
+
+struct Problem<'a> {
+    differences: &'a [f64],
+    log_shifts: &'a [f64],
+    factor: Cholesky,
+}
+
+impl Problem<'_> {
+    /// χ², and the normal equations of the step.
+    fn linearised(&self, slope: f64, curvature: f64) -> Option<(f64, [[f64; 2]; 2], [f64; 2])> {
+        let n = self.differences.len();
+        let mut residual = Vec::with_capacity(n);
+        let mut columns = [Vec::with_capacity(n), Vec::with_capacity(n)];
+        for (d, log_shift) in self.differences.iter().zip(self.log_shifts) {
+            let (value, gradient) = evaluate(slope, curvature, *d)?;
+            residual.push(value - log_shift);
+            columns[0].push(gradient[0]);
+            columns[1].push(gradient[1]);
+        }
+        self.factor.solve(&mut residual);
+        for column in &mut columns {
+            self.factor.solve(column);
+        }
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let [a, b] = &columns;
+        let mixed = dot(a, b);
+        Some((
+            dot(&residual, &residual),
+            [[dot(a, a), mixed], [mixed, dot(b, b)]],
+            [dot(a, &residual), dot(b, &residual)],
+        ))
+    }
+
+    fn arrhenius(&self, reference: f64) -> Arrhenius {
+        // linear in β at κ = 1/Tᵣ
+        let curvature = reference.recip();
+        let to_energy = GAS_CONSTANT * reference * reference;
+        let (chi_squared, slope, variance) = self
+            .linearised(0.0, curvature)
+            .and_then(|(_, normal, gradient)| {
+                let slope = -gradient[0] / normal[0][0];
+                let (chi_squared, ..) = self.linearised(slope, curvature)?;
+                Some((chi_squared, slope, normal[0][0].recip()))
+            })
+            .unwrap_or((f64::NAN, f64::NAN, f64::NAN));
+        Arrhenius {
+            reference_temperature: reference,
+            activation_energy: to_energy * slope,
+            standard_error: to_energy * variance.sqrt(),
+            chi_squared,
+            degrees_of_freedom: self.differences.len() - 1,
+        }
+    }
+
+    /// Gauss-Newton with halved steps from the law of Arrhenius, which is one of this form.
+    fn wlf(&self, reference: f64, arrhenius: &Arrhenius) -> Wlf {
+        let mut slope = arrhenius.activation_energy / (GAS_CONSTANT * reference * reference);
+        let mut curvature = reference.recip();
+        let mut covariance = [[f64::NAN; 2]; 2];
+        let mut chi_squared = f64::NAN;
+        if let Some(mut here) = self.linearised(slope, curvature) {
+            for _ in 0..200 {
+                let (value, normal, gradient) = here;
+                let inverse = inverse(&normal);
+                covariance = inverse;
+                chi_squared = value;
+                let step = [
+                    -(inverse[0][0] * gradient[0] + inverse[0][1] * gradient[1]),
+                    -(inverse[1][0] * gradient[0] + inverse[1][1] * gradient[1]),
+                ];
+                let promised = -(step[0] * gradient[0] + step[1] * gradient[1]);
+                if promised.is_nan() || promised <= 1e-12 + 1e-14 * value {
+                    break;
+                }
+                let mut share = 1.0;
+                let next = loop {
+                    let trial = (slope + share * step[0], curvature + share * step[1]);
+                    match self.linearised(trial.0, trial.1) {
+                        Some(next) if next.0 < value => break Some((next, trial)),
+                        _ if share < 1e-6 => break None,
+                        _ => share *= 0.5,
+                    }
+                };
+                let Some((next, trial)) = next else {
+                    break;
+                };
+                here = next;
+                (slope, curvature) = trial;
+            }
+        }
+        // C₁ = β/(κ ln 10), C₂ = 1/κ
+        let log_ten = std::f64::consts::LN_10;
+        let by = [
+            (log_ten * curvature).recip(),
+            -slope / (log_ten * curvature * curvature),
+        ];
+        Wlf {
+            reference_temperature: reference,
+            c1: slope / (curvature * log_ten),
+            c2: curvature.recip(),
+            c1_standard_error: quadratic(&covariance, by).sqrt(),
+            c2_standard_error: covariance[1][1].sqrt() / (curvature * curvature),
+            slope,
+            curvature,
+            covariance,
+            chi_squared,
+            degrees_of_freedom: self.differences.len() - 2,
+        }
+    }
+}
+
+fn inverse(m: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    [
+        [m[1][1] / determinant, -m[0][1] / determinant],
+        [-m[1][0] / determinant, m[0][0] / determinant],
+    ]
+}
+
+/// Lower triangular L with LLᵀ the covariance of the shifts.
+struct Cholesky {
+    rows: Vec<Vec<f64>>,
+}
+
+impl Cholesky {
+    fn of(matrix: &[Vec<f64>]) -> Option<Self> {
+        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());
+        for (i, entries) in matrix.iter().enumerate() {
+            let mut row: Vec<f64> = Vec::with_capacity(i + 1);
+            for j in 0..i {
+                let known: f64 = row.iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+                row.push((entries[j] - known) / rows[j][j]);
+            }
+            let pivot = entries.get(i)? - row.iter().map(|l| l * l).sum::<f64>();
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return None;
+            }
+            row.push(pivot.sqrt());
+            rows.push(row);
+        }
+        Some(Self { rows })
+    }
+
+    /// L⁻¹ x in place.
+    fn solve(&self, x: &mut [f64]) {
+        for (i, row) in self.rows.iter().enumerate() {
+            let known: f64 = row[..i].iter().zip(x.iter()).map(|(l, x)| l * x).sum();
+            x[i] = (x[i] - known) / row[i];
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Whether what a law leaves over is noise.
+
+use std::fmt;
+use std::ops::Range;
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::least_squares::count;
+
+/// Two tests of the whitened residuals, in the order of frequency: of their signs, and of neighbours.
+///
+/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ² sees this only if the
+/// stated errors are right; these two tests do not use their size. Both take the residuals of E' and E'' together, and are
+/// one-sided: few runs, positive correlation.
+///
+/// # Validity
+/// Asymptotic, from some twenty residuals on, and for errors that are independent from line to line. The parameters that were
+/// fitted take away a little of the correlation: the probabilities are slightly too large.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Whiteness {
+    /// Number of runs, series of residuals of one sign.
+    pub runs: usize,
+    /// Their expectation for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.* **11** (1940) 147).
+    pub expected_runs: f64,
+    /// Probability of no more runs, of independent residuals.
+    pub runs_p_value: f64,
+    /// Coefficient of correlation of neighbours.
+    pub autocorrelation: f64,
+    /// Probability of no smaller a coefficient, of independent residuals.
+    pub autocorrelation_p_value: f64,
+}
+
+impl Whiteness {
+    /// `residual` has two entries a line; neighbours are lines within one of the `sequences`.
+    pub(super) fn of(residual: &[f64], sequences: &[Range<usize>]) -> Self {
+        let mut runs = 0;
+        let (mut expected, mut variance) = (0.0, 0.0);
+        let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0);
+        for sequence in sequences {
+            for part in 0..2 {
+                let values: Vec<f64> = sequence
+                    .clone()
+                    .filter_map(|line| residual.get(2 * line + part).copied())
+                    .collect();
+                let n = count(values.len());
+                let positive = count(values.iter().filter(|r| **r > 0.0).count());
+                let mean = 2.0 * positive * (n - positive) / n + 1.0;
+                let changes = values
+                    .windows(2)
+                    .filter(|pair| matches!(pair, [a, b] if (*a > 0.0) != (*b > 0.0)))
+                    .count();
+                runs += changes + 1;
+                expected += mean;
+                if n > 1.0 {
+                    variance += (mean - 1.0) * (mean - 2.0) / (n - 1.0);
+                }
+                for pair in values.windows(2) {
+                    if let [a, b] = pair {
+                        products += a * b;
+                        pairs += 1;
+                    }
+                }
+                squares += values.iter().map(|r| r * r).sum::<f64>();
+            }
+        }
+        let standard = Normal::standard();
+        // half a run for the continuity of the normal distribution
+        let runs_p_value = if variance > 0.0 {
+            standard.cdf((count(runs) + 0.5 - expected) / variance.sqrt())
+        } else {
+            1.0
+        };
+        let autocorrelation = if squares > 0.0 {
+            products / squares
+        } else {
+            0.0
+        };
+        Self {
+            runs,
+            expected_runs: expected,
+            runs_p_value,
+            autocorrelation,
+            autocorrelation_p_value: standard.sf(autocorrelation * count(pairs).sqrt()),
+        }
+    }
+
+    /// Whether neither test refuses white residuals at `significance`, the probability to refuse them wrongly by one of the
+    /// two, at most (Bonferroni).
+    #[must_use]
+    pub fn is_white(&self, significance: f64) -> bool {
+        self.runs_p_value.min(self.autocorrelation_p_value) >= 0.5 * significance
+    }
+}
+
+impl fmt::Display for Whiteness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} runs of {:.0} expected (p = {:.2e}), correlation of neighbours {:.2} (p = {:.2e})",
+            self.runs,
+            self.expected_runs,
+            self.runs_p_value,
+            self.autocorrelation,
+            self.autocorrelation_p_value
+        )
+    }
+}

@@ -1,0 +1,122 @@
+//! Random materials, rods, noise, frequencies and gaps, in search of a line that is silently wrong.
+
+use std::cell::Cell;
+
+use cmod::branch::BranchTracker;
+use num_complex::Complex64;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::rig::{Clean, Rod, flat, is_silently_wrong};
+
+/// The same cases on every run: a doubt of 1 in 10 000 lines is allowed for, and would else fail one run in many.
+fn runner(cases: u32) -> TestRunner {
+    TestRunner::new_with_rng(
+        Config::with_cases(cases),
+        TestRng::deterministic_rng(RngAlgorithm::ChaCha),
+    )
+}
+
+fn rods() -> impl Strategy<Value = Rod> {
+    (0.1..1.0, 0.008..0.02, 900.0..1300.0, 0.0..5e-3).prop_map(
+        |(length, diameter, density, accelerometer)| Rod {
+            length,
+            diameter,
+            density,
+            accelerometer,
+        },
+    )
+}
+
+/// Increasing frequencies with steps between a half and twice the mean, whatever they begin with, and one long gap.
+fn frequencies(first_hz: f64, step_hz: f64, seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut f = first_hz;
+    (0..400)
+        .map(|j| {
+            f += step_hz * (0.5 + 1.5 * random.random::<f64>());
+            if j == 150 {
+                f += 30.0 * step_hz * random.random::<f64>();
+            }
+            f
+        })
+        .collect()
+}
+
+#[test]
+fn no_line_is_silently_wrong() {
+    let strategy = (
+        rods(),
+        (0.002..0.3, 0.0..0.08, 0.0..0.4),
+        (0.0..4000.0, 5.0..60.0),
+        any::<u64>(),
+    );
+    runner(160)
+        .run(
+            &strategy,
+            |(rod, (loss, noise, missing), (first, step), seed)| {
+                let clean = Clean::of(
+                    &flat(rod.density, loss),
+                    rod,
+                    frequencies(first, step, seed),
+                );
+                let measured = clean.measured(noise, missing, seed);
+                let observation = rod.observation();
+                let tracked = BranchTracker::new()
+                    .track(&[measured.record(&clean, &observation)])
+                    .unwrap();
+                for ((line, exact), observed) in tracked.records[0]
+                    .iter()
+                    .zip(&clean.exact)
+                    .zip(&measured.observed)
+                {
+                    prop_assert!(line.expected.im.is_finite());
+                    prop_assert!((0.0..=1.0).contains(&line.confidence));
+                    if observed.is_finite() {
+                        let wrong = is_silently_wrong(line, &observation, *exact, *observed);
+                        prop_assert!(!wrong, "{line:?} instead of {exact}");
+                    }
+                }
+                Ok(())
+            },
+        )
+        .unwrap();
+}
+
+/// Anything at all, NaN and infinities among it, is answered and mostly not believed.
+#[test]
+fn numbers_without_meaning_are_not_believed() {
+    let number = prop_oneof![
+        12 => -2.0..2.0,
+        1 => Just(f64::NAN),
+        1 => Just(f64::INFINITY),
+        1 => -1e300..1e300
+    ];
+    let pair = (number.clone(), number).prop_map(|(re, im)| Complex64::new(re, im));
+    let strategy = (proptest::collection::vec(pair, 60), rods());
+    let believed = Cell::new(0);
+    let cases = 100;
+    runner(cases)
+        .run(&strategy, |(observed, rod)| {
+            let lines: Vec<f64> = (1..=60).map(|j| 40.0 * f64::from(j)).collect();
+            let mut clean = Clean::of(&flat(rod.density, 0.05), rod, lines);
+            clean.ratio = observed;
+            let measured = clean.measured(0.0, 0.0, 1);
+            let observation = rod.observation();
+            let tracked = BranchTracker::new()
+                .track(&[measured.record(&clean, &observation)])
+                .unwrap();
+            for line in &tracked.records[0] {
+                prop_assert!((0.0..=1.0).contains(&line.confidence));
+                prop_assert!(line.root.is_none_or(|root| root.is_finite()));
+                let is_believed = line.root.is_some() && line.doubt.is_none();
+                believed.set(believed.get() + u32::from(is_believed));
+            }
+            Ok(())
+        })
+        .unwrap();
+    // As noise of the size of the signal is allowed for, any material explains some of it.
+    assert!(believed.get() < 60 * cases / 50, "{}", believed.get());
+}

@@ -1,0 +1,114 @@
+//! A stated confidence of p means that a share p is right.
+
+use std::f64::consts::TAU;
+
+use cmod::branch::BranchTracker;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::rig::{ACCELEROMETER, Clean, Rod, flat, is_right};
+
+/// Lines from 0.5 on, by their confidence.
+const EDGES: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
+
+/// Lines with confidences above each edge.
+#[derive(Default, Clone, Copy)]
+struct Bin {
+    count: f64,
+    stated: f64,
+    right: f64,
+}
+
+struct Reliability {
+    bins: [Bin; EDGES.len()],
+    expected_wrong: f64,
+    wrong: f64,
+}
+
+/// Records of random materials, rods, noise and gaps, with an advance of kL from line to line between two limits.
+fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliability {
+    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let mut found = Reliability {
+        bins: [Bin::default(); EDGES.len()],
+        expected_wrong: 0.0,
+        wrong: 0.0,
+    };
+    for seed in 0..records {
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
+        let rod = Rod {
+            length: between(0.2, 0.8),
+            diameter: between(0.01, 0.02),
+            density: between(900.0, 1200.0),
+            accelerometer: ACCELEROMETER,
+        };
+        let medium = flat(rod.density, between(0.005, 0.05));
+        // c is 1600 m/s or so
+        let step = between(advance.0, advance.1) * 1600.0 / (TAU * rod.length);
+        let noise = between(0.01, 0.1);
+        let missing = between(0.05, most_missing);
+        let lines = (1..=500).map(|j| 300.0 + step * f64::from(j)).collect();
+        let clean = Clean::of(&medium, rod, lines);
+        let measured = clean.measured(noise, missing, seed);
+        let observation = rod.observation();
+        let tracked = BranchTracker::new()
+            .track(&[measured.record(&clean, &observation)])
+            .unwrap();
+        for (line, (exact, observed)) in tracked.records[0]
+            .iter()
+            .zip(clean.exact.iter().zip(&measured.observed))
+        {
+            let Some(root) = line.root else { continue };
+            let right = is_right(&observation, root, *exact, *observed);
+            found.expected_wrong += 1.0 - line.confidence;
+            found.wrong += f64::from(!right);
+            let edge = EDGES.partition_point(|edge| *edge <= line.confidence);
+            if let Some(bin) = edge
+                .checked_sub(1)
+                .and_then(|edge| found.bins.get_mut(edge))
+            {
+                bin.count += 1.0;
+                bin.stated += line.confidence;
+                bin.right += f64::from(right);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn of_lines_with_confidence_p_a_share_p_is_right() {
+    let found = reliability((0.01, 0.05), 0.3, 600);
+    for (edge, bin) in EDGES.iter().zip(found.bins) {
+        let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
+        assert!(bin.count > 200.0, "from {edge}: {} lines", bin.count);
+        // Three standard errors of a share, and 0.05 for the spread of the smooth curve, which the filter states with the
+        // wandering that it allows any material, more than that of these.
+        let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.05;
+        assert!(
+            (right - stated).abs() < tolerance,
+            "from {edge}: {right:.3} of {} lines are right, {stated:.3} stated",
+            bin.count
+        );
+    }
+    // All lines together: the number of wrong ones is the sum of their probabilities.
+    let ratio = found.wrong / found.expected_wrong;
+    assert!((0.6..1.2).contains(&ratio), "{ratio}");
+}
+
+/// Lines that are far apart are smoothed by the wandering alone, which is more than these materials have: stated too low,
+/// never too high.
+#[test]
+fn lines_far_apart_are_not_trusted_too_much() {
+    let found = reliability((0.05, 0.4), 0.5, 400);
+    for (edge, bin) in EDGES.iter().zip(found.bins) {
+        let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
+        assert!(bin.count > 100.0, "from {edge}: {} lines", bin.count);
+        let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.02;
+        assert!(
+            right > stated - tolerance,
+            "from {edge}: {right:.3} of {} lines are right, {stated:.3} stated",
+            bin.count
+        );
+    }
+    assert!(found.wrong < 1.1 * found.expected_wrong);
+}

@@ -1,0 +1,219 @@
+//! Specimens of paper A, materials, noise and gaps; and which root of a noisy line is the right one.
+
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::fs;
+use std::path::Path;
+
+use cmod::branch::{EndMass, PhaseObservation, PhaseRecord, TrackedLine};
+use num_complex::Complex64;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::chain::{AngularFrequency, WaveMedium};
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
+use rodwave::medium::{Medium, PropagationLaw};
+use rodwave::modulus::{ConstantQ, PowerLawPropagation};
+use serde::Deserialize;
+
+/// Mass of the accelerometers of paper A with their connectors [kg].
+pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
+
+#[derive(Deserialize)]
+pub(crate) struct GoldenTable {
+    pub(crate) rows: Vec<GoldenRow>,
+}
+
+#[derive(Deserialize)]
+pub(crate) struct GoldenRow {
+    pub(crate) label: String,
+    pub(crate) text: BTreeMap<String, String>,
+    pub(crate) values: BTreeMap<String, GoldenValue>,
+}
+
+#[derive(Deserialize)]
+pub(crate) struct GoldenValue {
+    pub(crate) value: f64,
+}
+
+pub(crate) fn golden(name: &str) -> GoldenTable {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/golden")
+        .join(name);
+    ron::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// A rod with its accelerometer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rod {
+    pub(crate) length: f64,
+    pub(crate) diameter: f64,
+    pub(crate) density: f64,
+    pub(crate) accelerometer: f64,
+}
+
+impl Rod {
+    pub(crate) fn mass_ratio(&self) -> f64 {
+        self.accelerometer / (self.density * 0.25 * PI * self.diameter.powi(2) * self.length)
+    }
+
+    pub(crate) fn observation(&self) -> EndMass {
+        EndMass {
+            mass_ratio: self.mass_ratio(),
+        }
+    }
+}
+
+/// Tests 1 to 10 (paper A, Table 2).
+pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
+    let table = golden("paper_a_table_2.ron");
+    assert_eq!(table.rows.len(), 10);
+    let of = |row: &GoldenRow| Rod {
+        length: row.values["length"].value,
+        diameter: row.values["diameter"].value,
+        density: row.values["density"].value,
+        accelerometer: ACCELEROMETER,
+    };
+    table.rows.iter().map(of).collect()
+}
+
+/// A wave number of 1 to 2 kHz in a polymer: E = 2.6 GPa.
+pub(crate) fn flat(density: f64, loss_factor: f64) -> Medium<ConstantQ> {
+    let law = ConstantQ::new(2.6e9, loss_factor, TAU * 1e3).unwrap();
+    Medium::new(density, law).unwrap()
+}
+
+/// Polyamide 6 by paper E, eq. 7, with `fraction` of its damping coefficient.
+pub(crate) fn polyamide(density: f64, fraction: f64) -> Medium<PowerLawPropagation> {
+    let law = PowerLawPropagation::new(fraction * 8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    Medium::new(density, law).unwrap()
+}
+
+/// Lines without noise.
+pub(crate) struct Clean {
+    pub(crate) rod: Rod,
+    pub(crate) frequency_hz: Vec<f64>,
+    pub(crate) ratio: Vec<Complex64>,
+    /// γL of the material.
+    pub(crate) exact: Vec<Complex64>,
+}
+
+impl Clean {
+    pub(crate) fn of<L>(medium: &Medium<L>, rod: Rod, frequency_hz: Vec<f64>) -> Self
+    where
+        L: PropagationLaw,
+        Medium<L>: WaveMedium<AngularFrequency> + Clone + 'static,
+    {
+        let specimen = Specimen {
+            section: Circle::of_diameter(rod.diameter).unwrap().into(),
+            length: rod.length,
+            accelerometer_mass: rod.accelerometer,
+        };
+        let test = EndAccelerationTest::new(medium, &specimen).unwrap();
+        let ratio = |f: &f64| test.acceleration_ratio(TAU * f).unwrap();
+        let exact = |f: &f64| medium.propagation_coefficient(TAU * f) * rod.length;
+        Self {
+            rod,
+            ratio: frequency_hz.iter().map(ratio).collect(),
+            exact: frequency_hz.iter().map(exact).collect(),
+            frequency_hz,
+        }
+    }
+
+    /// With noise of `noise` times |Ψ|, and `missing` of the lines not a number.
+    pub(crate) fn measured(&self, noise: f64, missing: f64, seed: u64) -> Measured {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut observed = Vec::with_capacity(self.ratio.len());
+        for ratio in &self.ratio {
+            let gap = random.random::<f64>() < missing;
+            let re: f64 = StandardNormal.sample(&mut random);
+            let im: f64 = StandardNormal.sample(&mut random);
+            // half of the variance each
+            let error = Complex64::new(re, im) * (noise * ratio.norm() * 0.5_f64.sqrt());
+            observed.push(if gap {
+                Complex64::new(f64::NAN, f64::NAN)
+            } else {
+                ratio + error
+            });
+        }
+        let variance = observed
+            .iter()
+            .map(|ratio| noise * noise * ratio.norm_sqr())
+            .collect();
+        Measured { observed, variance }
+    }
+
+    /// Conditions (i) and (ii) of paper A, by the exact wave number.
+    pub(crate) fn is_inside(&self, line: usize) -> bool {
+        let wavelength = TAU * self.rod.length / self.exact[line].im;
+        wavelength > 5.0 * self.rod.diameter && wavelength < 5.0 * self.rod.length
+    }
+}
+
+/// What the analyser gives.
+pub(crate) struct Measured {
+    pub(crate) observed: Vec<Complex64>,
+    pub(crate) variance: Vec<f64>,
+}
+
+impl Measured {
+    pub(crate) fn record<'a>(
+        &'a self,
+        clean: &'a Clean,
+        observation: &'a EndMass,
+    ) -> PhaseRecord<'a> {
+        PhaseRecord {
+            observation,
+            length: clean.rod.length,
+            frequency_hz: &clean.frequency_hz,
+            observed: &self.observed,
+            variance: Some(&self.variance),
+        }
+    }
+}
+
+/// Whether a root is the one nearest to the exact γL.
+///
+/// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the nearest one else is π or more
+/// away. Roots within 0.005 of each other are one, as the tracker has it.
+pub(crate) fn is_right(
+    observation: &EndMass,
+    root: Complex64,
+    exact: Complex64,
+    observed: Complex64,
+) -> bool {
+    let [value, slope, curvature] = observation.expand(root);
+    assert!(
+        (value - observed).norm() < 1e-7 * (1.0 + observed.norm()),
+        "{root} is no root"
+    );
+    // the parabola is good near where they meet; Newton's iteration does the rest, unless it returns to the root
+    let mut reflected = root - 2.0 * slope / curvature;
+    if (reflected - root).norm() < 2.0 {
+        let mut refined = reflected;
+        for _ in 0..6 {
+            let [value, slope, _] = observation.expand(refined);
+            refined += (observed - value) / slope;
+        }
+        if (refined - reflected).norm() < 0.5 * (refined - root).norm() {
+            reflected = refined;
+        }
+    }
+    let (here, there) = ((root - exact).norm(), (reflected - exact).norm());
+    here < 1.5 && (here <= there || (root - reflected).norm() < 0.005)
+}
+
+/// Whether a line is silently wrong.
+pub(crate) fn is_silently_wrong(
+    line: &TrackedLine,
+    observation: &EndMass,
+    exact: Complex64,
+    observed: Complex64,
+) -> bool {
+    let flagged = line.doubt.is_some_and(|doubt| doubt.is_ambiguous());
+    let right = line
+        .root
+        .is_none_or(|root| is_right(observation, root, exact, observed));
+    !right && !flagged
+}

@@ -1,0 +1,303 @@
+//! Cards are read back by a small parser of each format, and E(ω) is computed from their numbers.
+
+use cmod::CmodError;
+use cmod::rheology::card::{BulkBehaviour, LS_DYNA_TERMS, MaterialCard, Moduli};
+use num_complex::Complex64;
+use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
+
+fn law() -> GeneralisedMaxwell {
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    let branches = vec![
+        branch(0.3123456e9, 2.2e-6),
+        branch(0.4e9, 4e-5),
+        branch(0.15e9, 3.3e-4),
+        branch(0.25e9, 0.01),
+    ];
+    GeneralisedMaxwell::new(1.5e9, branches).unwrap()
+}
+
+/// Shear and bulk modulus of instantaneous values and terms (modulus, relaxation time).
+#[derive(Debug, Default)]
+struct Solid {
+    shear: f64,
+    bulk: f64,
+    shear_terms: Vec<(f64, f64)>,
+    bulk_terms: Vec<(f64, f64)>,
+}
+
+impl Solid {
+    fn relaxed(instantaneous: f64, terms: &[(f64, f64)], omega: f64) -> Complex64 {
+        let lost: Complex64 = terms
+            .iter()
+            .map(|(modulus, time)| modulus / Complex64::new(1.0, omega * time))
+            .sum();
+        instantaneous - lost
+    }
+
+    fn young(&self, omega: f64) -> Complex64 {
+        let g = Self::relaxed(self.shear, &self.shear_terms, omega);
+        let k = Self::relaxed(self.bulk, &self.bulk_terms, omega);
+        9.0 * k * g / (3.0 * k + g)
+    }
+
+    fn of_young(young: f64, poisson: f64) -> Self {
+        Self {
+            shear: young / (2.0 * (1.0 + poisson)),
+            bulk: young / (3.0 * (1.0 - 2.0 * poisson)),
+            ..Self::default()
+        }
+    }
+}
+
+fn numbers(line: &str) -> Vec<f64> {
+    line.split(',')
+        .map(str::trim)
+        .filter(|field| !field.is_empty())
+        .map(|field| field.parse().unwrap())
+        .collect()
+}
+
+fn read_abaqus(text: &str) -> Solid {
+    let mut lines = text.lines().filter(|line| !line.starts_with("**"));
+    let mut keyword = String::new();
+    let (mut young, mut poisson, mut ratios) = (0.0, 0.0, Vec::new());
+    let mut instantaneous = None;
+    for line in &mut lines {
+        if line.starts_with('*') {
+            keyword = line.to_owned();
+            if keyword.starts_with("*ELASTIC") {
+                instantaneous = Some(keyword.ends_with("MODULI=INSTANTANEOUS"));
+                assert!(instantaneous == Some(true) || keyword.ends_with("MODULI=LONG TERM"));
+            }
+        } else if keyword.starts_with("*ELASTIC") {
+            [young, poisson] = numbers(line).try_into().unwrap();
+        } else if keyword == "*VISCOELASTIC, TIME=PRONY" {
+            let [g, k, tau] = numbers(line).try_into().unwrap();
+            ratios.push([g, k, tau]);
+        }
+    }
+    let mut solid = Solid::of_young(young, poisson);
+    if instantaneous == Some(false) {
+        solid.shear /= 1.0 - ratios.iter().map(|[g, ..]| g).sum::<f64>();
+        solid.bulk /= 1.0 - ratios.iter().map(|[_, k, _]| k).sum::<f64>();
+    }
+    for [g, k, tau] in ratios {
+        solid.shear_terms.push((g * solid.shear, tau));
+        solid.bulk_terms.push((k * solid.bulk, tau));
+    }
+    solid
+}
+
+fn read_ansys(text: &str) -> Solid {
+    let property = |name: &str| -> f64 {
+        let prefix = format!("MP,{name},7,");
+        let line = text.lines().find(|line| line.starts_with(&prefix)).unwrap();
+        line[prefix.len()..].parse().unwrap()
+    };
+    let mut solid = Solid::of_young(property("EX"), property("PRXY"));
+    let mut expected = 0;
+    let mut shear = true;
+    for line in text.lines() {
+        if let Some(table) = line.strip_prefix("TB,PRONY,7,1,") {
+            let (count, option) = table.split_once(',').unwrap();
+            expected += count.parse::<usize>().unwrap();
+            shear = option == "SHEAR";
+            assert!(shear || option == "BULK");
+        } else if let Some(data) = line.strip_prefix("TBDATA,") {
+            let [_, ratio, tau] = numbers(data).try_into().unwrap();
+            if shear {
+                solid.shear_terms.push((ratio * solid.shear, tau));
+            } else {
+                solid.bulk_terms.push((ratio * solid.bulk, tau));
+            }
+        }
+    }
+    assert_eq!(solid.shear_terms.len() + solid.bulk_terms.len(), expected);
+    solid
+}
+
+fn read_ls_dyna(text: &str) -> Solid {
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(2)
+        .filter(|line| !line.starts_with('$'))
+        .map(|line| {
+            assert!(line.len() % 10 == 0 && line.len() <= 80, "{line:?}");
+            (0..line.len() / 10)
+                .map(|k| line[10 * k..10 * (k + 1)].trim().parse().unwrap())
+                .collect()
+        })
+        .collect();
+    assert_eq!(rows[0].len(), 8);
+    assert!(
+        rows[0][3..]
+            .iter()
+            .chain(&rows[1])
+            .all(|entry| *entry == 0.0)
+    );
+    let mut solid = Solid {
+        bulk: rows[0][2],
+        ..Solid::default()
+    };
+    for row in &rows[2..] {
+        let [shear, rate, bulk, bulk_rate] = row.as_slice().try_into().unwrap();
+        assert!(bulk == 0.0 && bulk_rate == 0.0);
+        solid.shear += shear;
+        if rate > 0.0 {
+            solid.shear_terms.push((shear, 1.0 / rate));
+        }
+    }
+    solid
+}
+
+fn largest_error(solid: &Solid) -> f64 {
+    let law = law();
+    (0..60)
+        .map(|j| {
+            let omega = 10.0_f64.powf(-1.0 + 0.15 * f64::from(j));
+            (solid.young(omega) / law.at(omega) - 1.0).norm()
+        })
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn modulus_is_that_of_the_numbers_on_the_card() {
+    let law = law();
+    let card = MaterialCard::new("PP-homo", 912.0, 0.38, &law).unwrap();
+    for bulk in [BulkBehaviour::ConstantPoissonRatio, BulkBehaviour::Elastic] {
+        for moduli in [Moduli::Instantaneous, Moduli::LongTerm] {
+            let error = largest_error(&read_abaqus(&card.abaqus(moduli, bulk).unwrap()));
+            // all digits: rounding of sums of five terms, twice that where K and G are turned to E and back
+            assert!(error < 1e-13, "{moduli:?}, {bulk:?}: {error:e}");
+        }
+        let error = largest_error(&read_ansys(&card.ansys(7, bulk).unwrap()));
+        assert!(error < 1e-13, "{bulk:?}: {error:e}");
+    }
+    // six digits in ten columns: half a unit of the last is 5e-6 of each of five terms of one sign
+    let error = largest_error(&read_ls_dyna(&card.ls_dyna(7).unwrap()));
+    assert!(error < 5e-6, "{error:e}");
+    assert!(error > 1e-9, "ten columns cannot hold more");
+}
+
+/// With an elastic bulk the Poisson ratio grows as the material relaxes, and the times of shear are shorter than those of E.
+#[test]
+fn elastic_bulk_is_not_a_constant_ratio() {
+    let law = law();
+    let card = MaterialCard::new("PP", 912.0, 0.38, &law).unwrap();
+    let read = |bulk| read_abaqus(&card.abaqus(Moduli::LongTerm, bulk).unwrap());
+    let (constant, elastic) = (
+        read(BulkBehaviour::ConstantPoissonRatio),
+        read(BulkBehaviour::Elastic),
+    );
+    assert_eq!(elastic.shear_terms.len(), law.branches().len());
+    for (term, branch) in elastic.shear_terms.iter().zip(law.branches()) {
+        assert!(term.1 < branch.relaxation_time && term.1 > 0.5 * branch.relaxation_time);
+    }
+    assert!(
+        elastic
+            .bulk_terms
+            .iter()
+            .all(|(modulus, _)| *modulus == 0.0)
+    );
+    assert!(
+        constant
+            .bulk_terms
+            .iter()
+            .all(|(modulus, _)| *modulus > 0.0)
+    );
+}
+
+/// The texts as they are; ten columns and the ends of lines matter to programs of this age.
+#[test]
+fn texts_of_the_cards() {
+    let branch = MaxwellBranch {
+        modulus: 0.5e9,
+        relaxation_time: 1e-4,
+    };
+    let law = GeneralisedMaxwell::new(1.5e9, vec![branch]).unwrap();
+    let card = MaterialCard::new("PP", 912.0, 0.25, &law).unwrap();
+    let constant = BulkBehaviour::ConstantPoissonRatio;
+    assert_eq!(
+        card.abaqus(Moduli::Instantaneous, constant).unwrap(),
+        "\
+** units: m, kg, s, Pa
+*MATERIAL, NAME=PP
+*DENSITY
+912,
+*ELASTIC, MODULI=INSTANTANEOUS
+2e9, 0.25
+*VISCOELASTIC, TIME=PRONY
+2.5e-1, 2.5e-1, 1e-4
+"
+    );
+    assert_eq!(
+        card.ansys(3, constant).unwrap(),
+        "\
+! PP; units: m, kg, s, Pa; elastic constants are instantaneous
+MP,EX,3,2e9
+MP,PRXY,3,0.25
+MP,DENS,3,912
+TB,PRONY,3,1,1,SHEAR
+TBDATA,1,2.5e-1,1e-4
+TB,PRONY,3,1,1,BULK
+TBDATA,1,2.5e-1,1e-4
+"
+    );
+    // K = 4/3 GPa; 9K - E∞ = 10.5 GPa and 9K - E(∞) = 10 GPa: μ = 1.05 λ, G∞ = 3K E∞/10.5 GPa, G(0) = 0.8 GPa
+    assert_eq!(
+        card.ls_dyna(3).unwrap(),
+        "\
+*MAT_GENERAL_VISCOELASTIC_TITLE
+PP
+$ units: m, kg, s, Pa
+$#     mid        ro      bulk       pcf        ef      tref         a         b
+         3    9.12e21.333333e9       0e0       0e0       0e0       0e0       0e0
+$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk
+         0         0         0         0         0         0         0         0
+$#      gi     betai        ki    betaki
+5.714286e8       0e0       0e0       0e0
+2.285714e8    1.05e4       0e0       0e0
+"
+    );
+}
+
+#[test]
+fn materials_that_have_no_card() {
+    let law = law();
+    for name in ["", "7up", "a b", "a,b", "a\nb", "é"] {
+        assert!(matches!(
+            MaterialCard::new(name, 912.0, 0.3, &law),
+            Err(CmodError::CardName { .. })
+        ));
+    }
+    for poisson in [0.5, -1.0, f64::NAN] {
+        assert!(MaterialCard::new("PP", 912.0, poisson, &law).is_err());
+    }
+    assert!(MaterialCard::new("PP", 0.0, 0.3, &law).is_err());
+    let fluid = GeneralisedMaxwell::new(0.0, law.branches().to_vec()).unwrap();
+    assert!(MaterialCard::new("PP", 912.0, 0.3, &fluid).is_err());
+    let spring = GeneralisedMaxwell::new(1e9, Vec::new()).unwrap();
+    assert!(MaterialCard::new("PP", 912.0, 0.3, &spring).is_err());
+
+    let many = (0..18).map(|j| MaxwellBranch {
+        modulus: 1e7,
+        relaxation_time: 10.0_f64.powi(j - 9),
+    });
+    let long = GeneralisedMaxwell::new(1e9, many.collect()).unwrap();
+    let card = MaterialCard::new("PP", 912.0, 0.3, &long).unwrap();
+    assert_eq!(
+        card.ls_dyna(1).unwrap_err(),
+        CmodError::CardTerms {
+            program: "LS-DYNA",
+            found: 19,
+            most: LS_DYNA_TERMS
+        }
+    );
+    let twins = vec![law.branches()[0]; 2];
+    let twins = GeneralisedMaxwell::new(1e9, twins).unwrap();
+    let card = MaterialCard::new("PP", 912.0, 0.3, &twins).unwrap();
+    assert!(card.ansys(1, BulkBehaviour::Elastic).is_err());
+}

@@ -1,0 +1,271 @@
+//! Closed laws: truth found, errors as scattered, intervals that cover, residuals that tell a wrong law.
+
+use cmod::rheology::{
+    Ending, ErrorScale, FitOptions, FittedLaw, Law, ModulusData, PronyFit, RheologicalFit,
+};
+use num_complex::Complex64;
+use rodwave::medium::PropagationLaw;
+use rodwave::modulus::{
+    ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, KelvinVoigt,
+    MaxwellBranch, PowerLawPropagation, Zener,
+};
+
+use crate::measured::{Noise, logarithmic, measured};
+
+fn two_branches() -> GeneralisedMaxwell {
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    GeneralisedMaxwell::new(2.0e9, vec![branch(0.4e9, 2e-5), branch(0.3e9, 1e-3)]).unwrap()
+}
+
+type Truth = (Law, Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
+
+/// Laws with the values of their parameters in the order of the fit.
+fn truths() -> Vec<Truth> {
+    let kelvin_voigt = KelvinVoigt::new(2.0e9, 1.5e4).unwrap();
+    let zener = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
+    let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let skew = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5).unwrap();
+    let nylon = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    let series = two_branches();
+    vec![
+        (
+            Law::KelvinVoigt,
+            Box::new(move |omega| kelvin_voigt.at(omega)),
+            vec![2.0e9, 1.5e4],
+        ),
+        (
+            Law::Zener,
+            Box::new(move |omega| zener.at(omega)),
+            vec![2.0e9, 0.7e9, 4e-5],
+        ),
+        (
+            Law::FractionalZener,
+            Box::new(move |omega| fractional.at(omega)),
+            vec![1.8e9, 1.6e9, 4e-5, 0.45],
+        ),
+        (
+            Law::HavriliakNegami,
+            Box::new(move |omega| skew.at(omega)),
+            vec![1.5e9, 2.1e9, 2e-4, 0.7, 0.35],
+        ),
+        (
+            Law::PowerLaw { density: 1150.0 },
+            Box::new(move |omega| PropagationLaw::modulus(&nylon, omega, 1150.0)),
+            vec![8.818e-5, 0.894, 8.937e-4, 0.970],
+        ),
+        (
+            Law::GeneralisedMaxwell,
+            Box::new(move |omega| series.at(omega)),
+            vec![2.0e9, 0.4e9, 2e-5, 0.3e9, 1e-3],
+        ),
+    ]
+}
+
+fn band() -> Vec<f64> {
+    logarithmic(50.0, 50e3, 100)
+}
+
+/// Stated errors of 1 % and no error: the minimum is the truth, up to where the iteration ends.
+#[test]
+fn exact_data_return_their_law() {
+    for (law, modulus, truth) in truths() {
+        let points: Vec<_> = band()
+            .into_iter()
+            .map(|f| {
+                let e = modulus(std::f64::consts::TAU * f);
+                cmod::rheology::ModulusPoint::circular(f, e, 0.01 * e.norm())
+            })
+            .collect();
+        let data = ModulusData::new(&points).unwrap();
+        let fit = match law {
+            Law::GeneralisedMaxwell => {
+                PronyFit::with_order(&data, 2, &FitOptions::default())
+                    .unwrap()
+                    .fit
+            }
+            _ => RheologicalFit::new(&data, law, &FitOptions::default()).unwrap(),
+        };
+        assert_eq!(fit.ending, Ending::Converged, "{law}");
+        assert!(fit.chi_squared < 1e-6, "{law}: {:e}", fit.chi_squared);
+        for (parameter, truth) in fit.parameters.iter().zip(&truth) {
+            // the last steps are those of Newton; 1e-4 is a hundredth of the error that 1 % leaves
+            assert!(
+                (parameter.value / truth - 1.0).abs() < 1e-4,
+                "{law}: {} {:e}",
+                parameter.name,
+                parameter.value
+            );
+        }
+    }
+}
+
+/// Scatter over 200 seeds against the stated covariance, and how often the 95 % intervals contain the truth. Errors of E' and
+/// E'' are correlated.
+#[test]
+fn covariance_is_the_scatter_and_intervals_cover() {
+    let seeds: u32 = 200;
+    for (law, modulus, truth) in truths() {
+        let p = truth.len();
+        let mut sum = vec![vec![0.0; p]; p];
+        let mut stated = vec![vec![0.0; p]; p];
+        let mut covered = vec![0; p];
+        let mut chi_squared = 0.0;
+        for seed in 0..seeds {
+            let data = measured(&modulus, &band(), Noise::CORRELATED, u64::from(seed));
+            let options = FitOptions::default();
+            let fit = match law {
+                Law::GeneralisedMaxwell => PronyFit::with_order(&data, 2, &options).unwrap().fit,
+                _ => RheologicalFit::new(&data, law, &options).unwrap(),
+            };
+            chi_squared += fit.chi_squared / f64::from(seeds) / fit.degrees_of_freedom as f64;
+            let covariance = fit.covariance.as_ref().unwrap();
+            let error: Vec<f64> = fit
+                .parameters
+                .iter()
+                .zip(&truth)
+                .map(|(parameter, truth)| match parameter.scale {
+                    cmod::rheology::Scale::Ratio => (parameter.value / truth).ln(),
+                    cmod::rheology::Scale::LogOdds => {
+                        let odds = |a: f64| (a / (1.0 - a)).ln();
+                        odds(parameter.value) - odds(*truth)
+                    }
+                    _ => parameter.value - truth,
+                })
+                .collect();
+            for i in 0..p {
+                covered[i] += u32::from(fit.parameters[i].interval.contains(truth[i]));
+                for j in 0..p {
+                    sum[i][j] += error[i] * error[j] / f64::from(seeds);
+                    stated[i][j] += covariance[i][j] / f64::from(seeds);
+                }
+            }
+        }
+        // mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1: 0.007; four of these
+        assert!((chi_squared - 1.0).abs() < 0.03, "{law}: {chi_squared}");
+        for i in 0..p {
+            let share = f64::from(covered[i]) / f64::from(seeds);
+            // binomial: 0.95 ± 0.0154; three of these above and below
+            assert!((0.90..=0.99).contains(&share), "{law}, {i}: {share}");
+            for j in 0..p {
+                let scale = (stated[i][i] * stated[j][j]).sqrt();
+                // the scatter of a mean product of 200: (1 + r²)^½/√200 <= 0.1; four of these
+                assert!(
+                    (sum[i][j] - stated[i][j]).abs() < 0.4 * scale,
+                    "{law}, {i} {j}: {:e} {:e}",
+                    sum[i][j],
+                    stated[i][j]
+                );
+            }
+        }
+    }
+}
+
+/// Errors stated five times too small: those from the residual are right again, and the scatter is reported.
+#[test]
+fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
+    let law = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
+    let points = crate::measured::points(|omega| law.at(omega), &band(), Noise::CORRELATED, 3);
+    let optimistic: Vec<_> = points
+        .iter()
+        .map(|point| cmod::rheology::ModulusPoint {
+            covariance: point.covariance.through(0.2.into()),
+            ..*point
+        })
+        .collect();
+    let options = FitOptions::default().with_error_scale(ErrorScale::FromResidual);
+    let fit = |points: &[_]| {
+        RheologicalFit::new(&ModulusData::new(points).unwrap(), Law::Zener, &options).unwrap()
+    };
+    let (right, wrong) = (fit(&points), fit(&optimistic));
+    assert!((wrong.variance_factor / right.variance_factor / 25.0 - 1.0).abs() < 1e-6);
+    // standard deviation of χ²/ν with ν = 197: 0.1
+    assert!((right.variance_factor - 1.0).abs() < 0.3);
+    for (a, b) in right.parameters.iter().zip(&wrong.parameters) {
+        // both minima to 1e-9 of χ²: 3e-5 of an error
+        assert!((a.standard_error / b.standard_error - 1.0).abs() < 1e-4);
+    }
+}
+
+/// The band that a fit predicts at frequencies of the data and outside covers the truth as often as it says.
+#[test]
+fn predicted_errors_are_the_scatter_of_the_prediction() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let omegas = [100.0, 1e4, 1e6];
+    let seeds: u32 = 200;
+    let mut mean_square = [[0.0; 2]; 3];
+    for seed in 0..seeds {
+        let data = measured(
+            |omega| law.at(omega),
+            &band(),
+            Noise::CORRELATED,
+            u64::from(seed) + 1000,
+        );
+        let fit = RheologicalFit::new(&data, Law::FractionalZener, &FitOptions::default()).unwrap();
+        for (omega, sums) in omegas.iter().zip(&mut mean_square) {
+            let predicted = fit.prediction(*omega).unwrap();
+            let error = predicted.modulus - law.at(*omega);
+            sums[0] += error.re.powi(2) / predicted.covariance[0][0] / f64::from(seeds);
+            sums[1] += error.im.powi(2) / predicted.covariance[1][1] / f64::from(seeds);
+        }
+    }
+    for sums in mean_square {
+        for mean in sums {
+            // χ² of 200 by 200: 1 ± 0.1; three of these
+            assert!((0.7..1.35).contains(&mean), "{mean_square:?}");
+        }
+    }
+}
+
+/// White under the true law with the stated probability; not white under laws that are not.
+#[test]
+fn residuals_tell_a_wrong_law() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let options = FitOptions::default();
+    let mut refused = 0;
+    for seed in 0..200 {
+        let data = measured(
+            |omega| law.at(omega),
+            &band(),
+            Noise::CORRELATED,
+            5000 + seed,
+        );
+        let right = RheologicalFit::new(&data, Law::FractionalZener, &options).unwrap();
+        refused += u32::from(!right.whiteness.is_white(0.05));
+        if seed < 10 {
+            assert!(right.p_value() > 1e-4);
+            let wrong = RheologicalFit::new(&data, Law::Zener, &options).unwrap();
+            assert!(!wrong.whiteness.is_white(0.01), "{}", wrong.whiteness);
+            assert!(wrong.p_value() < 1e-6);
+            assert!(wrong.bic > right.bic + 20.0);
+        }
+    }
+    // at most 0.05 of 200 with ±3.1; three of these above. The two tests are nearly independent, so it is not far below
+    assert!((1..=20).contains(&refused), "{refused}");
+}
+
+/// The law of a power-law fit is that of rodwave, where it is one.
+#[test]
+fn power_laws_are_those_of_rodwave() {
+    let nylon = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    let data = measured(
+        |omega| PropagationLaw::modulus(&nylon, omega, 1150.0),
+        &band(),
+        Noise::circular(0.002),
+        7,
+    );
+    let law = Law::PowerLaw { density: 1150.0 };
+    let fit = RheologicalFit::new(&data, law, &FitOptions::default()).unwrap();
+    let FittedLaw::PowerLaw(found) = fit.law else {
+        panic!("{:?}", fit.law)
+    };
+    let same = found.law().unwrap();
+    let error = PropagationLaw::modulus(&same, 1e4, 1150.0) - found.modulus(1e4);
+    assert!(error.norm() < 1e-14 * found.modulus(1e4).norm());
+    // an elastic rod has q = 1 and no damping: the fit may find q > 1, which is no law
+    let mut softer = found;
+    softer.wave_number_exponent = 1.001;
+    assert!(softer.law().is_err());
+}

@@ -1,0 +1,158 @@
+//! The number of branches of a Prony series.
+
+use cmod::rheology::{Criterion, FitOptions, Law, PronyFit, RheologicalFit};
+use rodwave::modulus::{ComplexModulus, FractionalZener, GeneralisedMaxwell, MaxwellBranch};
+
+use crate::measured::{Noise, logarithmic, measured};
+
+fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
+    let branches = branches
+        .iter()
+        .map(|&(modulus, relaxation_time)| MaxwellBranch {
+            modulus,
+            relaxation_time,
+        })
+        .collect();
+    GeneralisedMaxwell::new(equilibrium, branches).unwrap()
+}
+
+/// One to five branches, 1.2 decades apart and more: the true order in 90 of 100 seeds at least, and in all no branch that is
+/// not positive.
+#[test]
+fn separated_branches_are_counted() {
+    let all = [
+        (0.3e9, 2e-6),
+        (0.2e9, 4e-5),
+        (0.25e9, 8e-4),
+        (0.15e9, 1.6e-2),
+        (0.2e9, 0.3),
+    ];
+    for branches in 1..=5 {
+        let law = series(1.5e9, &all[..branches]);
+        let longest = all[branches - 1].1;
+        let frequency = logarithmic(0.05 / longest, 5e5, 40 * (branches as u32 + 1));
+        let mut right = 0;
+        for seed in 0..100 {
+            let data = measured(
+                |omega| law.at(omega),
+                &frequency,
+                Noise::circular(0.005),
+                seed,
+            );
+            let options = FitOptions::default().with_profiles(false);
+            let fit = PronyFit::new(&data, &options).unwrap();
+            let found = fit.fit.law.prony_series().unwrap();
+            let solid = found.equilibrium_modulus() > 0.0;
+            right += u32::from(solid && found.branches().len() == branches);
+            for pair in found.branches().windows(2) {
+                assert!(pair[0].relaxation_time < pair[1].relaxation_time);
+            }
+            for branch in found.branches() {
+                assert!(branch.modulus > 0.0 && branch.relaxation_time > 0.0);
+            }
+            assert!(fit.orders.iter().any(|order| order.branches == branches));
+        }
+        assert!(right >= 90, "{branches} branches: {right} of 100");
+    }
+}
+
+/// A fluid has no spring, and is not given one.
+#[test]
+fn fluid_keeps_no_spring() {
+    let law = series(0.0, &[(0.3e9, 4e-5), (0.2e9, 8e-4)]);
+    let frequency = logarithmic(5.0, 5e4, 100);
+    let mut right = 0;
+    for seed in 0..20 {
+        let data = measured(
+            |omega| law.at(omega),
+            &frequency,
+            Noise::circular(0.01),
+            seed,
+        );
+        let fit = PronyFit::new(&data, &FitOptions::default()).unwrap();
+        let found = fit.fit.law.prony_series().unwrap();
+        right += u32::from(found.equilibrium_modulus() == 0.0 && found.branches().len() == 2);
+    }
+    assert!(right >= 18, "{right} of 20");
+}
+
+/// No longer series has a lower χ² than the longest that was tried, by more than the search leaves: χ² is convex in the spectrum.
+#[test]
+fn no_longer_series_fits_better() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let frequency = logarithmic(20.0, 50e3, 120);
+    for seed in 0..5 {
+        let data = measured(
+            |omega| law.at(omega),
+            &frequency,
+            Noise::circular(0.005),
+            seed,
+        );
+        let options = FitOptions::default().with_profiles(false);
+        let fit = PronyFit::new(&data, &options).unwrap();
+        let least = fit
+            .orders
+            .iter()
+            .map(|order| order.chi_squared)
+            .fold(f64::INFINITY, f64::min);
+        let longest = fit.orders.iter().map(|order| order.branches).max().unwrap();
+        for more in 1..=2 {
+            let longer = PronyFit::with_order(&data, longest + more, &options).unwrap();
+            // the search for further lines ends where one promises to gain less than 1
+            assert!(
+                longer.fit.chi_squared > least - 1.5,
+                "{least} {}",
+                longer.fit.chi_squared
+            );
+        }
+    }
+}
+
+/// A fractional material is no Prony series: it takes one or two branches a decade, the fractional law is preferred by
+/// far, and its residuals are white where those of too short a series are not.
+#[test]
+fn fractional_material_is_recognised() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let frequency = logarithmic(20.0, 50e3, 150);
+    let options = FitOptions::default();
+    for seed in 0..10 {
+        let data = measured(
+            |omega| law.at(omega),
+            &frequency,
+            Noise::circular(0.003),
+            seed,
+        );
+        let series = PronyFit::new(&data, &options).unwrap();
+        let fractional = RheologicalFit::new(&data, Law::FractionalZener, &options).unwrap();
+        let branches = series.fit.law.prony_series().unwrap().branches().len();
+        assert!((3..=8).contains(&branches), "{branches}");
+        assert!(fractional.bic < series.fit.bic - 6.0);
+        assert!(fractional.whiteness.is_white(0.001));
+        // a single relaxation leaves waves
+        let one = PronyFit::with_order(&data, 1, &options).unwrap();
+        assert!(!one.fit.whiteness.is_white(0.001));
+    }
+}
+
+/// AICc takes no fewer branches than BIC.
+#[test]
+fn criteria_are_ordered() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let frequency = logarithmic(20.0, 50e3, 150);
+    for seed in 0..10 {
+        let data = measured(
+            |omega| law.at(omega),
+            &frequency,
+            Noise::circular(0.003),
+            seed,
+        );
+        let branches = |criterion| {
+            let options = FitOptions::default()
+                .with_criterion(criterion)
+                .with_profiles(false);
+            let fit = PronyFit::new(&data, &options).unwrap();
+            fit.fit.parameters.len()
+        };
+        assert!(branches(Criterion::Aicc) >= branches(Criterion::Bic));
+    }
+}

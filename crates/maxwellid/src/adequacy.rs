@@ -1,0 +1,338 @@
+//! The paper's measures of adequacy: a trained classifier, for history and for comparison.
+//!
+//! # Method
+//! P_i(y) estimates whether pattern y belongs to law i: P_i = w_iᵀ φ(y), with 0 and 1 as targets r_i on the standard samples. The weights
+//! follow by stochastic approximation (Robbins and Monro) with a gain α_k = a₀/(k₀ + k) (Ödeen 1993, paper D, section 2.2):
+//!
+//! ```text
+//! least mean square      w ← w + α_k φ (r - wᵀφ)
+//! increment correction   w ← w + α_k φ sgn(r - wᵀφ)
+//! ```
+//!
+//! The first tends to the least-squares approximation of the probability of the class, which [`Weights::least_squares`] computes at
+//! once and which is the reference; the second to the conditional median of a variable that is 0 or 1, which is no
+//! probability.
+//!
+//! # Freedoms
+//! The paper does not say which basis, gain, order and number of passes were used, nor what became of values outside 0 to 1. Here they are
+//! settings; values are returned as they come. With a constant in the basis and one recursion for all classes, the P_i of the
+//! first form sum to one in the limit. Those of Table 3 sum to 1.04 to 1.76, so they are not that limit, and nothing here is
+//! tuned to them.
+//!
+//! # What this does not do
+//! It decides nothing: with sixty samples a law such a classifier is right in about half of the cases, without noise. Decisions come from
+//! [`crate::selection`].
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use crate::error::MaxwellidError;
+
+/// Functions φ of the projected pattern z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Basis {
+    /// 1 and z.
+    Linear,
+    /// 1, z, and all products of two.
+    Quadratic,
+}
+
+impl Basis {
+    /// φ(z).
+    #[must_use]
+    pub fn of(self, projected: &[f64]) -> Vec<f64> {
+        let mut features = vec![1.0];
+        features.extend_from_slice(projected);
+        if self == Self::Quadratic {
+            for (i, a) in projected.iter().enumerate() {
+                features.extend(projected[i..].iter().map(|b| a * b));
+            }
+        }
+        features
+    }
+}
+
+/// The error that a correction answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Correction {
+    /// In proportion to the error.
+    LeastMeanSquare,
+    /// By its sign.
+    Increment,
+}
+
+/// Settings of the stochastic approximation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobbinsMonro {
+    /// Form of the recursion.
+    pub correction: Correction,
+    /// a₀ of the gain.
+    pub gain: f64,
+    /// k₀ of the gain; `None` for the mean of |φ|², with which the first correction does not overshoot.
+    pub delay: Option<f64>,
+    /// Passes over the samples, each in an order of its own.
+    pub passes: usize,
+    /// Whether the mean of the weights over the second half of the steps is returned (Polyak and Ruppert) instead of the last ones.
+    pub averages: bool,
+    /// Seed of the orders.
+    pub seed: u64,
+}
+
+impl Default for RobbinsMonro {
+    /// Least mean square, a₀ = 1, three hundred passes, averaged.
+    fn default() -> Self {
+        Self {
+            correction: Correction::LeastMeanSquare,
+            gain: 1.0,
+            delay: None,
+            passes: 300,
+            averages: true,
+            seed: 1993,
+        }
+    }
+}
+
+/// Weights of all classes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    of_class: Vec<Vec<f64>>,
+}
+
+impl Weights {
+    /// Weights by stochastic approximation from `features` φ and the class of each sample.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::UnequalSamples`] unless features and classes are as many and the features of one length;
+    /// [`MaxwellidError::Setting`] for a gain that is not positive or a delay that is negative.
+    pub fn robbins_monro(
+        features: &[Vec<f64>],
+        class_of: &[usize],
+        settings: &RobbinsMonro,
+    ) -> Result<Self, MaxwellidError> {
+        let (length, classes) = check(features, class_of)?;
+        let mean_square = features
+            .iter()
+            .map(|phi| phi.iter().map(|f| f * f).sum::<f64>())
+            .sum::<f64>()
+            / features.len() as f64;
+        let delay = settings.delay.unwrap_or(mean_square);
+        for (setting, value, is_good) in [
+            (
+                "gain of the stochastic approximation",
+                settings.gain,
+                settings.gain > 0.0,
+            ),
+            ("delay of the gain", delay, delay >= 0.0),
+        ] {
+            if !(value.is_finite() && is_good) {
+                return Err(MaxwellidError::Setting {
+                    setting,
+                    value,
+                    expected: "a finite value above 0",
+                });
+            }
+        }
+        let mut order: Vec<usize> = (0..features.len()).collect();
+        let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
+        let mut weights = vec![vec![0.0; length]; classes];
+        let mut mean = vec![vec![0.0; length]; classes];
+        let steps = settings.passes * features.len();
+        let (mut step, mut averaged) = (0_usize, 0_usize);
+        for _ in 0..settings.passes {
+            order.shuffle(&mut random);
+            for &sample in &order {
+                step += 1;
+                let gain = settings.gain / (delay + step as f64);
+                let phi = &features[sample];
+                for (class, own) in weights.iter_mut().enumerate() {
+                    let target = if class_of[sample] == class { 1.0 } else { 0.0 };
+                    let error = target - dot(own, phi);
+                    let answer = match settings.correction {
+                        Correction::LeastMeanSquare => error,
+                        Correction::Increment => error.signum(),
+                    };
+                    for (weight, feature) in own.iter_mut().zip(phi) {
+                        *weight += gain * answer * feature;
+                    }
+                }
+                if 2 * step > steps {
+                    averaged += 1;
+                    for (mean, own) in mean.iter_mut().zip(&weights) {
+                        for (mean, own) in mean.iter_mut().zip(own) {
+                            *mean += (own - *mean) / averaged as f64;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(Self {
+            of_class: if settings.averages { mean } else { weights },
+        })
+    }
+
+    /// The limit of the least-mean-square form: W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, or if ΦᵀΦ is singular without one.
+    pub fn least_squares(
+        features: &[Vec<f64>],
+        class_of: &[usize],
+        ridge: f64,
+    ) -> Result<Self, MaxwellidError> {
+        let (length, classes) = check(features, class_of)?;
+        let refused = MaxwellidError::Setting {
+            setting: "ridge of the least squares",
+            value: ridge,
+            expected: "a finite value not below 0, above 0 if the features are dependent",
+        };
+        if !(ridge.is_finite() && ridge >= 0.0) {
+            return Err(refused);
+        }
+        let count = features.len();
+        let phi = Mat::from_fn(count, length, |i, j| features[i][j]);
+        let targets = Mat::from_fn(
+            count,
+            classes,
+            |i, c| {
+                if class_of[i] == c { 1.0 } else { 0.0 }
+            },
+        );
+        let mut normal = phi.transpose() * &phi;
+        for j in 0..length {
+            normal[(j, j)] += ridge * count as f64;
+        }
+        let Ok(cholesky) = faer::linalg::solvers::Llt::new(normal.as_ref(), faer::Side::Lower)
+        else {
+            return Err(refused);
+        };
+        let weights = cholesky.solve(&(phi.transpose() * &targets));
+        Ok(Self {
+            of_class: (0..classes)
+                .map(|c| (0..length).map(|j| weights[(j, c)]).collect())
+                .collect(),
+        })
+    }
+
+    /// P_i for the features of a pattern, as they come: values outside 0 to 1 are possible.
+    #[must_use]
+    pub fn adequacies(&self, features: &[f64]) -> Vec<f64> {
+        self.of_class.iter().map(|own| dot(own, features)).collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Length of the features and number of classes.
+fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), MaxwellidError> {
+    let length = features.first().map_or(0, Vec::len);
+    let unequal = features.iter().position(|phi| phi.len() != length);
+    if features.len() != class_of.len() || length == 0 || unequal.is_some() {
+        return Err(MaxwellidError::UnequalSamples {
+            features: features.len(),
+            classes: class_of.len(),
+            unequal,
+        });
+    }
+    Ok((length, class_of.iter().max().map_or(0, |top| top + 1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Three classes of points in a plane, overlapping.
+    fn cloud() -> (Vec<Vec<f64>>, Vec<usize>) {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let centres = [(0.0, 0.0), (1.5, 0.0), (0.0, 1.5)];
+        let points: Vec<(usize, [f64; 2])> = (0..180)
+            .map(|k| {
+                let (x, y) = centres[k % 3];
+                (k % 3, [x + normal(), y + normal()])
+            })
+            .collect();
+        let features = points.iter().map(|(_, z)| Basis::Linear.of(z)).collect();
+        (features, points.iter().map(|(class, _)| *class).collect())
+    }
+
+    #[test]
+    fn the_recursion_tends_to_the_least_squares() {
+        let (features, classes) = cloud();
+        let limit = Weights::least_squares(&features, &classes, 0.0).unwrap();
+        let distance = |passes: usize| {
+            let settings = RobbinsMonro {
+                passes,
+                ..RobbinsMonro::default()
+            };
+            let found = Weights::robbins_monro(&features, &classes, &settings).unwrap();
+            let pairs = found
+                .of_class
+                .iter()
+                .flatten()
+                .zip(limit.of_class.iter().flatten());
+            pairs.fold(0.0_f64, |top, (a, b)| top.max((a - b).abs()))
+        };
+        let distances = [distance(3), distance(30), distance(300)];
+        // shuffled passes: the noise of one pass averages out as 1/passes at best, as its square root at worst
+        assert!(distances[1] < 0.5 * distances[0], "{distances:?}");
+        assert!(distances[2] < 0.32 * distances[1], "{distances:?}");
+        assert!(distances[2] < 2e-3, "{distances:?}");
+    }
+
+    #[test]
+    fn with_a_constant_in_the_basis_the_limit_sums_to_one() {
+        let (features, classes) = cloud();
+        let limit = Weights::least_squares(&features, &classes, 0.0).unwrap();
+        for phi in &features {
+            let sum: f64 = limit.adequacies(phi).iter().sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
+    }
+
+    /// The criterion of the increments is the mean of |r - wφ|, of which theirs is the least: less than that of the least squares.
+    #[test]
+    fn increments_tend_to_the_median() {
+        let (features, classes) = cloud();
+        let settings = RobbinsMonro {
+            correction: Correction::Increment,
+            ..RobbinsMonro::default()
+        };
+        let found = Weights::robbins_monro(&features, &classes, &settings).unwrap();
+        let limit = Weights::least_squares(&features, &classes, 0.0).unwrap();
+        let mean_error = |weights: &Weights| -> f64 {
+            let cases = features.iter().zip(&classes);
+            cases
+                .flat_map(|(phi, class)| {
+                    let adequacies = weights.adequacies(phi).into_iter().enumerate();
+                    adequacies.map(|(i, p)| (f64::from(u8::from(i == *class)) - p).abs())
+                })
+                .sum::<f64>()
+                / features.len() as f64
+        };
+        let (of_increments, of_squares) = (mean_error(&found), mean_error(&limit));
+        assert!(of_increments < of_squares, "{of_increments} {of_squares}");
+    }
+
+    #[test]
+    fn what_does_not_fit_together_is_refused() {
+        let features = vec![vec![1.0, 2.0], vec![1.0]];
+        assert!(Weights::least_squares(&features, &[0, 1], 0.0).is_err());
+        assert!(Weights::least_squares(&features[..1], &[0, 1], 0.0).is_err());
+        // one sample cannot determine two weights
+        assert!(Weights::least_squares(&features[..1], &[0], 0.0).is_err());
+        assert!(Weights::least_squares(&features[..1], &[0], 1e-3).is_ok());
+        let settings = RobbinsMonro {
+            gain: 0.0,
+            ..RobbinsMonro::default()
+        };
+        assert!(Weights::robbins_monro(&features[..1], &[0], &settings).is_err());
+    }
+}

@@ -1,0 +1,120 @@
+//! Whether the tests of a joint fit speak of the same material, and what else is to be said of a fit.
+
+use std::fmt;
+
+use crate::least_squares::Linearisation;
+
+/// Something about a fit that its user should know.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum FitFlag {
+    /// One test alone would have another parameter than all together: length, density, sampling rate or material differ from
+    /// what is stated, or the model is wrong in a way that depends on the test.
+    TestDisagrees {
+        /// Name of the test.
+        test: String,
+        /// Name of the parameter.
+        parameter: String,
+        /// By how much the test would change it, the others staying.
+        change: f64,
+        /// The same in standard deviations.
+        deviations: f64,
+    },
+    /// The simulated front of a test arrives at another time than the measured one: the fit may be in a minimum that belongs to another
+    /// period of the waveform.
+    ArrivalOff {
+        /// Name of the test.
+        test: String,
+        /// Measured minus simulated arrival \[s\].
+        lag: f64,
+    },
+    /// The residual is larger than the stated noise explains. Errors are raised by this ratio.
+    ResidualAboveNoise {
+        /// Standard deviation of the white residual, 1 if the noise explains it.
+        ratio: f64,
+    },
+    /// The finest grid permitted does not reach the requested accuracy.
+    GridTooCoarse {
+        /// Difference to a grid of half the cell, rms as a share of V0.
+        difference: f64,
+        /// What was requested.
+        requested: f64,
+    },
+}
+
+impl fmt::Display for FitFlag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TestDisagrees {
+                test,
+                parameter,
+                change,
+                deviations,
+            } => write!(
+                f,
+                "test `{test}` alone would change {parameter} by {change:.3}, {deviations:.1} standard deviations"
+            ),
+            Self::ArrivalOff { test, lag } => write!(
+                f,
+                "test `{test}`: the measured front arrives {:.1} us after the simulated one",
+                1e6 * lag
+            ),
+            Self::ResidualAboveNoise { ratio } => {
+                write!(
+                    f,
+                    "the residual is {ratio:.2} times what the stated noise explains"
+                )
+            }
+            Self::GridTooCoarse {
+                difference,
+                requested,
+            } => write!(
+                f,
+                "a grid of half the cell changes the response by {:.3} % of V0, requested {:.3} %",
+                100.0 * difference,
+                100.0 * requested
+            ),
+        }
+    }
+}
+
+/// Standard deviations from which a test disagrees with the others.
+const DISAGREES: f64 = 5.0;
+
+/// The score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own samples, which is at most of
+/// variance 1 if the tests agree and the residual has standard deviation `noise`.
+pub(crate) fn disagreements(
+    linearisation: &Linearisation,
+    row_lengths: &[usize],
+    noise: f64,
+    names: &[&str],
+    tests: &[String],
+) -> Vec<FitFlag> {
+    let mut flags = Vec::new();
+    if row_lengths.len() < 2 || noise.is_nan() || noise <= 0.0 {
+        return flags;
+    }
+    let mut start = 0;
+    for (test, length) in tests.iter().zip(row_lengths) {
+        let rows = start..start + length;
+        start += length;
+        let Some(residual) = linearisation.residual.get(rows.clone()) else {
+            return flags;
+        };
+        for (name, column) in names.iter().zip(&linearisation.jacobian) {
+            let column = &column[rows.clone()];
+            let square: f64 = column.iter().map(|j| j * j).sum();
+            let product: f64 = column.iter().zip(residual).map(|(j, r)| j * r).sum();
+            let deviations = product.abs() / (noise * square.sqrt());
+            if deviations > DISAGREES {
+                flags.push(FitFlag::TestDisagrees {
+                    test: test.clone(),
+                    parameter: (*name).to_owned(),
+                    change: -product / square,
+                    deviations,
+                });
+            }
+        }
+    }
+    flags
+}

@@ -1,0 +1,296 @@
+//! What to measure next: which test would sharpen the parameters, and which would tell two laws apart.
+//!
+//! For a planned test the excitation is predicted, the response follows from a law, and the noise of the instruments is stated. Then
+//!
+//! ```text
+//! sharpening     cov(θ) = (S⁻² + Σ Jᵀ C⁻¹ J)⁻¹   over the tests made and the planned one
+//! separation     E ln(Z_A/Z_B) ≈ ½ min over θ_B of χ²(data of A at θ̂_A)
+//! ```
+//!
+//! The separation is what is left of the difference of two laws after the second has been fitted to the response of the first,
+//! in tests made and planned together: two laws may differ by much at fixed parameters and yet explain each other.
+//!
+//! # Validity
+//! Expectations at the present estimates, by the linearised problem, without the difference of Occam's factors (of order one).
+
+use rodwave::InelasticRod;
+use rodwave::experiment::Acquisition;
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::InelasticLaw;
+
+use crate::error::MaxwellidError;
+use crate::least_squares::{LeastSquares, ScaledDecomposition};
+use crate::selection::{Candidate, Contest, Ground};
+use crate::test::{Provenance, RodTest, RodTestData};
+
+/// A test that could be made.
+#[derive(Debug, Clone)]
+pub struct PlannedTest {
+    test: RodTest,
+}
+
+impl PlannedTest {
+    /// A test of a rod like that of `test`, at another impact velocity [m/s]: the excitation is scaled, the
+    /// noise is that of the same instruments.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
+    pub fn at_velocity(test: &RodTest, velocity: f64) -> Result<Self, MaxwellidError> {
+        if !(velocity.is_finite() && velocity > 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "planned impact velocity [m/s]",
+                value: velocity,
+                expected: "a finite value above 0",
+            });
+        }
+        let noise = test.noise.clone();
+        let factor = velocity / test.impact_velocity;
+        let excitation: Vec<f64> = test.excitation_samples.iter().map(|v| v * factor).collect();
+        Self::with_excitation(
+            format!("{} at {velocity} m/s", test.name),
+            (test.length, test.density, velocity),
+            test.sampling_rate_hz,
+            excitation,
+        )
+        .map(|mut planned| {
+            planned.test.noise = noise;
+            planned
+        })
+    }
+
+    /// A test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation is `section_distance` \[m\] from the free
+    /// end. The excitation is that of the rod of this law in one-dimensional theory, as recorded.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::InTest`] for what [`ImpactTest::record`] or [`RodTest::new`] refuse.
+    pub fn of_striker<L: InelasticLaw>(
+        striker: Striker,
+        rod: InelasticRod<L>,
+        diameter: f64,
+        section_distance: f64,
+        acquisition: &Acquisition,
+    ) -> Result<Self, MaxwellidError> {
+        let density = rod.density();
+        let name = format!(
+            "{:.3} m rod, section {section_distance:.3} m from its end, {} m/s",
+            rod.length(),
+            striker.velocity
+        );
+        let velocity = striker.velocity;
+        let record = ImpactTest {
+            striker,
+            rod,
+            diameter,
+            section_distance,
+        }
+        .record(acquisition, CHAIN_CELL)
+        .map_err(|source| MaxwellidError::InTest {
+            test: name.clone(),
+            source,
+        })?;
+        Self::with_excitation(
+            name,
+            (section_distance, density, velocity),
+            record.sampling_rate_hz,
+            record.excitation,
+        )
+    }
+
+    fn with_excitation(
+        name: String,
+        (length, density, impact_velocity): (f64, f64, f64),
+        sampling_rate_hz: f64,
+        excitation: Vec<f64>,
+    ) -> Result<Self, MaxwellidError> {
+        let test = RodTest::new(RodTestData {
+            name,
+            length,
+            density,
+            impact_velocity,
+            sampling_rate_hz,
+            response: vec![0.0; excitation.len()],
+            excitation,
+            provenance: Provenance::Virtual {
+                generator: GENERATOR.into(),
+            },
+        })?;
+        Ok(Self { test })
+    }
+
+    /// The same with the noise [m/s] that its instruments will have.
+    ///
+    /// # Errors
+    /// As [`RodTest::with_noise`].
+    pub fn with_noise(self, excitation: f64, response: f64) -> Result<Self, MaxwellidError> {
+        Ok(Self {
+            test: self.test.with_noise(excitation, response)?,
+        })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.test.name
+    }
+}
+
+/// Cell of the chain that predicts excitations \[m\].
+const CHAIN_CELL: f64 = 1e-3;
+
+/// Provenance of predicted responses.
+const GENERATOR: &str = "maxwellid::design";
+
+/// A law with its present estimate.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimated<'a> {
+    /// The law.
+    pub candidate: &'a Candidate,
+    /// Its parameters, ln E first, as [`crate::selection::ComparedLaw::parameters`].
+    pub parameters: &'a [f64],
+}
+
+/// The tests made.
+#[derive(Debug, Clone, Copy)]
+pub struct Design<'a> {
+    /// Tests made.
+    pub tests: &'a [RodTest],
+    /// Longest cell of grids \[m\].
+    pub cell: f64,
+}
+
+impl Design<'_> {
+    /// Standard deviations of all parameters of a law, ln E first, once `planned` has been made as well; with `None`, as they are.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters; [`MaxwellidError::NoTest`],
+    /// [`MaxwellidError::NoArrival`] without a test made.
+    pub fn deviations(
+        &self,
+        law: Estimated<'_>,
+        planned: Option<&PlannedTest>,
+    ) -> Result<Vec<f64>, MaxwellidError> {
+        let ground = Ground::of(self.tests)?;
+        let tests = self.of_law(law, planned)?;
+        let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
+        let prior = law.candidate.prior(ground.modulus, ground.duration);
+        let contest = Contest {
+            candidate: law.candidate,
+            prior: &prior,
+            tests: &tests,
+            times: &times,
+            cell: self.cell,
+            weight: 1.0,
+            least: f64::INFINITY,
+        };
+        let seen = contest
+            .seen(law.parameters)
+            .ok_or(MaxwellidError::NoCandidate)?;
+        let linearisation = contest
+            .problem(&seen)
+            .linearisation(law.parameters)
+            .ok_or(MaxwellidError::NoCandidate)?;
+        let svd = ScaledDecomposition::new(&linearisation, &prior.deviation)
+            .ok_or(MaxwellidError::Decomposition { iteration: 0 })?;
+        Ok(prior
+            .deviation
+            .iter()
+            .enumerate()
+            .map(|(index, deviation)| {
+                let pairs = svd.right.iter().zip(&svd.singular_values);
+                let variance: f64 = pairs.map(|(v, s)| (v[index] / s).powi(2)).sum();
+                deviation * variance.sqrt()
+            })
+            .collect())
+    }
+
+    /// Expected ln of the Bayes factor of `truth` over `rival`, once `planned` has been made as well; with `None`, for the tests made.
+    ///
+    /// # Errors
+    /// As [`Self::deviations`].
+    pub fn separation(
+        &self,
+        truth: Estimated<'_>,
+        rival: &Candidate,
+        planned: Option<&PlannedTest>,
+    ) -> Result<f64, MaxwellidError> {
+        let ground = Ground::of(self.tests)?;
+        let tests = self.of_law(truth, planned)?;
+        let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
+        let prior = rival.prior(ground.modulus, ground.duration);
+        let contest = Contest {
+            candidate: rival,
+            prior: &prior,
+            tests: &tests,
+            times: &times,
+            cell: self.cell,
+            weight: 1.0,
+            least: f64::INFINITY,
+        };
+        let modulus = truth.parameters.first().map_or(ground.modulus, |t| t.exp());
+        let found = contest
+            .search(modulus, ground.duration)?
+            .ok_or(MaxwellidError::NoCandidate)?;
+        Ok(0.5 * found.chi_square)
+    }
+
+    /// The misfit matrix: entry (i, j) is the separation of law i, taken for the truth, from law j, for the tests made. It belongs to every
+    /// choice of a law: what is near 0 off the diagonal cannot be told apart.
+    ///
+    /// # Errors
+    /// As [`Self::separation`].
+    pub fn separations(&self, laws: &[Estimated<'_>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
+        laws.iter()
+            .map(|truth| {
+                laws.iter()
+                    .map(|rival| self.separation(*truth, rival.candidate, None))
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// The planned tests by their separation of two laws, the best first.
+    ///
+    /// # Errors
+    /// As [`Self::separation`].
+    pub fn rank(
+        &self,
+        truth: Estimated<'_>,
+        rival: &Candidate,
+        planned: &[PlannedTest],
+    ) -> Result<Vec<(usize, f64)>, MaxwellidError> {
+        let mut ranked = planned
+            .iter()
+            .enumerate()
+            .map(|(index, test)| Ok((index, self.separation(truth, rival, Some(test))?)))
+            .collect::<Result<Vec<_>, MaxwellidError>>()?;
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Ok(ranked)
+    }
+
+    /// The tests made and planned, with the responses of a law.
+    fn of_law(
+        &self,
+        law: Estimated<'_>,
+        planned: Option<&PlannedTest>,
+    ) -> Result<Vec<RodTest>, MaxwellidError> {
+        if self.tests.is_empty() {
+            return Err(MaxwellidError::NoTest);
+        }
+        self.tests
+            .iter()
+            .chain(planned.map(|planned| &planned.test))
+            .map(|test| {
+                let times = test.times();
+                let model = law.candidate.model();
+                let response = model
+                    .response(&test.driven_rod(&times, self.cell), law.parameters)
+                    .ok_or(MaxwellidError::NoCandidate)?;
+                let mut of_law = test.clone();
+                for (value, simulated) in of_law.response.iter_mut().zip(response) {
+                    *value = simulated;
+                }
+                Ok(of_law)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,173 @@
+//! A test whose histories are displacements, as the transducers of paper D give them.
+
+use crate::error::MaxwellidError;
+use crate::noise::{HistoryNoise, QUIET_SAMPLES, TestNoise, quiet_standard_deviation};
+use crate::test::{RodTest, RodTestData, TestFlag, half_rise};
+use crate::velocity::Differentiator;
+
+/// How the displacements of a test were measured and how they are differentiated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplacementTransducers {
+    /// Range \[m\]: a section that has moved further is out of sight. Infinite where it is not known.
+    pub range: f64,
+    /// Standard deviation \[m\] of excitation and response; `None` takes them from the quiet parts.
+    pub noise: Option<(f64, f64)>,
+    /// Makes the velocities, the same for both histories.
+    pub differentiator: Differentiator,
+}
+
+/// Samples of exactly the same value, far from rest, that show a clipped transducer: a free section moves.
+const STUCK: usize = 4;
+
+impl RodTest {
+    /// Validates a test whose `excitation` and `response` are displacements \[m\], positive away from the striker.
+    ///
+    /// The velocities begin and end half the width of the differentiator inside the record. Samples from the first that is clipped,
+    /// in range or by standing still away from rest, are not used: the record of the excitation ends there, and the window of comparison
+    /// with either; [`RodTest::flags`] tells. The noise of the velocities is that of white noise of the displacements after
+    /// the differentiator.
+    ///
+    /// # Errors
+    /// As [`RodTest::new`], [`RodTest::with_noise_of_quiet_part`] where `noise` is `None`, and [`MaxwellidError::ClippedTooEarly`] if
+    /// nothing useful is left.
+    pub fn from_displacements(
+        data: RodTestData,
+        transducers: &DisplacementTransducers,
+    ) -> Result<Self, MaxwellidError> {
+        let RodTestData {
+            name,
+            sampling_rate_hz,
+            excitation,
+            response,
+            ..
+        } = &data;
+        if transducers.range.is_nan() || transducers.range <= 0.0 {
+            return Err(MaxwellidError::TransducerRange {
+                test: name.clone(),
+                value: transducers.range,
+            });
+        }
+        let half_width = transducers.differentiator.half_width();
+        // a sample that is not finite is named by the check of the velocities below, with its own index
+        for (history, samples) in [("excitation", excitation), ("response", response)] {
+            if let Some((index, &value)) = samples.iter().enumerate().find(|(_, u)| !u.is_finite())
+            {
+                return Err(MaxwellidError::InTest {
+                    test: name.clone(),
+                    source: rodwave::RodwaveError::NonFiniteSample {
+                        history,
+                        index,
+                        value,
+                    },
+                });
+            }
+        }
+        let mut flags = Vec::new();
+        let mut ends = [excitation.len(), response.len()];
+        for ((history, samples), end) in [("excitation", excitation), ("response", response)]
+            .into_iter()
+            .zip(&mut ends)
+        {
+            if let Some(index) = first_clipped(samples, transducers.range) {
+                let time = seconds(index, *sampling_rate_hz);
+                // a history that is never seen to move from its place is not one
+                if index < 2 * half_width + 32 {
+                    return Err(MaxwellidError::ClippedTooEarly {
+                        test: name.clone(),
+                        history,
+                        time,
+                    });
+                }
+                flags.push(TestFlag::Clipped { history, time });
+                *end = index;
+            }
+        }
+        let noise = match transducers.noise {
+            Some(noise) => noise,
+            None => (
+                quiet_noise(name, "excitation", excitation, transducers)?,
+                quiet_noise(name, "response", response, transducers)?,
+            ),
+        };
+        let coloured = |displacement| HistoryNoise::Differentiated {
+            displacement,
+            differentiator: transducers.differentiator.clone(),
+            rate_hz: *sampling_rate_hz,
+        };
+        let noise = TestNoise {
+            excitation: coloured(noise.0),
+            response: coloured(noise.1),
+        };
+        let velocity = |samples: &[f64], end: usize| {
+            transducers
+                .differentiator
+                .velocity(samples.get(..end).unwrap_or(samples), *sampling_rate_hz)
+        };
+        // RodTest::new compares the lengths: they must be those of the records as given
+        if excitation.len() != response.len() {
+            return Err(MaxwellidError::UnequalLengths {
+                test: name.clone(),
+                response: response.len(),
+                excitation: excitation.len(),
+            });
+        }
+        let v_e = velocity(excitation, ends[0]);
+        let mut v_r = velocity(response, ends[0]);
+        // the response beyond its clipping is outside the window, whatever it reads
+        let known = velocity(response, ends[1].min(ends[0])).len();
+        if known < v_r.len() {
+            let last = v_r.get(known.saturating_sub(1)).copied().unwrap_or(0.0);
+            v_r[known..].fill(last);
+        }
+        let mut test = Self::new(RodTestData {
+            excitation: v_e,
+            response: v_r,
+            ..data
+        })?;
+        test.window = test.window.min(known);
+        test.flags = flags;
+        test.with_history_noise(noise)
+    }
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn seconds(index: usize, rate_hz: f64) -> f64 {
+    index as f64 / rate_hz
+}
+
+/// The first sample out of range, or the first of several that stand still further from rest than half the largest.
+fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
+    let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
+    let out = samples.iter().position(|u| u.abs() >= range);
+    let stuck = samples.windows(STUCK).position(|run| {
+        run[0].abs() > 0.5 * largest && run.iter().all(|u| u.to_bits() == run[0].to_bits())
+    });
+    match (out, stuck) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Standard deviation \[m\] of the displacement before the velocity rises.
+fn quiet_noise(
+    test: &str,
+    history: &'static str,
+    samples: &[f64],
+    transducers: &DisplacementTransducers,
+) -> Result<f64, MaxwellidError> {
+    let velocity = transducers.differentiator.velocity(samples, 1.0);
+    let arrival = half_rise(&velocity).ok_or_else(|| MaxwellidError::NoArrival {
+        test: test.to_owned(),
+        history,
+    })?;
+    // index k of the velocity is sample k + m of the displacement; the filter sees the rise m samples before
+    quiet_standard_deviation(samples, arrival).map_err(|found| MaxwellidError::NoQuietPart {
+        test: test.to_owned(),
+        history,
+        found,
+        expected: QUIET_SAMPLES,
+    })
+}

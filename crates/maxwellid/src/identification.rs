@@ -1,0 +1,371 @@
+//! The outcome of a fit.
+
+use crate::agreement::FitFlag;
+use crate::fit::{Course, root_mean_square};
+use crate::identifiability::{
+    Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
+};
+use crate::law::IdentifiableLaw;
+use crate::least_squares::{
+    Evaluations, Linearisation, Minimum, ScaledDecomposition, Termination, sum_of_squares,
+};
+use crate::model::RodModel;
+use crate::nuisance::{NuisanceEstimate, Nuisances, Orthonormal};
+use crate::residual::TestResidual;
+use crate::start::StartOutcome;
+
+/// The outcome of a [`crate::Fit`].
+#[derive(Debug, Clone)]
+pub struct Identification<M> {
+    model: M,
+    parameters: Vec<f64>,
+    /// Over V0, by θ. Gain and offset and the nuisances of the iteration are eliminated, or, where there is a white one, fixed.
+    pub(crate) linearisation: Linearisation,
+    /// White, by θ, with all nuisances eliminated; only if the noise was stated.
+    pub(crate) white: Option<Linearisation>,
+    pub(crate) lengths: Vec<usize>,
+    white_lengths: Vec<usize>,
+    unknowns: usize,
+    nuisances: Vec<Vec<NuisanceEstimate>>,
+    termination: Termination,
+    cell: f64,
+    difference: f64,
+    course: Course,
+}
+
+impl<L: IdentifiableLaw> Identification<L> {
+    /// The law at the minimum.
+    #[must_use]
+    pub fn law(&self) -> L {
+        // the residual exists at these parameters, so the law does
+        self.parameters
+            .get(1..)
+            .and_then(|of_law| self.model.with_parameters(of_law).ok())
+            .unwrap_or_else(|| self.model.clone())
+    }
+}
+
+impl<M: RodModel> Identification<M> {
+    pub(crate) fn new(
+        model: M,
+        problem: &TestResidual<'_, M>,
+        minimum: &Minimum,
+        course: Course,
+        difference: f64,
+    ) -> Self {
+        let of_model = problem.of_model();
+        let eliminated = without_nuisances(&minimum.linearisation, of_model);
+        let (linearisation, white) = if problem.weightings.is_empty() {
+            (eliminated, None)
+        } else {
+            (
+                over_impact_velocity(problem, minimum, of_model),
+                Some(eliminated),
+            )
+        };
+        let rows = minimum.linearisation.residual.len();
+        let lengths: Vec<usize> = problem.times.iter().map(Vec::len).collect();
+        let calibrations = (rows - lengths.iter().sum::<usize>()) / lengths.len().max(1);
+        Self {
+            nuisances: nuisance_estimates(problem, minimum),
+            parameters: minimum.parameters[..of_model].to_vec(),
+            unknowns: unknowns(problem, minimum),
+            white_lengths: lengths.iter().map(|length| length + calibrations).collect(),
+            termination: minimum.termination,
+            cell: problem.cell,
+            model,
+            linearisation,
+            white,
+            lengths,
+            difference,
+            course,
+        }
+    }
+
+    /// Residual and derivatives for the comparison of the tests, rows of each test, and the standard deviation of a row.
+    pub(crate) fn scores(&self) -> (&Linearisation, &[usize], f64) {
+        match &self.white {
+            Some(white) => (white, &self.white_lengths, self.ratio_to_noise().max(1.0)),
+            None => {
+                let residual = &self.linearisation.residual;
+                let inflation = correlation_inflation(residual, &self.lengths);
+                let noise = root_mean_square(residual) * inflation.sqrt();
+                (&self.linearisation, &self.lengths, noise)
+            }
+        }
+    }
+
+    pub(crate) fn with_flags(mut self, flags: Vec<FitFlag>) -> Self {
+        let ratio = self.ratio_to_noise();
+        if self.exceeds_noise() {
+            self.course
+                .flags
+                .push(FitFlag::ResidualAboveNoise { ratio });
+        }
+        self.course.flags.extend(flags);
+        self
+    }
+
+    /// Degrees of freedom of the white residual.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    fn degrees(&self) -> f64 {
+        let samples: usize = self.lengths.iter().sum();
+        samples.saturating_sub(self.unknowns).max(1) as f64
+    }
+
+    /// Standard deviation of the white residual: 1 where the stated noise explains it; NaN without stated noise.
+    #[must_use]
+    pub fn ratio_to_noise(&self) -> f64 {
+        self.white.as_ref().map_or(f64::NAN, |white| {
+            (sum_of_squares(&white.residual) / self.degrees()).sqrt()
+        })
+    }
+
+    /// Whether the residual is larger than the stated noise by more than three standard deviations of chance.
+    fn exceeds_noise(&self) -> bool {
+        self.ratio_to_noise().powi(2) > 1.0 + 3.0 * (2.0 / self.degrees()).sqrt()
+    }
+
+    /// Whether a parameter of the law stands at a bound of the search.
+    fn is_at_a_bound(&self) -> bool {
+        let bounds = self.model.bounds();
+        self.termination == Termination::AtBound
+            || self
+                .parameters
+                .iter()
+                .zip(bounds)
+                .skip(1)
+                .any(|(value, (low, high))| *value <= low || *value >= high)
+    }
+
+    /// The model that was fitted, as it was given.
+    #[must_use]
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
+    /// θ at the minimum, in the order of [`RodModel::parameter_names`].
+    #[must_use]
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
+    /// Young's modulus at the minimum \[Pa\].
+    #[must_use]
+    pub fn modulus(&self) -> f64 {
+        self.parameters.first().map_or(f64::NAN, |t| t.exp())
+    }
+
+    /// Number of iterations, of all stages.
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        self.course.iterations
+    }
+
+    /// How often the direct problems were solved by the minimiser, in all stages.
+    #[must_use]
+    pub fn evaluations(&self) -> Evaluations {
+        self.course.evaluations
+    }
+
+    /// Why the last iteration ended.
+    #[must_use]
+    pub fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    /// Every start and where it led.
+    #[must_use]
+    pub fn starts(&self) -> &[StartOutcome] {
+        &self.course.starts
+    }
+
+    /// Number of minima that were found and left because their front arrived at another time than the measured one.
+    #[must_use]
+    pub fn cycle_skips_left(&self) -> usize {
+        self.course.cycle_skips_left
+    }
+
+    /// What else is to be said of the fit.
+    #[must_use]
+    pub fn flags(&self) -> &[FitFlag] {
+        &self.course.flags
+    }
+
+    /// Longest cell of the grid \[m\].
+    #[must_use]
+    pub fn cell(&self) -> f64 {
+        self.cell
+    }
+
+    /// Difference of the simulated response to that on a grid of half the cell, at the solution: largest rms among the tests, as a share
+    /// of V0. The error of a scheme of second order is 4/3 of it.
+    #[must_use]
+    pub fn grid_difference(&self) -> f64 {
+        self.difference
+    }
+
+    /// The unknown nuisances of each test, empty where all are fixed.
+    #[must_use]
+    pub fn nuisances(&self) -> &[Vec<NuisanceEstimate>] {
+        &self.nuisances
+    }
+
+    /// Root mean square of simulated minus measured response over V0: the error δ of (Ödeen 1993, paper D, section 4).
+    #[must_use]
+    pub fn relative_error(&self) -> f64 {
+        root_mean_square(&self.linearisation.residual)
+    }
+
+    /// Simulated minus measured response over V0, one slice for each test.
+    pub fn residuals(&self) -> impl Iterator<Item = &[f64]> {
+        let mut rest = self.linearisation.residual.as_slice();
+        self.lengths.iter().map(move |length| {
+            let (of_test, others) = rest.split_at(*length);
+            rest = others;
+            of_test
+        })
+    }
+
+    /// Standard errors and verdicts of all parameters against `noise`; `None` if the Jacobian cannot be decomposed, or for
+    /// [`Noise::Stated`] without stated noise.
+    #[must_use]
+    pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
+        let white = match noise {
+            Noise::Stated => {
+                let ratio = if self.exceeds_noise() {
+                    self.ratio_to_noise()
+                } else {
+                    1.0
+                };
+                Some((self.white.as_ref()?, ratio))
+            }
+            _ => None,
+        };
+        let mut found = assess(
+            &self.model,
+            &self.parameters,
+            &Judged {
+                linearisation: &self.linearisation,
+                white,
+            },
+            &self.lengths,
+            noise,
+        )?;
+        if self.is_at_a_bound() {
+            // the sum of squares falls beyond the bound: errors about a point that is no minimum say nothing of the law, and the
+            // damping belongs to the shape at the bound
+            for estimate in found.estimates.iter_mut().skip(1) {
+                estimate.verdict = Verdict::NotIdentifiable;
+            }
+        }
+        Some(found)
+    }
+}
+
+/// The columns of θ, with what the columns of the nuisances explain taken from them. At a minimum the residual is orthogonal to these.
+fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
+    let mut linearisation = linearisation.clone();
+    let of_nuisances = linearisation.jacobian.split_off(of_model);
+    if !of_nuisances.is_empty() {
+        let orthonormal = Orthonormal::of(&of_nuisances);
+        for column in &mut linearisation.jacobian {
+            orthonormal.take_from(column);
+        }
+    }
+    linearisation
+}
+
+/// The residual over V0 at a white minimum, with its derivatives by θ alone.
+fn over_impact_velocity<M: RodModel>(
+    problem: &TestResidual<'_, M>,
+    minimum: &Minimum,
+    of_model: usize,
+) -> Linearisation {
+    problem
+        .over_impact_velocity(&minimum.parameters)
+        .map_or_else(
+            || Linearisation {
+                residual: vec![f64::NAN; problem.samples()],
+                jacobian: vec![vec![f64::NAN; problem.samples()]; of_model],
+            },
+            |mut linearisation| {
+                linearisation.jacobian.truncate(of_model);
+                linearisation
+            },
+        )
+}
+
+fn unknowns<M: RodModel>(problem: &TestResidual<'_, M>, minimum: &Minimum) -> usize {
+    let Nuisances {
+        response_gain,
+        response_offset,
+        ..
+    } = problem.nuisances;
+    let linear =
+        usize::from(response_gain.is_unknown()) + usize::from(response_offset.is_unknown());
+    minimum.parameters.len() + linear * problem.tests.len()
+}
+
+/// The nuisances with their standard errors, from the Jacobian by all unknowns.
+fn nuisance_estimates<M: RodModel>(
+    problem: &TestResidual<'_, M>,
+    minimum: &Minimum,
+) -> Vec<Vec<NuisanceEstimate>> {
+    let mut estimates = vec![Vec::new(); problem.tests.len()];
+    if !problem.nuisances.any() {
+        return estimates;
+    }
+    let (Some(all), Some(linear)) = (
+        problem.assembled(&minimum.parameters, false),
+        problem.linear_nuisances(&minimum.parameters),
+    ) else {
+        return estimates;
+    };
+    let count = all.jacobian.len();
+    let Some(svd) = ScaledDecomposition::new(&all, &vec![1.0; count]) else {
+        return estimates;
+    };
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    let variance = if problem.weightings.is_empty() {
+        sum_of_squares(&all.residual) / all.residual.len().saturating_sub(count).max(1) as f64
+    } else {
+        1.0
+    };
+    let standard_error = |index: usize| -> f64 {
+        let sum: f64 = svd
+            .right
+            .iter()
+            .zip(&svd.singular_values)
+            .map(|(vector, s)| (vector[index] / s).powi(2))
+            .sum();
+        (variance * sum).sqrt()
+    };
+    let iterated = problem.nuisances.of_iteration();
+    let first_linear = minimum.parameters.len();
+    for (test, estimates) in estimates.iter_mut().enumerate() {
+        for (k, (nuisance, _)) in iterated.iter().enumerate() {
+            let index = problem.of_model() + test * iterated.len() + k;
+            estimates.push(NuisanceEstimate {
+                name: nuisance.name(),
+                value: nuisance.reference() + minimum.parameters[index],
+                standard_error: standard_error(index),
+            });
+        }
+        let names = problem.nuisances.linear_names();
+        for (k, ((name, reference), value)) in names.iter().zip(&linear[test]).enumerate() {
+            estimates.push(NuisanceEstimate {
+                name,
+                value: reference + value,
+                standard_error: standard_error(first_linear + test * names.len() + k),
+            });
+        }
+    }
+    estimates
+}

@@ -1,0 +1,135 @@
+//! Linear competitors: rods of linearly viscoelastic laws, against which every nonlinear verdict has to stand.
+//!
+//! # Problem
+//! A rod whose loss factor hardly depends on the frequency is fitted by a Maxwell law whose rate grows with the stress: the
+//! high frequencies of an impact coincide with its high stresses, so a rate that depends on amplitude imitates a loss that does
+//! not depend on frequency. Data of a linear polymer are then "identified" as nonlinear, unless linear laws of flat loss
+//! are candidates too.
+//!
+//! # Method
+//! For a linear law the direct problem of (Ödeen 1993, paper D, section 2.1) has the solution
+//!
+//! ```text
+//! v̂_r = v̂_e / cosh(γL) ,    γ² = ρs²/E(s) ,    Re γL >= 0 ,
+//! ```
+//!
+//! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier transforms. There is no grid in
+//! the rod and no error of a scheme: what is left is the band-limited interpolation of the excitation, common to all models, and the
+//! wrap-around, which the damping holds below 1.1e-7 of the response a period later.
+//! Derivatives are analytic:
+//!
+//! ```text
+//! ∂v̂_r/∂p = v̂_r tanh(γL) (γL/2) ∂ln E/∂p
+//! ```
+//!
+//! # Laws
+//! | law | E(s)/E | parameters besides ln E |
+//! |---|---|---|
+//! | [`ConstantQ`] | (s/ω₀)^{2g}, g = (1/π) atan tan δ | ln tan δ |
+//! | [`MaxwellBranches::zener`] | spring and one Maxwell branch | share, ln τ |
+//! | [`MaxwellBranches::of`] n | n Maxwell branches, E = Σ Eᵢ | shares, ln τ₁ .. ln τₙ |
+//! | [`ScaledModulus`] | any law of [`rodwave::modulus`] | those that are set free |
+//! | one's own | [`LinearLaw`] | |
+//!
+//! The one-branch law is the Maxwell law of paper D: that it agrees with [`rodwave::characteristics`] is a test of both.
+
+mod constant_q;
+mod laplace_line;
+mod maxwell_branches;
+mod model;
+mod scaled_modulus;
+#[cfg(test)]
+mod tests;
+
+pub use constant_q::ConstantQ;
+pub use maxwell_branches::MaxwellBranches;
+pub use model::LinearModel;
+pub use scaled_modulus::{FreeParameter, ScaledModulus};
+
+use std::fmt::Debug;
+
+use num_complex::Complex64;
+
+/// A law of linear viscoelasticity by its shape E(s)/E, to be identified together with ln E.
+///
+/// ```
+/// use maxwellid::linear::{LinearLaw, LinearModel};
+/// use num_complex::Complex64;
+///
+/// /// E(s) = E (1 + s τ): a Kelvin-Voigt rod.
+/// #[derive(Debug)]
+/// struct KelvinVoigt;
+///
+/// impl LinearLaw for KelvinVoigt {
+///     fn name(&self) -> &str { "Kelvin-Voigt" }
+///     fn parameter_names(&self) -> Vec<&'static str> { vec!["ln_time"] }
+///     fn start(&self) -> Vec<f64> { vec![(1e-6_f64).ln()] }
+///     fn step_limits(&self) -> Vec<f64> { vec![1.0] }
+///     fn ranges(&self) -> Vec<(f64, f64)> { vec![((1e-8_f64).ln(), (1e-4_f64).ln())] }
+///     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {
+///         Some(1.0 + s * parameters[0].exp())
+///     }
+/// }
+///
+/// let model = LinearModel::new(KelvinVoigt);
+/// # let _ = model;
+/// ```
+pub trait LinearLaw: Debug + Send + Sync {
+    /// Name of the law.
+    fn name(&self) -> &str;
+
+    /// Names of the parameters p, without ln E.
+    fn parameter_names(&self) -> Vec<&'static str>;
+
+    /// Values of p from which a fit may start.
+    fn start(&self) -> Vec<f64>;
+
+    /// Largest change of each parameter in one iteration.
+    fn step_limits(&self) -> Vec<f64>;
+
+    /// The range of each parameter in which the law is looked for and from which standard samples are drawn: about
+    /// ±2 standard deviations of what is known beforehand.
+    fn ranges(&self) -> Vec<(f64, f64)>;
+
+    /// Index of the parameter that scales the damping, if there is one.
+    fn damping_parameter(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether the loss factor can be nearly constant over a decade of frequency, so that the law can tell flat loss from a
+    /// nonlinearity.
+    fn is_flat_loss(&self) -> bool {
+        false
+    }
+
+    /// E(s)/E for Re s > 0 \[1\]; `None` where the law does not exist.
+    ///
+    /// It must be real for real s and analytic for Re s > 0.
+    fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64>;
+
+    /// E(s)/E with its derivatives by p, written to `derivatives`; `None` where the law does not exist.
+    ///
+    /// Without a definition of one's own it is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
+    /// error of about 1e-12 of its fifth derivative.
+    fn shape_with_derivatives(
+        &self,
+        s: Complex64,
+        parameters: &[f64],
+        derivatives: &mut [Complex64],
+    ) -> Option<Complex64> {
+        const STEP: f64 = 1e-3;
+        let mut moved = parameters.to_vec();
+        for (index, derivative) in derivatives.iter_mut().enumerate() {
+            let mut at = |step: f64| {
+                moved[index] = parameters[index] + step;
+                let value = self.shape(s, &moved);
+                moved[index] = parameters[index];
+                value
+            };
+            let near = at(STEP)? - at(-STEP)?;
+            let far = at(2.0 * STEP)? - at(-2.0 * STEP)?;
+            *derivative = (8.0 * near - far) / (12.0 * STEP);
+        }
+        self.shape(s, parameters)
+    }
+}

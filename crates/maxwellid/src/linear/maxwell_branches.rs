@@ -1,0 +1,184 @@
+//! Maxwell branches in parallel, with or without a spring.
+
+use num_complex::Complex64;
+
+use super::LinearLaw;
+
+/// A Prony series of one to four Maxwell branches.
+///
+/// ```text
+/// E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ) ,    w₀ + Σ wᵢ = 1
+/// ```
+///
+/// E is the unrelaxed modulus, that of the front. The spring w₀ may be absent. The shares follow from x = ln(wᵢ/w_first), which
+/// keeps them positive; the parameters are those x, then ln τ₁ to ln τₙ. (Branches may change places: that is the same law.)
+/// It is the law of [`rodwave::modulus::GeneralisedMaxwell`] in coordinates of nearly independent effects.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MaxwellBranches {
+    branches: usize,
+    has_spring: bool,
+    name: &'static str,
+}
+
+/// Largest number of branches; a march over s then keeps its weights on the stack.
+const MOST: usize = 4;
+
+impl MaxwellBranches {
+    /// A spring in parallel with one branch: the standard linear solid.
+    #[must_use]
+    pub fn zener() -> Self {
+        Self {
+            branches: 1,
+            has_spring: true,
+            name: "Zener",
+        }
+    }
+
+    /// `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One branch is the Maxwell law.
+    #[must_use]
+    pub fn of(branches: usize) -> Option<Self> {
+        let name = *[
+            "Maxwell",
+            "two Maxwell branches",
+            "three Maxwell branches",
+            "four Maxwell branches",
+        ]
+        .get(branches.checked_sub(1)?)?;
+        Some(Self {
+            branches,
+            has_spring: false,
+            name,
+        })
+    }
+
+    /// Number of shares, the spring's first where there is one.
+    fn terms(&self) -> usize {
+        self.branches + usize::from(self.has_spring)
+    }
+
+    fn split<'a>(&self, parameters: &'a [f64]) -> Option<(&'a [f64], &'a [f64])> {
+        (parameters.len() == self.terms() - 1 + self.branches)
+            .then(|| parameters.split_at(self.terms() - 1))
+    }
+
+    /// Shares w of the terms, which sum to 1, and relaxation times τ \[s\] of the branches.
+    #[must_use]
+    pub fn shares_and_times(&self, parameters: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let (ratios, times) = self.split(parameters)?;
+        let weights = shares(ratios);
+        Some((
+            weights[..self.terms()].to_vec(),
+            times.iter().map(|t| t.exp()).collect(),
+        ))
+    }
+}
+
+/// w from ln(wᵢ/w_first); zero beyond the last.
+fn shares(ratios: &[f64]) -> [f64; MOST + 1] {
+    let largest = ratios.iter().copied().fold(0.0, f64::max);
+    let mut weights = [0.0; MOST + 1];
+    weights[0] = (-largest).exp();
+    for (weight, ratio) in weights[1..].iter_mut().zip(ratios) {
+        *weight = (ratio - largest).exp();
+    }
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
+}
+
+impl LinearLaw for MaxwellBranches {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn parameter_names(&self) -> Vec<&'static str> {
+        const SHARES: [&str; MOST] = [
+            "ln_share_ratio_1",
+            "ln_share_ratio_2",
+            "ln_share_ratio_3",
+            "ln_share_ratio_4",
+        ];
+        const TIMES: [&str; MOST] = [
+            "ln_relaxation_time_1",
+            "ln_relaxation_time_2",
+            "ln_relaxation_time_3",
+            "ln_relaxation_time_4",
+        ];
+        let shares = SHARES.iter().take(self.terms() - 1);
+        shares
+            .chain(TIMES.iter().take(self.branches))
+            .copied()
+            .collect()
+    }
+
+    fn start(&self) -> Vec<f64> {
+        // a slow branch that carries most of the modulus, and weaker ones a decade apart within the record
+        let (slowest, factor) = match (self.has_spring, self.branches) {
+            (true, _) => (5e-5, 0.1),
+            (false, 1) => (2e-3, 0.1),
+            (false, _) => (5e-3, 0.03),
+        };
+        let shares = (1..self.terms()).map(|_| 0.07_f64.ln());
+        let times = (0..self.branches).map(|i| f64::ln(slowest) + f64::ln(factor) * i as f64);
+        shares.chain(times).collect()
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        vec![1.0; self.terms() - 1 + self.branches]
+    }
+
+    fn ranges(&self) -> Vec<(f64, f64)> {
+        let shares = (1..self.terms()).map(|_| (0.005_f64.ln(), 1.0_f64.ln()));
+        let times = (0..self.branches).map(|i| match (self.has_spring, i) {
+            (false, 0) => (3e-5_f64.ln(), 30_f64.ln()),
+            (_, 0 | 1) => (5e-6_f64.ln(), 1e-3_f64.ln()),
+            _ => (1e-6_f64.ln(), 1e-4_f64.ln()),
+        });
+        shares.chain(times).collect()
+    }
+
+    fn is_flat_loss(&self) -> bool {
+        // within a decade of frequency two time constants do, of which a slow one may stand for the spring
+        self.terms() >= 3
+    }
+
+    fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {
+        let (ratios, times) = self.split(parameters)?;
+        let weights = shares(ratios);
+        let spring = usize::from(self.has_spring);
+        let mut sum = Complex64::from(if self.has_spring { weights[0] } else { 0.0 });
+        for (weight, ln_time) in weights[spring..].iter().zip(times) {
+            let s_tau = s * ln_time.exp();
+            sum += weight * s_tau / (1.0 + s_tau);
+        }
+        Some(sum)
+    }
+
+    fn shape_with_derivatives(
+        &self,
+        s: Complex64,
+        parameters: &[f64],
+        derivatives: &mut [Complex64],
+    ) -> Option<Complex64> {
+        let (ratios, times) = self.split(parameters)?;
+        let weights = shares(ratios);
+        let (terms, spring) = (self.terms(), usize::from(self.has_spring));
+        // φ of each term: 1 of the spring, sτ/(1 + sτ) of a branch
+        let mut phi = [Complex64::ONE; MOST + 1];
+        for (value, ln_time) in phi[spring..].iter_mut().zip(times) {
+            let s_tau = s * ln_time.exp();
+            *value = s_tau / (1.0 + s_tau);
+        }
+        let sum: Complex64 = (0..terms).map(|i| weights[i] * phi[i]).sum();
+        let (by_ratio, by_time) = derivatives.split_at_mut_checked(terms - 1)?;
+        // dwᵢ/dxⱼ = wᵢ (δᵢⱼ - wⱼ)
+        for (i, derivative) in by_ratio.iter_mut().enumerate() {
+            *derivative = weights[i + 1] * (phi[i + 1] - sum);
+        }
+        // dφ/d ln τ = φ (1 - φ)
+        for (i, derivative) in by_time.iter_mut().enumerate() {
+            let own = phi[spring + i];
+            *derivative = weights[spring + i] * own * (1.0 - own);
+        }
+        Some(sum)
+    }
+}

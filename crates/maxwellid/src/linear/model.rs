@@ -1,0 +1,223 @@
+//! The direct problem of a linear rod with its derivatives.
+
+use num_complex::Complex64;
+use rodwave::band_limited::{SampledHistory, VelocityHistory};
+
+use super::LinearLaw;
+use super::laplace_line::{FINER, LaplaceLine};
+use crate::law::{Role, Scale, StatedParameter};
+use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
+
+/// A rod of a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E, p).
+#[derive(Debug, Clone)]
+pub struct LinearModel<L> {
+    law: L,
+}
+
+impl<L: LinearLaw> LinearModel<L> {
+    /// The model of this law.
+    #[must_use]
+    pub fn new(law: L) -> Self {
+        Self { law }
+    }
+
+    /// The law.
+    #[must_use]
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+}
+
+impl<L: LinearLaw> RodModel for LinearModel<L> {
+    fn name(&self) -> &str {
+        self.law.name()
+    }
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+
+    fn parameter_names(&self) -> Vec<&str> {
+        std::iter::once("ln_modulus")
+            .chain(self.law.parameter_names())
+            .collect()
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        // 10 % of E in one iteration: half a period of the waveform at most
+        std::iter::once(0.1).chain(self.law.step_limits()).collect()
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        vec![(f64::NEG_INFINITY, f64::INFINITY); 1 + self.law.ranges().len()]
+    }
+
+    fn damping_parameter(&self) -> Option<usize> {
+        self.law.damping_parameter().map(|index| index + 1)
+    }
+
+    fn parameters(&self, modulus: f64) -> Vec<f64> {
+        std::iter::once(modulus.ln())
+            .chain(self.law.start())
+            .collect()
+    }
+
+    fn starts(&self, modulus: f64, _duration: f64) -> Vec<Vec<f64>> {
+        vec![self.parameters(modulus)]
+    }
+
+    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
+        let names = self.law.parameter_names();
+        let of_law = names.into_iter().enumerate().map(|(index, name)| {
+            let mut gradient = vec![0.0; parameters.len()];
+            if let Some(own) = gradient.get_mut(index + 1) {
+                *own = 1.0;
+            }
+            StatedParameter {
+                name,
+                symbol: name,
+                unit: "1",
+                value: parameters.get(index + 1).copied().unwrap_or(f64::NAN),
+                scale: Scale::Difference,
+                gradient,
+                role: Role::Coordinate,
+            }
+        });
+        std::iter::once(stated_modulus(parameters))
+            .chain(of_law)
+            .collect()
+    }
+
+    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+        let (ln_modulus, of_law) = parameters.split_first()?;
+        let known = rod.samples.len();
+        let line = LaplaceLine::new(known, rod.sampling_rate_hz);
+        let mut lines = line.transform(rod.excitation, known)?;
+        let times = Times::of(rod, known)?;
+        for (value, s) in lines.iter_mut().zip(line.arguments()) {
+            let shape = self.law.shape(s, of_law)?;
+            *value *= secant_and_tangent(propagation(rod, *ln_modulus, s, shape)).0;
+        }
+        times.read(&line, &mut lines)
+    }
+
+    fn linearised_response(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+    ) -> Option<LinearisedResponse> {
+        let (ln_modulus, of_law) = parameters.split_first()?;
+        let known = rod.samples.len();
+        let line = LaplaceLine::new(known, rod.sampling_rate_hz);
+        let mut lines = line.transform(rod.excitation, known)?;
+        let times = Times::of(rod, known)?;
+        let mut derivatives = vec![vec![Complex64::ZERO; lines.len()]; parameters.len()];
+        let mut by_law = vec![Complex64::ZERO; of_law.len()];
+        for (k, (value, s)) in lines.iter_mut().zip(line.arguments()).enumerate() {
+            let shape = self.law.shape_with_derivatives(s, of_law, &mut by_law)?;
+            let gamma_length = propagation(rod, *ln_modulus, s, shape);
+            let (secant, tangent) = secant_and_tangent(gamma_length);
+            *value *= secant;
+            // ∂(γL)/∂p = -½ γL ∂ln E/∂p
+            let by_ln_modulus = 0.5 * *value * tangent * gamma_length;
+            let (first, rest) = derivatives.split_first_mut()?;
+            first[k] = by_ln_modulus;
+            for (column, by_parameter) in rest.iter_mut().zip(&by_law) {
+                column[k] = by_ln_modulus * by_parameter / shape;
+            }
+        }
+        Some(LinearisedResponse {
+            velocity: times.read(&line, &mut lines)?,
+            by_parameter: derivatives
+                .iter_mut()
+                .map(|column| times.read(&line, column))
+                .collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// γL = sL (ρ/E)^½ with Re γL >= 0.
+fn propagation(rod: &DrivenRod<'_>, ln_modulus: f64, s: Complex64, shape: Complex64) -> Complex64 {
+    let slowness = (rod.density * (-ln_modulus).exp() / shape).sqrt();
+    let gamma_length = s * slowness * rod.length;
+    if gamma_length.re < 0.0 {
+        -gamma_length
+    } else {
+        gamma_length
+    }
+}
+
+/// 1/cosh z and tanh z for Re z >= 0, without overflow.
+fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
+    let once = (-z).exp();
+    let twice = once * once;
+    let denominator = (1.0 + twice).inv();
+    (2.0 * once * denominator, (1.0 - twice) * denominator)
+}
+
+/// The times at which a history is wanted.
+enum Times<'a> {
+    /// `count` at the samples, from sample `first` on, all later by `delay` \[s\].
+    AtSamples {
+        first: usize,
+        count: usize,
+        delay: f64,
+    },
+    /// Anywhere, which costs an interpolation.
+    Anywhere { times: &'a [f64], known: usize },
+}
+
+impl<'a> Times<'a> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "times are checked to be within the record"
+    )]
+    fn of(rod: &DrivenRod<'a>, known: usize) -> Option<Self> {
+        let times = rod.times;
+        let end = rod.excitation.end() * (1.0 + 1e-12);
+        if !times.iter().all(|t| (0.0..=end).contains(t)) {
+            return None;
+        }
+        let first = times.first().map_or(0.0, |t| t * rod.sampling_rate_hz);
+        // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far below it
+        let uniform = times.iter().enumerate().all(|(k, t)| {
+            (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
+        });
+        Some(if uniform {
+            Self::AtSamples {
+                first: first.floor() as usize,
+                count: times.len(),
+                delay: (first - first.floor()) / rod.sampling_rate_hz,
+            }
+        } else {
+            Self::Anywhere { times, known }
+        })
+    }
+
+    /// The history of `lines` at these times; `None` unless it is finite.
+    fn read(&self, line: &LaplaceLine, lines: &mut [Complex64]) -> Option<Vec<f64>> {
+        let history = match *self {
+            Self::AtSamples {
+                first,
+                count,
+                delay,
+            } => {
+                // exact between samples: what is later by δ has e^{sδ} in its transform
+                if delay > 0.0 {
+                    for (value, s) in lines.iter_mut().zip(line.arguments()) {
+                        *value *= (s * delay).exp();
+                    }
+                }
+                let fine = line.history(lines, FINER * (first + count))?;
+                fine.iter().step_by(FINER).skip(first).copied().collect()
+            }
+            Self::Anywhere { times, known } => {
+                let fine = line.history(lines, FINER * known)?;
+                let between = SampledHistory::new(&fine, line.rate_hz()).ok()?;
+                times.iter().map(|t| between.at(*t)).collect::<Vec<f64>>()
+            }
+        };
+        history.iter().all(|v| v.is_finite()).then_some(history)
+    }
+}

@@ -1,0 +1,396 @@
+//! The linear competitors against d'Alembert, three other solvers, the laws of `rodwave` and differences.
+
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+use super::{ConstantQ, FreeParameter, LinearLaw, LinearModel, MaxwellBranches, ScaledModulus};
+use crate::model::{DrivenRod, RodModel};
+use rodwave::band_limited::{SampledHistory, VelocityHistory};
+use rodwave::inelastic::Maxwell;
+use rodwave::line::{Body, Drive, End, Line, Segment};
+use rodwave::lumped::LumpedRod;
+use rodwave::modulus::{self, GeneralisedMaxwell, LaplaceModulus, MaxwellBranch, Zener};
+use rodwave::{DirectProblem, InelasticRod};
+
+const RATE: f64 = 51_200.0;
+const SAMPLES: usize = 160;
+const WANTED: usize = SAMPLES - SampledHistory::HALF_WIDTH;
+const DENSITY: f64 = 912.0;
+const LENGTH: f64 = 0.394;
+
+/// A pulse of 10 m/s within 12 kHz, then a slow motion that has not ended when the record does.
+fn samples() -> Vec<f64> {
+    (0..SAMPLES)
+        .map(|k| {
+            let t = k as f64 - 30.0;
+            8.0 * (-(t / 3.5).powi(2)).exp() + 1.5 / (1.0 + (-(t - 40.0) / 6.0).exp())
+        })
+        .collect()
+}
+
+fn excitation() -> SampledHistory {
+    SampledHistory::new(&samples(), RATE).unwrap()
+}
+
+/// v_r and its derivatives at the samples.
+fn response(
+    model: &dyn RodModel,
+    history: &SampledHistory,
+    parameters: &[f64],
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let samples = samples();
+    let times = times();
+    let rod = DrivenRod {
+        length: LENGTH,
+        density: DENSITY,
+        sampling_rate_hz: RATE,
+        samples: &samples,
+        excitation: history,
+        times: &times,
+        cell: 4e-3,
+    };
+    let linearised = model.linearised_response(&rod, parameters).unwrap();
+    let plain = model.response(&rod, parameters).unwrap();
+    assert!(largest_difference(&plain, &linearised.velocity) < 1e-12);
+    (plain, linearised.by_parameter)
+}
+
+fn times() -> Vec<f64> {
+    (0..WANTED).map(|k| k as f64 / RATE).collect()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |top, (a, b)| f64::max(top, (a - b).abs()))
+}
+
+fn law(branches: usize) -> MaxwellBranches {
+    MaxwellBranches::of(branches).unwrap()
+}
+
+/// An elastic rod: the excitation comes back doubled, and alternately, delayed by odd transits.
+#[test]
+fn without_relaxation_the_waves_are_those_of_d_alembert() {
+    let history = excitation();
+    let modulus = 2.6e9_f64;
+    let found = response(&LinearModel::new(law(1)), &history, &[modulus.ln(), 30.0]).0;
+    let transit = LENGTH / (modulus / DENSITY).sqrt();
+    let expected: Vec<f64> = times()
+        .iter()
+        .map(|t| {
+            (0..20)
+                .map(|n| {
+                    let sign = if n % 2 == 0 { 2.0 } else { -2.0 };
+                    sign * history.at(t - (2 * n + 1) as f64 * transit)
+                })
+                .sum()
+        })
+        .collect();
+    // the stated interpolation between samples, 2e-5 of 8 m/s, doubled
+    let difference = largest_difference(&found, &expected);
+    assert!(difference < 3e-4, "{difference}");
+}
+
+#[test]
+fn one_branch_is_the_maxwell_rod_of_the_characteristics() {
+    let history = excitation();
+    let (modulus, time) = (2.6e9, 1e-3);
+    let found = response(
+        &LinearModel::new(law(1)),
+        &history,
+        &[f64::ln(modulus), f64::ln(time)],
+    )
+    .0;
+    let error = |cells: usize| {
+        let law = Maxwell::new(modulus * time).unwrap();
+        let rod = InelasticRod::new(LENGTH, DENSITY, modulus, law).unwrap();
+        let response = DirectProblem::new(rod, cells)
+            .unwrap()
+            .free_end_velocity(&history, &times())
+            .unwrap();
+        largest_difference(&found, &response)
+    };
+    let errors = [error(50), error(100), error(800)];
+    // second order until the interpolation of the excitation is left
+    assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
+    assert!(errors[2] < 3e-4, "{errors:?}");
+}
+
+#[test]
+fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
+    let history = excitation();
+    let (modulus, time) = (2.6e9, 1e-3);
+    let found = response(
+        &LinearModel::new(law(1)),
+        &history,
+        &[f64::ln(modulus), f64::ln(time)],
+    )
+    .0;
+    let error = |cells: usize| {
+        let law = Maxwell::new(modulus * time).unwrap();
+        let rod = InelasticRod::new(LENGTH, DENSITY, modulus, law).unwrap();
+        let response = LumpedRod::new(&rod, cells, 0.5)
+            .unwrap()
+            .free_end_velocity(&history, &times())
+            .unwrap();
+        largest_difference(&found, &response)
+    };
+    let errors = [error(200), error(400)];
+    assert!(errors[0] / errors[1] > 3.5, "{errors:?}");
+}
+
+/// The free end of a Prony rod by the line of `rodwave`, which has branches in parallel and a grid of its own.
+fn by_the_line(law: &GeneralisedMaxwell, history: &SampledHistory, step: f64) -> Vec<f64> {
+    let segment = Segment::prony(LENGTH, 1e-4, DENSITY, law).unwrap();
+    let line = Line::new([Body::new([segment]).unwrap()])
+        .unwrap()
+        .with_left_end(End::Velocity(Drive::history(history.clone())))
+        .unwrap();
+    let duration = (SAMPLES - 2) as f64 / RATE;
+    let run = line.run(step, duration, &[]).unwrap();
+    // ends are known at dt/2, 3 dt/2 ..., far finer than the band
+    let dt = run.grid.time_step;
+    let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt).unwrap();
+    times().iter().map(|t| end.at(t - 0.5 * dt)).collect()
+}
+
+#[test]
+fn branches_in_parallel_are_those_of_the_line() {
+    let history = excitation();
+    let three = GeneralisedMaxwell::new(
+        0.0,
+        [(2.2e9, 5e-3), (0.3e9, 2e-4), (0.2e9, 2e-5)]
+            .map(|(modulus, relaxation_time)| MaxwellBranch {
+                modulus,
+                relaxation_time,
+            })
+            .to_vec(),
+    )
+    .unwrap();
+    let parameters = [
+        2.7e9_f64.ln(),
+        f64::ln(0.3 / 2.2),
+        f64::ln(0.2 / 2.2),
+        5e-3_f64.ln(),
+        2e-4_f64.ln(),
+        2e-5_f64.ln(),
+    ];
+    let found = response(&LinearModel::new(law(3)), &history, &parameters).0;
+    let errors = [4e-6, 2e-6, 0.5e-6]
+        .map(|step| largest_difference(&found, &by_the_line(&three, &history, step)));
+    // second order, down to the interpolation between samples
+    assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
+    assert!(errors[2] < 6e-4, "{errors:?}");
+}
+
+fn shape(law: &impl LinearLaw, s: Complex64, parameters: &[f64]) -> Complex64 {
+    law.shape(s, parameters).unwrap()
+}
+
+#[test]
+fn laws_are_those_of_rodwave_off_the_axis_too() {
+    for s in [
+        Complex64::new(3e3, 0.0),
+        Complex64::new(3e3, 2e4),
+        Complex64::new(2e3, -3e5),
+    ] {
+        let constant_q = modulus::ConstantQ::new(2.6e9, 0.07, TAU * 4e3).unwrap();
+        let zener = Zener::new(2.0e9, 2.5e9, 1e-4).unwrap();
+        let prony = GeneralisedMaxwell::new(
+            0.0,
+            vec![
+                MaxwellBranch {
+                    modulus: 2e9,
+                    relaxation_time: 4e-3,
+                },
+                MaxwellBranch {
+                    modulus: 0.5e9,
+                    relaxation_time: 4e-5,
+                },
+            ],
+        )
+        .unwrap();
+        let pairs = [
+            (
+                2.6e9 * shape(&ConstantQ::default(), s, &[0.07_f64.ln()]),
+                constant_q.at_s(s),
+            ),
+            (
+                2.5e9
+                    * shape(
+                        &MaxwellBranches::zener(),
+                        s,
+                        &[0.25_f64.ln(), 1e-4_f64.ln()],
+                    ),
+                zener.at_s(s),
+            ),
+            (
+                2.5e9 * shape(&law(2), s, &[0.25_f64.ln(), 4e-3_f64.ln(), 4e-5_f64.ln()]),
+                prony.at_s(s),
+            ),
+        ];
+        for (found, expected) in pairs {
+            assert!(
+                (found / expected - 1.0).norm() < 1e-12,
+                "{s} {found} {expected}"
+            );
+        }
+    }
+}
+
+/// Differences of fourth order of the response itself, h = 1e-3: 1e-12 of the fifth derivative and 1e-12 of rounding, both below 1e-8 of
+/// 10 m/s.
+fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
+    let history = excitation();
+    let model = LinearModel::new(law);
+    let parameters: Vec<f64> = std::iter::once(2.6e9_f64.ln())
+        .chain(of_law.iter().copied())
+        .collect();
+    let (_, columns) = response(&model, &history, &parameters);
+    for (index, column) in columns.iter().enumerate() {
+        let at = |step: f64| {
+            let mut moved = parameters.clone();
+            moved[index] += step;
+            response(&model, &history, &moved).0
+        };
+        let h = 1e-3;
+        let (a, b, c, d) = (at(h), at(-h), at(2.0 * h), at(-2.0 * h));
+        let difference: Vec<f64> = (0..WANTED)
+            .map(|k| (8.0 * (a[k] - b[k]) - (c[k] - d[k])) / (12.0 * h))
+            .collect();
+        let scale = column.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
+        assert!(scale > 1e-3, "{} {index} has no effect", model.law().name());
+        let error = largest_difference(column, &difference);
+        // ln E moves the arrival: its fifth derivative is large, (ωL/2c)^5 = 1e6 of the wave
+        let tolerance = if index == 0 { 1e-4 } else { 1e-7 };
+        assert!(
+            error < tolerance * scale,
+            "{} {index}: {error} of {scale}",
+            model.law().name()
+        );
+    }
+}
+
+#[test]
+fn derivatives_are_exact() {
+    derivatives_are_those_of_differences(ConstantQ::default(), &[0.07_f64.ln()]);
+    derivatives_are_those_of_differences(MaxwellBranches::zener(), &[0.25_f64.ln(), 3e-5_f64.ln()]);
+    derivatives_are_those_of_differences(law(1), &[1e-3_f64.ln()]);
+    derivatives_are_those_of_differences(
+        law(3),
+        &[-2.0, -2.5, 5e-3_f64.ln(), 2e-4_f64.ln(), 2e-5_f64.ln()],
+    );
+}
+
+#[test]
+fn a_law_of_rodwave_is_a_competitor_as_it_is() {
+    let zener = Zener::new(2.0e9, 2.5e9, 3e-5).unwrap();
+    let ranges = [
+        FreeParameter {
+            index: 1,
+            name: "ln_modulus_increment",
+            range: (0.02e9_f64.ln(), 2e9_f64.ln()),
+        },
+        FreeParameter {
+            index: 2,
+            name: "ln_relaxation_time",
+            range: (1e-6_f64.ln(), 1e-2_f64.ln()),
+        },
+    ];
+    let scaled = ScaledModulus::new("Zener of rodwave", zener, TAU * 4e3, &ranges).unwrap();
+    let history = excitation();
+    let magnitude = modulus::ComplexModulus::at(&zener, TAU * 4e3).norm();
+    let found = response(
+        &LinearModel::new(scaled.clone()),
+        &history,
+        &[magnitude.ln(), 0.5e9_f64.ln(), 3e-5_f64.ln()],
+    )
+    .0;
+    let expected = response(
+        &LinearModel::new(MaxwellBranches::zener()),
+        &history,
+        &[2.5e9_f64.ln(), 0.25_f64.ln(), 3e-5_f64.ln()],
+    )
+    .0;
+    assert!(largest_difference(&found, &expected) < 1e-10);
+    derivatives_are_those_of_differences(scaled, &[0.5e9_f64.ln(), 3e-5_f64.ln()]);
+    assert!(
+        ScaledModulus::new(
+            "none",
+            zener,
+            TAU * 4e3,
+            &[FreeParameter {
+                index: 3,
+                name: "?",
+                range: (0.0, 1.0)
+            }]
+        )
+        .is_err()
+    );
+    assert!(
+        ScaledModulus::new(
+            "none",
+            zener,
+            TAU * 4e3,
+            &[FreeParameter {
+                index: 2,
+                name: "?",
+                range: (1.0, 0.0)
+            }]
+        )
+        .is_err()
+    );
+    assert!(ScaledModulus::new("none", zener, 0.0, &[]).is_err());
+}
+
+/// What comes around from the next period: the response on a period twice as long is the same.
+#[test]
+fn wrap_around_is_below_its_level() {
+    let history = excitation();
+    let nearly_elastic = [2.6e9_f64.ln(), 30.0];
+    let short = response(&LinearModel::new(law(1)), &history, &nearly_elastic).0;
+    // the rod rings for ever, and the excitation ends at the same time
+    let long = super::laplace_line::LaplaceLine::new(4 * SAMPLES, RATE);
+    let mut lines = long.transform(&history, SAMPLES).unwrap();
+    for (value, s) in lines.iter_mut().zip(long.arguments()) {
+        let z = s * LENGTH * (DENSITY / 2.6e9).sqrt();
+        *value /= z.cosh();
+    }
+    let fine = long.history(&mut lines, 2 * WANTED).unwrap();
+    let expected: Vec<f64> = fine.iter().step_by(2).copied().collect();
+    let difference = largest_difference(&short, &expected);
+    // 1.1e-7 of 16 m/s, and the share of the slow tail of e^{-1e-13 t}
+    assert!(difference < 2e-5, "{difference}");
+}
+
+#[test]
+fn times_between_samples_are_answered_either_way() {
+    let history = excitation();
+    let samples = samples();
+    let model = LinearModel::new(ConstantQ::default());
+    let parameters = [2.6e9_f64.ln(), 0.07_f64.ln()];
+    let delay = 0.37 / RATE;
+    let at = |times: &[f64]| {
+        let rod = DrivenRod {
+            length: LENGTH,
+            density: DENSITY,
+            sampling_rate_hz: RATE,
+            samples: &samples,
+            excitation: &history,
+            times,
+            cell: 4e-3,
+        };
+        model.response(&rod, &parameters)
+    };
+    let shifted: Vec<f64> = times().iter().map(|t| t + delay).collect();
+    let mut uneven = shifted.clone();
+    uneven.remove(0);
+    uneven.insert(0, 0.1 / RATE);
+    let (by_shift, by_interpolation) = (at(&shifted).unwrap(), at(&uneven).unwrap());
+    let difference = largest_difference(&by_shift[1..], &by_interpolation[1..]);
+    // the interpolation between samples twice as dense as the record's
+    assert!(difference < 1e-4, "{difference}");
+    assert!(at(&[1.0]).is_none());
+    assert!(at(&[-1e-6]).is_none());
+}

@@ -1,0 +1,271 @@
+//! What a fit needs of a model of the rod, whatever its physics and its solver.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use rodwave::band_limited::SampledHistory;
+use rodwave::{DirectProblem, InelasticRod};
+
+use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+
+/// The question put to a model: a rod at rest, driven at x = -L by v_e, free at x = 0.
+#[derive(Debug, Clone, Copy)]
+pub struct DrivenRod<'a> {
+    /// Distance L from the section of excitation to the free end \[m\].
+    pub length: f64,
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Sampling rate of the excitation \[Hz\].
+    pub sampling_rate_hz: f64,
+    /// Samples of v_e [m/s], the first at time 0.
+    pub samples: &'a [f64],
+    /// The same excitation between its samples.
+    pub excitation: &'a SampledHistory,
+    /// Times \[s\] at which v_r is asked for: ascending, not below 0, not beyond the excitation. They need not be those of samples.
+    pub times: &'a [f64],
+    /// Longest cell of a grid \[m\]; a model without a grid has no use for it.
+    pub cell: f64,
+}
+
+/// Velocity of the free end and its derivatives by the parameters of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearisedResponse {
+    /// v_r [m/s], one entry for each time.
+    pub velocity: Vec<f64>,
+    /// ∂v_r/∂θ [m/s], one column for each parameter, each as long as `velocity`.
+    pub by_parameter: Vec<Vec<f64>>,
+}
+
+/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`] is one, with θ = (ln E, parameters of the law) and the
+/// solver [`rodwave::characteristics`]; a linear material solved in the frequency domain is another.
+///
+/// # Requirements
+/// θ[0] is ln E \[Pa\], E being the modulus that sets the speed of the front, from which a fit starts by the time of flight. The
+/// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait keeps no state.
+pub trait RodModel: Debug + Send + Sync {
+    /// Name of the model.
+    fn name(&self) -> &str;
+
+    /// Whether v_r is proportional to v_e for every θ.
+    fn is_linear(&self) -> bool;
+
+    /// Names of θ, the first being `ln_modulus`.
+    fn parameter_names(&self) -> Vec<&str>;
+
+    /// Largest change of each parameter in one iteration: about the range over which the response is near linear in it.
+    fn step_limits(&self) -> Vec<f64>;
+
+    /// Lower and upper bound of each parameter; infinite where there is none.
+    fn bounds(&self) -> Vec<(f64, f64)>;
+
+    /// Index of the parameter that scales the damping, if there is one. Where the data do not see it, they do not see the shape
+    /// of what is not seen either.
+    fn damping_parameter(&self) -> Option<usize>;
+
+    /// θ of the model as it stands, with Young's modulus `modulus` \[Pa\].
+    fn parameters(&self, modulus: f64) -> Vec<f64>;
+
+    /// Candidates for θ from which a fit may start when nothing but `modulus` \[Pa\] and the duration of the record \[s\] is known,
+    /// best spread over the decades of the damping. Not empty.
+    fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>>;
+
+    /// The parameters as the literature states them at θ, E first; gradients are by all of θ.
+    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
+
+    /// v_r [m/s] at the times of `rod`; `None` where θ is outside the model.
+    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>>;
+
+    /// v_r with its derivatives; `None` where θ is outside the model.
+    fn linearised_response(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+    ) -> Option<LinearisedResponse>;
+}
+
+/// Largest change of ln E in one iteration: half a period of the waveform at most.
+const LOG_MODULUS_STEP: f64 = 0.1;
+
+/// Bounds of E \[Pa\]: softer than any gel, stiffer than diamond.
+const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
+
+/// Fewest cells of a grid.
+const FEWEST_CELLS: f64 = 16.0;
+
+/// ln E as the first parameter of a model with `parameters` parameters.
+#[must_use]
+pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
+    let mut gradient = vec![0.0; parameters.len()];
+    if let Some(first) = gradient.first_mut() {
+        *first = 1.0;
+    }
+    StatedParameter {
+        name: "Young's modulus",
+        symbol: "E",
+        unit: "Pa",
+        value: parameters.first().map_or(f64::NAN, |t| t.exp()),
+        scale: Scale::Ratio,
+        gradient,
+        role: Role::Coordinate,
+    }
+}
+
+/// The direct problem of `law` at θ.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "lengths and cells are positive; the ratio is a cell count"
+)]
+fn direct_problem<L: IdentifiableLaw>(
+    law: &L,
+    rod: &DrivenRod<'_>,
+    parameters: &[f64],
+) -> Option<DirectProblem<L>> {
+    let (log_modulus, of_law) = parameters.split_first()?;
+    let law = law.with_parameters(of_law).ok()?;
+    let cells = (rod.length / rod.cell).ceil().max(FEWEST_CELLS) as usize;
+    let rod = InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()?;
+    DirectProblem::new(rod, cells).ok()
+}
+
+impl<L: IdentifiableLaw> RodModel for L {
+    fn name(&self) -> &str {
+        L::NAME
+    }
+
+    fn is_linear(&self) -> bool {
+        L::LINEAR
+    }
+
+    fn parameter_names(&self) -> Vec<&str> {
+        std::iter::once("ln_modulus")
+            .chain(L::PARAMETERS.iter().copied())
+            .collect()
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        std::iter::once(LOG_MODULUS_STEP)
+            .chain(L::STEP_LIMITS.iter().copied())
+            .collect()
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        std::iter::once((MODULUS_BOUNDS.0.ln(), MODULUS_BOUNDS.1.ln()))
+            .chain(self.parameter_bounds())
+            .collect()
+    }
+
+    fn damping_parameter(&self) -> Option<usize> {
+        // the last parameter of a law is its rate
+        (!L::PARAMETERS.is_empty()).then_some(L::PARAMETERS.len())
+    }
+
+    fn parameters(&self, modulus: f64) -> Vec<f64> {
+        std::iter::once(modulus.ln())
+            .chain(rodwave::inelastic::InelasticLaw::parameters(self))
+            .collect()
+    }
+
+    /// The rate of the law in steps of half a decade, from a relaxation time of a hundredth of the record, which nothing
+    /// survives, to one of ten thousand records, which none shows.
+    fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
+        let mut starts: Vec<Vec<f64>> = (-4_i32..=8)
+            .filter_map(|half_decades| {
+                let relaxation_time = duration * 10.0_f64.powf(0.5 * f64::from(half_decades));
+                self.at_rate(self.reference_stress() / (modulus * relaxation_time))
+            })
+            .map(|law| RodModel::parameters(&law, modulus))
+            .collect();
+        if starts.is_empty() {
+            starts.push(RodModel::parameters(self, modulus));
+        }
+        starts
+    }
+
+    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
+        let law = parameters
+            .get(1..)
+            .and_then(|of_law| self.with_parameters(of_law).ok());
+        let of_law = law.map(|law| IdentifiableLaw::stated(&law));
+        std::iter::once(stated_modulus(parameters))
+            .chain(of_law.unwrap_or_default().into_iter().map(|mut stated| {
+                // the parameters of a law do not depend on E
+                stated.gradient.insert(0, 0.0);
+                stated
+            }))
+            .collect()
+    }
+
+    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+        direct_problem(self, rod, parameters)?
+            .free_end_velocity(rod.excitation, rod.times)
+            .ok()
+    }
+
+    fn linearised_response(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+    ) -> Option<LinearisedResponse> {
+        let response = direct_problem(self, rod, parameters)?
+            .free_end_velocity_with_sensitivities(rod.excitation, rod.times)
+            .ok()?;
+        Some(LinearisedResponse {
+            velocity: response.velocity,
+            by_parameter: std::iter::once(response.by_log_modulus)
+                .chain(response.by_parameter)
+                .collect(),
+        })
+    }
+}
+
+/// A model chosen at run time.
+impl RodModel for Arc<dyn RodModel> {
+    fn name(&self) -> &str {
+        self.as_ref().name()
+    }
+
+    fn is_linear(&self) -> bool {
+        self.as_ref().is_linear()
+    }
+
+    fn parameter_names(&self) -> Vec<&str> {
+        self.as_ref().parameter_names()
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        self.as_ref().step_limits()
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        self.as_ref().bounds()
+    }
+
+    fn damping_parameter(&self) -> Option<usize> {
+        self.as_ref().damping_parameter()
+    }
+
+    fn parameters(&self, modulus: f64) -> Vec<f64> {
+        self.as_ref().parameters(modulus)
+    }
+
+    fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
+        self.as_ref().starts(modulus, duration)
+    }
+
+    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
+        self.as_ref().stated(parameters)
+    }
+
+    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+        self.as_ref().response(rod, parameters)
+    }
+
+    fn linearised_response(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+    ) -> Option<LinearisedResponse> {
+        self.as_ref().linearised_response(rod, parameters)
+    }
+}

@@ -1,0 +1,393 @@
+//! Profile likelihood: intervals that need not be symmetric, nor end.
+//!
+//! ```text
+//! PL(θ_j) = min over the other parameters of χ² ,    95 %: PL(θ_j) - χ²_min <= 3.84
+//! ```
+//!
+//! Where the linearised error of a parameter is as large as the parameter, the interval of its profile still says what the data
+//! exclude: that κ is below 1.4, say, and nothing else. It covers with the stated probability whatever the coordinate, and the linear
+//! limits κ = 1 and σ_ref/m = 0 lie inside the range that is looked at, so that an interval may contain them.
+//!
+//! # Validity
+//! χ² is that of [`crate::selection`]: known noise of both histories, the excitation as the response suggests it, which is held
+//! at its most probable course along the profile.
+
+use crate::error::MaxwellidError;
+use crate::identifiability::Verdict;
+use crate::least_squares::{
+    LeastSquares, Linearisation, ScaledDecomposition, minimise, sum_of_squares,
+};
+use crate::selection::{Candidate, Contest, Ground, PosteriorProblem, Prior};
+use crate::test::RodTest;
+
+/// Quantile of chi-square of one degree of freedom at 95 %.
+const THRESHOLD: f64 = 3.841_458_820_694_124;
+
+/// The range that is looked at is that of the candidate, so many times as wide, within the bounds of the model.
+const WIDER: f64 = 3.0;
+
+/// What the data say about one parameter.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Profile {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Its value at the minimum.
+    pub value: f64,
+    /// Lower end of the 95 % interval, if it is within the range looked at.
+    pub lower: Option<f64>,
+    /// Upper end of the 95 % interval, if it is within the range looked at.
+    pub upper: Option<f64>,
+    /// The range looked at.
+    pub range: (f64, f64),
+    /// Identified, bounded on one side, or not identifiable.
+    pub verdict: Verdict,
+    /// Points (θ_j, PL - χ²_min) in ascending order.
+    pub curve: Vec<(f64, f64)>,
+}
+
+impl Profile {
+    /// Whether the interval contains `value`.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        self.lower.is_none_or(|lower| value >= lower)
+            && self.upper.is_none_or(|upper| value <= upper)
+    }
+
+    /// The verdict with its reason.
+    #[must_use]
+    pub fn reason(&self) -> String {
+        let (low, high) = self.range;
+        match (self.lower, self.upper) {
+            (Some(lower), Some(upper)) => {
+                format!("values below {lower:.4} and above {upper:.4} are excluded at 95 %")
+            }
+            (Some(lower), None) => {
+                format!("values below {lower:.4} are excluded at 95 %, none above up to {high:.4}")
+            }
+            (None, Some(upper)) => {
+                format!("values above {upper:.4} are excluded at 95 %, none below down to {low:.4}")
+            }
+            (None, None) => {
+                format!("no value from {low:.4} to {high:.4} is excluded at 95 %")
+            }
+        }
+    }
+}
+
+/// The profiles of all parameters of `candidate`, ln E first.
+///
+/// # Errors
+/// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
+pub fn profiles(
+    candidate: &Candidate,
+    tests: &[RodTest],
+    cell: f64,
+) -> Result<Vec<Profile>, MaxwellidError> {
+    let ground = Ground::of(tests)?;
+    let prior = candidate.prior(ground.modulus, ground.duration);
+    let contest = Contest {
+        candidate,
+        prior: &prior,
+        tests,
+        times: &ground.times,
+        cell,
+        weight: 1.0,
+        least: f64::INFINITY,
+    };
+    let start = contest
+        .search(ground.modulus, ground.duration)?
+        .ok_or(MaxwellidError::NoCandidate)?;
+    // what is profiled is the likelihood alone
+    let flat = Prior {
+        mean: vec![0.0; prior.mean.len()],
+        deviation: vec![f64::INFINITY; prior.mean.len()],
+    };
+    let at = &start.minimum.parameters;
+    let seen = contest.seen(at).ok_or(MaxwellidError::NoCandidate)?;
+    let problem = PosteriorProblem {
+        prior: &flat,
+        ..contest.problem(&seen)
+    };
+    let minimum = minimise(&problem, at, 0.0)?.ok_or(MaxwellidError::NoCandidate)?;
+    let least = sum_of_squares(&minimum.linearisation.residual);
+    let errors = standard_errors(&minimum.linearisation, &prior.deviation);
+    let names = candidate.model().parameter_names();
+    let bounds = candidate.model().bounds();
+    (0..at.len())
+        .map(|index| {
+            let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
+            let walk = Walk {
+                problem: &problem,
+                index,
+                least,
+                minimum: &minimum.parameters,
+                range: (
+                    (mean - 2.0 * WIDER * deviation).max(bounds[index].0),
+                    (mean + 2.0 * WIDER * deviation).min(bounds[index].1),
+                ),
+                step: (2.0 * errors[index]).min(deviation),
+            };
+            walk.profile(names[index])
+        })
+        .collect()
+}
+
+/// Standard errors by the linearised problem; that of the prior where the data see nothing.
+fn standard_errors(linearisation: &Linearisation, deviations: &[f64]) -> Vec<f64> {
+    let Some(svd) = ScaledDecomposition::new(linearisation, deviations) else {
+        return deviations.to_vec();
+    };
+    deviations
+        .iter()
+        .enumerate()
+        .map(|(index, deviation)| {
+            let variance: f64 = svd
+                .right
+                .iter()
+                .zip(&svd.singular_values)
+                .map(|(vector, s)| (vector[index] / s.max(1.0)).powi(2))
+                .sum();
+            deviation * variance.sqrt()
+        })
+        .collect()
+}
+
+/// A problem with one parameter held.
+struct Held<'a> {
+    problem: &'a dyn LeastSquares,
+    index: usize,
+    value: f64,
+}
+
+impl Held<'_> {
+    fn all(&self, others: &[f64]) -> Vec<f64> {
+        let mut all = others.to_vec();
+        all.insert(self.index, self.value);
+        all
+    }
+}
+
+impl LeastSquares for Held<'_> {
+    fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+        self.problem.residual(&self.all(parameters))
+    }
+
+    fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation> {
+        let mut linearisation = self.problem.linearisation(&self.all(parameters))?;
+        linearisation.jacobian.remove(self.index);
+        Some(linearisation)
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        let mut limits = self.problem.step_limits();
+        limits.remove(self.index);
+        limits
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        let mut bounds = self.problem.bounds();
+        bounds.remove(self.index);
+        bounds
+    }
+}
+
+struct Walk<'a> {
+    problem: &'a dyn LeastSquares,
+    index: usize,
+    least: f64,
+    minimum: &'a [f64],
+    range: (f64, f64),
+    step: f64,
+}
+
+/// Steps to the end of an interval at most: secants in the root of the profile, which is nearly linear, and every third a
+/// bisection where it is not.
+const REFINEMENTS: usize = 24;
+
+/// How near to the threshold the profile is at an end: 0.02 of 3.84 are 0.0025 of a standard error.
+const NEAR: f64 = 0.02;
+
+impl Walk<'_> {
+    fn profile(&self, name: &str) -> Result<Profile, MaxwellidError> {
+        let mut curve = vec![(self.minimum[self.index], 0.0)];
+        let lower = self.end(-1.0, &mut curve)?;
+        let upper = self.end(1.0, &mut curve)?;
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Profile {
+            parameter: name.to_owned(),
+            value: self.minimum[self.index],
+            lower,
+            upper,
+            range: self.range,
+            verdict: match (lower, upper) {
+                (Some(_), Some(_)) => Verdict::Identified,
+                (Some(lower), None) => Verdict::BoundedBelow(lower),
+                (None, Some(upper)) => Verdict::BoundedAbove(upper),
+                (None, None) => Verdict::NotIdentifiable,
+            },
+            curve,
+        })
+    }
+
+    /// PL - χ²_min with the other parameters, or infinity where the model does not exist.
+    fn at(&self, value: f64, others: &[f64]) -> Result<(f64, Option<Vec<f64>>), MaxwellidError> {
+        let held = Held {
+            problem: self.problem,
+            index: self.index,
+            value,
+        };
+        if others.is_empty() {
+            let residual = held.residual(others);
+            let rise = residual.map_or(f64::INFINITY, |r| sum_of_squares(&r) - self.least);
+            return Ok((rise, None));
+        }
+        Ok(match minimise(&held, others, 0.0)? {
+            None => (f64::INFINITY, None),
+            Some(found) => (
+                sum_of_squares(&found.linearisation.residual) - self.least,
+                Some(found.parameters),
+            ),
+        })
+    }
+
+    fn end(&self, sign: f64, curve: &mut Vec<(f64, f64)>) -> Result<Option<f64>, MaxwellidError> {
+        let mut others = self.minimum.to_vec();
+        others.remove(self.index);
+        let limit = if sign < 0.0 {
+            self.range.0
+        } else {
+            self.range.1
+        };
+        let (mut inside, mut step) = ((self.minimum[self.index], 0.0_f64), self.step);
+        loop {
+            let next = inside.0 + sign * step;
+            let is_last = (next - limit) * sign >= 0.0;
+            let value = if is_last { limit } else { next };
+            if (value - inside.0) * sign <= 0.0 {
+                return Ok(None);
+            }
+            let (rise, found) = self.at(value, &others)?;
+            curve.push((value, rise));
+            if rise > THRESHOLD {
+                return self.refine(inside, (value, rise), &others, curve).map(Some);
+            }
+            if is_last {
+                return Ok(None);
+            }
+            inside = (value, rise);
+            others = found.unwrap_or(others);
+            step *= 1.5;
+        }
+    }
+
+    /// Where the profile crosses the threshold between a point inside and one outside.
+    fn refine(
+        &self,
+        mut inside: (f64, f64),
+        mut outside: (f64, f64),
+        others: &[f64],
+        curve: &mut Vec<(f64, f64)>,
+    ) -> Result<f64, MaxwellidError> {
+        let root = |rise: f64| rise.clamp(0.0, 1e6).sqrt();
+        let mut value = outside.0;
+        for refinement in 1..=REFINEMENTS {
+            let (low, high) = (root(inside.1), root(outside.1));
+            let share = if refinement % 3 == 0 {
+                0.5
+            } else {
+                (THRESHOLD.sqrt() - low) / (high - low)
+            };
+            value = inside.0 + share * (outside.0 - inside.0);
+            let (rise, _) = self.at(value, others)?;
+            curve.push((value, rise));
+            if (rise - THRESHOLD).abs() < NEAR {
+                break;
+            }
+            if rise > THRESHOLD {
+                outside = (value, rise);
+            } else {
+                inside = (value, rise);
+            }
+        }
+        Ok(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// r = (a - 1, a e^b/2).
+    struct Product;
+
+    impl LeastSquares for Product {
+        fn residual(&self, t: &[f64]) -> Option<Vec<f64>> {
+            Some(vec![t[0] - 1.0, 0.5 * (t[0] * t[1].exp())])
+        }
+
+        fn linearisation(&self, t: &[f64]) -> Option<Linearisation> {
+            Some(Linearisation {
+                residual: self.residual(t)?,
+                jacobian: vec![
+                    vec![1.0, 0.5 * t[1].exp()],
+                    vec![0.0, 0.5 * t[0] * t[1].exp()],
+                ],
+            })
+        }
+
+        fn step_limits(&self) -> Vec<f64> {
+            vec![1.0, 1.0]
+        }
+    }
+
+    /// min over a of (a-1)² + a² g², g = e^b/2, is g²/(1+g²) < 1: b is excluded nowhere. With ten times the weights it is excluded above the
+    /// b of 100 g²/(1+g²) = 3.84.
+    #[test]
+    fn a_logarithm_is_bounded_above_or_not_at_all() {
+        struct Weighted(f64);
+        impl LeastSquares for Weighted {
+            fn residual(&self, t: &[f64]) -> Option<Vec<f64>> {
+                Some(Product.residual(t)?.iter().map(|r| self.0 * r).collect())
+            }
+            fn linearisation(&self, t: &[f64]) -> Option<Linearisation> {
+                let mut found = Product.linearisation(t)?;
+                found.residual = self.residual(t)?;
+                for value in found.jacobian.iter_mut().flatten() {
+                    *value *= self.0;
+                }
+                Some(found)
+            }
+            fn step_limits(&self) -> Vec<f64> {
+                vec![1.0, 1.0]
+            }
+        }
+        let walk = |problem: &dyn LeastSquares| {
+            Walk {
+                problem,
+                index: 1,
+                least: 0.0,
+                minimum: &[1.0, -12.0],
+                range: (-14.0, 4.0),
+                step: 1.0,
+            }
+            .profile("b")
+            .unwrap()
+        };
+        assert_eq!(walk(&Weighted(1.0)).verdict, Verdict::NotIdentifiable);
+        let bounded = walk(&Weighted(10.0));
+        let g = (THRESHOLD / (100.0 - THRESHOLD)).sqrt();
+        let expected = (2.0 * g).ln();
+        let Verdict::BoundedAbove(upper) = bounded.verdict else {
+            panic!("{:?}", bounded.verdict)
+        };
+        // 0.02 of 3.84 in the profile, 0.005 in b
+        assert!((upper - expected).abs() < 0.006, "{upper} {expected}");
+        assert!(bounded.contains(-13.0) && !bounded.contains(0.0));
+        assert!(
+            bounded.reason().contains("none below"),
+            "{}",
+            bounded.reason()
+        );
+    }
+}

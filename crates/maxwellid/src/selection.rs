@@ -1,0 +1,593 @@
+//! Which law the data support, or that they cannot tell.
+//!
+//! # Problem
+//! Several laws M_i are candidates. How probable is each, given the tests, and does any of them explain the data at all?
+//!
+//! # Method
+//! Each candidate is fitted with its prior; by Laplace's method
+//!
+//! ```text
+//! ln Z_i = ln L(θ̂) - ½ Σ ((θ̂ - μ)/s)² - ½ ln det(1 + S Jᵀ C⁻¹ J S) ,    P(M_i) = w_i Z_i / Σ w_k Z_k
+//! ```
+//!
+//! with J the derivatives of the response, C the covariance of the residual (noise of both histories, that of the excitation propagated through
+//! each candidate's rod, at the excitation that is most probable for it), S = diag(s) the prior's standard deviations, and w the weights of the laws beforehand. A parameter that
+//! the data do not see costs nothing; one that they see costs the logarithm of what they narrow it by (Occam's factor).
+//!
+//! For known noise ln L = -½ χ². For noise estimated from q samples of rest the common factor is averaged over, ln L = -½ (n + q) ln(1 + χ²/q).
+//! Residuals that are correlated beyond C count for fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
+//!
+//! # Decision
+//! 1. If χ² of the best candidate has a probability below 0.001 (chi-square, or F with q), the answer is *none of these*.
+//! 2. If no candidate has a probability of 0.95, the answer is *cannot tell*, with the candidates in question.
+//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss is not refuted by its χ² (or none was a
+//!    candidate), the answer is *cannot tell*, with the advice to repeat at another velocity.
+//!
+//! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in [`crate::adequacy`]; it is history, and no decision
+//! comes from it.
+//!
+//! # What this does not do
+//! Laplace's method takes a posterior for normal about one maximum. Errors of E from L, ρ or the sensors are not in C.
+
+mod candidate;
+mod decision;
+mod posterior;
+mod seen_test;
+
+pub use candidate::Candidate;
+pub use decision::{Advice, Decision, Doubt};
+
+pub(crate) use candidate::Prior;
+pub(crate) use posterior::{Contest, Posterior, PosteriorProblem};
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+
+use crate::error::MaxwellidError;
+use crate::fit::DEFAULT_CELL;
+use crate::identifiability::correlation_inflation;
+use crate::least_squares::Termination;
+use crate::test::RodTest;
+
+/// A comparison of candidates to be made.
+///
+/// ```
+/// use maxwellid::linear::{ConstantQ, MaxwellBranches};
+/// use maxwellid::selection::{Candidate, Selection};
+/// use maxwellid::{Provenance, RodTest, RodTestData};
+/// use rodwave::InelasticRod;
+/// use rodwave::band_limited::SampledHistory;
+/// use rodwave::inelastic::Maxwell;
+/// use rodwave::lumped::{self, LumpedRod};
+///
+/// let rate = 51_200.0;
+/// let excitation: Vec<f64> = (0..140)
+///     .map(|k| 8.0 * (-((f64::from(k) - 35.0) / 4.0_f64).powi(2)).exp())
+///     .collect();
+/// let times: Vec<f64> = (0..140).map(|k| f64::from(k) / rate).collect();
+/// let rod = InelasticRod::new(0.391, 1140.0, 3.209e9, Maxwell::new(2e6)?)?;
+/// let response = LumpedRod::new(&rod, 400, 0.5)?
+///     .free_end_velocity(&SampledHistory::new(&excitation, rate)?, &times)?;
+/// let test = RodTest::new(RodTestData {
+///     name: "virtual".into(),
+///     length: 0.391,
+///     density: 1140.0,
+///     impact_velocity: 10.0,
+///     sampling_rate_hz: rate,
+///     excitation,
+///     response,
+///     provenance: Provenance::Virtual { generator: lumped::GENERATOR.into() },
+/// })?
+/// .with_noise(0.05, 0.05)?;
+///
+/// let laws = vec![
+///     Candidate::elastic(),
+///     Candidate::linear(MaxwellBranches::of(1).unwrap()),
+///     Candidate::linear(ConstantQ::default()),
+/// ];
+/// let comparison = Selection::new(laws)?.compare(&[test])?;
+/// assert_eq!(comparison.law().map(|law| law.name.as_str()), Some("Maxwell"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Selection {
+    candidates: Vec<Candidate>,
+    noise_samples: Option<f64>,
+    cell: f64,
+    required_probability: f64,
+    adequacy_level: f64,
+}
+
+/// Impact velocities that differ by less are one velocity.
+const DISTINCT_VELOCITIES: f64 = 1.2;
+
+/// Independent samples are said to be fewer than the samples from here on: white residuals give at most about 1.3.
+const CORRELATED_FROM: f64 = 1.5;
+
+impl Selection {
+    /// A comparison of these candidates. The noise is what each test states; it counts as known.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::NoCandidate`].
+    pub fn new(candidates: Vec<Candidate>) -> Result<Self, MaxwellidError> {
+        if candidates.is_empty() {
+            return Err(MaxwellidError::NoCandidate);
+        }
+        Ok(Self {
+            candidates,
+            noise_samples: None,
+            cell: DEFAULT_CELL,
+            required_probability: 0.95,
+            adequacy_level: 1e-3,
+        })
+    }
+
+    /// States that the noise of the tests was estimated from so many samples of rest: the common factor of all is then uncertain,
+    /// and is averaged over. With 0 nothing but the ratios is known, and no law can be refuted by its misfit.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and not negative.
+    pub fn with_noise_of(self, samples: f64) -> Result<Self, MaxwellidError> {
+        if !(samples.is_finite() && samples >= 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "number of samples from which the noise was estimated",
+                value: samples,
+                expected: "a finite value not below 0",
+            });
+        }
+        Ok(Self {
+            noise_samples: Some(samples),
+            ..self
+        })
+    }
+
+    /// Sets the longest cell of grids \[m\].
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and above 0.
+    pub fn with_cell(self, cell: f64) -> Result<Self, MaxwellidError> {
+        if !(cell.is_finite() && cell > 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "longest cell [m]",
+                value: cell,
+                expected: "a finite value above 0",
+            });
+        }
+        Ok(Self { cell, ..self })
+    }
+
+    /// Sets the probability that a law must have to be named, and the adequacy below which a law is refuted.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless the first is at least one half and both are below 1 and above 0.
+    pub fn with_levels(
+        self,
+        required_probability: f64,
+        adequacy_level: f64,
+    ) -> Result<Self, MaxwellidError> {
+        for (setting, value, least) in [
+            ("required probability", required_probability, 0.5),
+            ("level of adequacy", adequacy_level, 0.0),
+        ] {
+            if !(value >= least && value > 0.0 && value < 1.0) {
+                return Err(MaxwellidError::Setting {
+                    setting,
+                    value,
+                    expected: "below 1 and above 0, a required probability not below 0.5",
+                });
+            }
+        }
+        Ok(Self {
+            required_probability,
+            adequacy_level,
+            ..self
+        })
+    }
+
+    /// The candidates, in the order of all results.
+    #[must_use]
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    /// Compares the candidates on all `tests` together.
+    ///
+    /// # Errors
+    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, or if no candidate exists at any start.
+    pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
+        let ground = Ground::of(tests)?;
+        let samples: usize = ground.times.iter().map(Vec::len).sum();
+        let most = self
+            .candidates
+            .iter()
+            .map(|c| c.model.parameter_names().len());
+        let parameters = most.max().unwrap_or(0);
+        if samples <= parameters {
+            return Err(MaxwellidError::TooFewSamples {
+                samples,
+                parameters,
+            });
+        }
+        let mut modulus = ground.modulus;
+        let mut least = f64::INFINITY;
+        let mut posteriors: Vec<Option<Posterior>> = vec![None; self.candidates.len()];
+        // linear laws first: the best of them tells the nonlinear ones where to look for E
+        for linear in [true, false] {
+            for (candidate, posterior) in self.candidates.iter().zip(&mut posteriors) {
+                if candidate.model.is_linear() == linear {
+                    let prior = candidate.prior(ground.modulus, ground.duration);
+                    let contest = Contest {
+                        least,
+                        ..self.contest(candidate, &prior, (tests, &ground.times), 1.0)
+                    };
+                    *posterior = contest.search(modulus, ground.duration)?;
+                    if let Some(found) = posterior {
+                        least = least.min(found.chi_square);
+                    }
+                }
+            }
+            let best = posteriors
+                .iter()
+                .flatten()
+                .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+            if let Some(first) = best.and_then(|best| best.minimum.parameters.first()) {
+                modulus = first.exp();
+            }
+        }
+        let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
+        let least = posteriors
+            .iter()
+            .flatten()
+            .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
+            .ok_or(MaxwellidError::NoCandidate)?;
+        let inflation =
+            correlation_inflation(&least.minimum.linearisation.residual[..samples], &lengths);
+        let scale = self.noise_scale(least.chi_square, samples);
+        // with fewer independent samples or another noise the priors weigh more
+        let weight = 1.0 / (scale * inflation.sqrt());
+        if (weight - 1.0).abs() > 1e-12 {
+            for (posterior, candidate) in posteriors.iter_mut().zip(&self.candidates) {
+                let Some(found) = posterior.take() else {
+                    continue;
+                };
+                let prior = candidate.prior(ground.modulus, ground.duration);
+                let contest = self.contest(candidate, &prior, (tests, &ground.times), weight);
+                *posterior = contest.from(&found.minimum.parameters)?;
+            }
+        }
+        let effective_samples = samples as f64 / inflation;
+        let compared = self
+            .candidates
+            .iter()
+            .zip(posteriors)
+            .filter_map(|(candidate, posterior)| {
+                let posterior = posterior?;
+                // in units of the stated noise
+                let chi_square = posterior.chi_square * scale * scale;
+                Some(ComparedLaw {
+                    name: candidate.name().to_owned(),
+                    is_linear: candidate.model.is_linear(),
+                    is_flat_loss: candidate.is_flat_loss(),
+                    parameter_names: candidate
+                        .model
+                        .parameter_names()
+                        .iter()
+                        .map(ToString::to_string)
+                        .collect(),
+                    chi_square,
+                    adequacy: self.adequacy(chi_square, effective_samples - posterior.determined),
+                    ln_evidence: self.ln_likelihood(chi_square, effective_samples)
+                        - 0.5 * posterior.prior_square
+                        - posterior.occam,
+                    probability: 0.0,
+                    determined: posterior.determined,
+                    termination: posterior.minimum.termination,
+                    parameters: posterior.minimum.parameters,
+                    weight: candidate.weight(),
+                })
+            })
+            .collect::<Vec<_>>();
+        let velocities = tests.iter().map(|test| test.impact_velocity);
+        let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
+            (f64::min(low, v), f64::max(high, v))
+        });
+        Ok(self.decide(
+            compared,
+            effective_samples,
+            inflation,
+            slowest,
+            fastest >= DISTINCT_VELOCITIES * slowest,
+        ))
+    }
+
+    fn contest<'a>(
+        &self,
+        candidate: &'a Candidate,
+        prior: &'a Prior,
+        (tests, times): (&'a [RodTest], &'a [Vec<f64>]),
+        weight: f64,
+    ) -> Contest<'a> {
+        Contest {
+            candidate,
+            prior,
+            tests,
+            times,
+            cell: self.cell,
+            weight,
+            least: f64::INFINITY,
+        }
+    }
+
+    /// Factor of the standard deviations that noise and residual together suggest; 1 where the noise is known.
+    fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
+        self.noise_samples
+            .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
+    }
+
+    fn ln_likelihood(&self, chi_square: f64, samples: f64) -> f64 {
+        match self.noise_samples {
+            None => -0.5 * chi_square,
+            Some(q) if q > 0.0 => -0.5 * (samples + q) * (chi_square / q).ln_1p(),
+            // nothing but the ratio of the levels is known
+            Some(_) => -0.5 * samples * chi_square.ln(),
+        }
+    }
+
+    /// Probability of a misfit as large, if the candidate were true; `None` where the level of the noise is not known.
+    fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
+        match self.noise_samples {
+            None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
+            Some(q) if q > 0.0 => Some(
+                FisherSnedecor::new(degrees, q)
+                    .ok()?
+                    .sf(chi_square / degrees),
+            ),
+            Some(_) => None,
+        }
+    }
+
+    fn decide(
+        &self,
+        mut laws: Vec<ComparedLaw>,
+        effective_samples: f64,
+        inflation: f64,
+        slowest: f64,
+        has_several_velocities: bool,
+    ) -> Comparison {
+        let largest = laws
+            .iter()
+            .fold(f64::NEG_INFINITY, |top, law| top.max(law.ln_evidence));
+        let total: f64 = laws
+            .iter()
+            .map(|law| law.weight * (law.ln_evidence - largest).exp())
+            .sum();
+        for law in &mut laws {
+            law.probability = law.weight * (law.ln_evidence - largest).exp() / total;
+        }
+        let mut order: Vec<usize> = (0..laws.len()).collect();
+        order.sort_by(|a, b| laws[*b].probability.total_cmp(&laws[*a].probability));
+        let nonlinear = laws
+            .iter()
+            .filter(|law| !law.is_linear)
+            .map(|law| law.probability)
+            .sum();
+        let decision = self.verdict(&laws, &order, has_several_velocities);
+        let mut advice = Vec::new();
+        // from one velocity every nonlinear explanation is confounded with a loss that is flat over frequency
+        if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
+            advice.push(Advice::SecondVelocity { present: slowest });
+        }
+        if inflation > CORRELATED_FROM {
+            advice.push(Advice::CorrelatedResidual { inflation });
+        }
+        Comparison {
+            laws,
+            decision,
+            advice,
+            nonlinear_probability: nonlinear,
+            effective_samples,
+            inflation,
+        }
+    }
+
+    fn verdict(
+        &self,
+        laws: &[ComparedLaw],
+        order: &[usize],
+        has_several_velocities: bool,
+    ) -> Decision {
+        let least =
+            (0..laws.len()).min_by(|a, b| laws[*a].chi_square.total_cmp(&laws[*b].chi_square));
+        if let Some(best) = least
+            && let Some(adequacy) = laws[best].adequacy
+            && adequacy < self.adequacy_level
+        {
+            return Decision::NoneOfThese { best, adequacy };
+        }
+        let first = order[0];
+        let probability = laws[first].probability;
+        if probability < self.required_probability {
+            let mut sum = 0.0;
+            let between = order
+                .iter()
+                .copied()
+                .take_while(|index| {
+                    let wanted = sum < self.required_probability;
+                    sum += laws[*index].probability;
+                    wanted
+                })
+                .collect();
+            return Decision::CannotTell {
+                between,
+                reason: Doubt::Probabilities {
+                    first: probability,
+                    required: self.required_probability,
+                },
+            };
+        }
+        if !laws[first].is_linear && !has_several_velocities {
+            let flat = order.iter().copied().filter(|i| laws[*i].is_flat_loss);
+            // where the level of the noise is not known, no misfit refutes a linear law
+            let explains = flat
+                .clone()
+                .map(|index| (index, laws[index].adequacy.unwrap_or(1.0)))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            match explains {
+                None => {
+                    return Decision::CannotTell {
+                        between: vec![first],
+                        reason: Doubt::NoFlatLossCompetitor,
+                    };
+                }
+                Some((linear, adequacy)) if adequacy >= self.adequacy_level => {
+                    return Decision::CannotTell {
+                        between: vec![first, linear],
+                        reason: Doubt::OneVelocity { linear, adequacy },
+                    };
+                }
+                Some(_) => {}
+            }
+        }
+        Decision::Law {
+            candidate: first,
+            probability,
+        }
+    }
+}
+
+/// What the tests give before any model is fitted.
+pub(crate) struct Ground {
+    pub(crate) times: Vec<Vec<f64>>,
+    /// From the time of flight \[Pa\].
+    pub(crate) modulus: f64,
+    /// Of the longest window \[s\].
+    pub(crate) duration: f64,
+}
+
+impl Ground {
+    pub(crate) fn of(tests: &[RodTest]) -> Result<Self, MaxwellidError> {
+        let longest = tests
+            .iter()
+            .max_by(|a, b| a.length.total_cmp(&b.length))
+            .ok_or(MaxwellidError::NoTest)?;
+        let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
+        Ok(Self {
+            modulus: longest.modulus_from_time_of_flight()?,
+            duration: times
+                .iter()
+                .filter_map(|times| times.last().copied())
+                .fold(0.0, f64::max),
+            times,
+        })
+    }
+}
+
+/// The outcome of a [`Selection`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// The candidates that exist for these data, in their order.
+    pub laws: Vec<ComparedLaw>,
+    /// The verdict.
+    pub decision: Decision,
+    /// What should be done before it is used.
+    pub advice: Vec<Advice>,
+    /// Sum of the probabilities of the nonlinear candidates.
+    pub nonlinear_probability: f64,
+    /// Number of independent samples.
+    pub effective_samples: f64,
+    /// Samples for each of them: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
+    pub inflation: f64,
+}
+
+impl Comparison {
+    /// Whether a nonlinear law is named.
+    #[must_use]
+    pub fn is_nonlinear_verdict(&self) -> bool {
+        matches!(self.decision, Decision::Law { candidate, .. } if !self.laws[candidate].is_linear)
+    }
+
+    /// The law that is named, if one is.
+    #[must_use]
+    pub fn law(&self) -> Option<&ComparedLaw> {
+        match self.decision {
+            Decision::Law { candidate, .. } => self.laws.get(candidate),
+            _ => None,
+        }
+    }
+}
+
+/// The verdict, the advice, and a line for each law.
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let names = |indices: &[usize]| -> String {
+            let names: Vec<&str> = indices
+                .iter()
+                .filter_map(|index| self.laws.get(*index))
+                .map(|law| law.name.as_str())
+                .collect();
+            names.join(", ")
+        };
+        match &self.decision {
+            Decision::Law {
+                candidate,
+                probability,
+            } => writeln!(
+                f,
+                "{} (probability {probability:.3})",
+                names(std::slice::from_ref(candidate))
+            )?,
+            Decision::CannotTell { between, reason } => {
+                writeln!(f, "cannot tell between {}: {reason}", names(between))?;
+            }
+            Decision::NoneOfThese { best, adequacy } => writeln!(
+                f,
+                "none of these: the misfit of the best, {}, has a probability of {adequacy:.1e}",
+                names(std::slice::from_ref(best))
+            )?,
+        }
+        for advice in &self.advice {
+            writeln!(f, "advice: {advice}")?;
+        }
+        for law in &self.laws {
+            write!(
+                f,
+                "  {:<28} probability {:.3}, chi-square {:.0} of {:.0}",
+                law.name, law.probability, law.chi_square, self.effective_samples
+            )?;
+            match law.adequacy {
+                Some(adequacy) => writeln!(f, ", adequacy {adequacy:.3}")?,
+                None => writeln!(f, ", adequacy unknown as the noise is")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One candidate after the comparison.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ComparedLaw {
+    /// Name of the law.
+    pub name: String,
+    /// Whether the response is proportional to the impact velocity.
+    pub is_linear: bool,
+    /// Whether it is linear with a loss factor that may be flat.
+    pub is_flat_loss: bool,
+    /// Names of the parameters.
+    pub parameter_names: Vec<String>,
+    /// The most probable parameters.
+    pub parameters: Vec<f64>,
+    /// χ² of the whitened residual, against the stated noise.
+    pub chi_square: f64,
+    /// Probability of a misfit as large, if this law were true; `None` if the level of the noise is not known.
+    pub adequacy: Option<f64>,
+    /// ln Z, up to a constant of the data.
+    pub ln_evidence: f64,
+    /// Probability after the tests; all sum to one.
+    pub probability: f64,
+    /// Number of parameters that the data determine better than the prior.
+    pub determined: f64,
+    /// Why the fit ended.
+    pub termination: Termination,
+    weight: f64,
+}

@@ -1,0 +1,238 @@
+//! A model with what is known of its parameters before the test.
+
+use std::sync::Arc;
+
+use rodwave::inelastic::{
+    DEFAULT_REFERENCE_STRESS, Elastic, MaxwellGurevichRabinovich, MaxwellNorton,
+};
+
+use crate::error::{MaxwellidError, check_range};
+use crate::law::IdentifiableLaw;
+use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
+use crate::model::RodModel;
+
+/// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
+///
+/// # Prior
+/// Each parameter is normal and independent of the others, its range being ±2 standard deviations. A range is no wall: the
+/// linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate may leave it at a price. ln E has a standard deviation of
+/// [`Candidate::LN_MODULUS_DEVIATION`] about the time of flight.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    pub(crate) model: Arc<dyn RodModel>,
+    /// Of the parameters but ln E; `None` for the one that follows from the duration of the record.
+    ranges: Vec<Option<(f64, f64)>>,
+    is_flat_loss: bool,
+    weight: f64,
+}
+
+/// Normal prior of all parameters of a model, ln E first.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Prior {
+    pub(crate) mean: Vec<f64>,
+    pub(crate) deviation: Vec<f64>,
+}
+
+impl Candidate {
+    /// Standard deviation of ln E beforehand: the time of flight is good to some per cent, and the modulus of a dispersive
+    /// law at its reference frequency is another than that of the front.
+    pub const LN_MODULUS_DEVIATION: f64 = 0.15;
+
+    /// The elastic rod, the null hypothesis.
+    #[must_use]
+    pub fn elastic() -> Self {
+        Self {
+            model: Arc::new(Elastic),
+            ranges: Vec::new(),
+            is_flat_loss: false,
+            weight: 1.0,
+        }
+    }
+
+    /// A linear law, with the ranges that it states.
+    #[must_use]
+    pub fn linear(law: impl LinearLaw + 'static) -> Self {
+        Self {
+            ranges: law.ranges().into_iter().map(Some).collect(),
+            is_flat_loss: law.is_flat_loss(),
+            model: Arc::new(LinearModel::new(law)),
+            weight: 1.0,
+        }
+    }
+
+    /// An inelastic law, started from its present shape; `shape_ranges` are those of its parameters but the last, the rate,
+    /// whose range is from a relaxation time of a hundredth of the record to one of ten thousand records.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range a shape parameter.
+    pub fn inelastic<L: IdentifiableLaw + 'static>(
+        law: L,
+        shape_ranges: &[(f64, f64)],
+    ) -> Result<Self, MaxwellidError> {
+        let expected = L::PARAMETERS.len().saturating_sub(1);
+        if shape_ranges.len() != expected {
+            return Err(MaxwellidError::Setting {
+                setting: "number of ranges of shape parameters",
+                value: shape_ranges.len() as f64,
+                expected: "one for each parameter of the law but the last",
+            });
+        }
+        for (name, range) in L::PARAMETERS.iter().zip(shape_ranges) {
+            check_range(name, *range)?;
+        }
+        let rate = (!L::PARAMETERS.is_empty()).then_some(None);
+        Ok(Self {
+            ranges: shape_ranges.iter().copied().map(Some).chain(rate).collect(),
+            model: Arc::new(law),
+            is_flat_loss: false,
+            weight: 1.0,
+        })
+    }
+
+    /// Any model; `ranges` are those of its parameters but ln E. `is_flat_loss`: whether it is linear with a loss factor that
+    /// may be nearly constant over a decade.
+    ///
+    /// # Errors
+    /// As [`Self::inelastic`].
+    pub fn of_model(
+        model: Arc<dyn RodModel>,
+        ranges: &[(f64, f64)],
+        is_flat_loss: bool,
+    ) -> Result<Self, MaxwellidError> {
+        let names = model.parameter_names();
+        if ranges.len() + 1 != names.len() {
+            return Err(MaxwellidError::Setting {
+                setting: "number of ranges of parameters",
+                value: ranges.len() as f64,
+                expected: "one for each parameter but ln E",
+            });
+        }
+        for (name, range) in names.iter().skip(1).zip(ranges) {
+            check_range(name, *range)?;
+        }
+        Ok(Self {
+            ranges: ranges.iter().copied().map(Some).collect(),
+            is_flat_loss: is_flat_loss && model.is_linear(),
+            model,
+            weight: 1.0,
+        })
+    }
+
+    /// The same candidate with another probability beforehand, relative to those of the others, 1 unless given.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and above 0.
+    pub fn with_prior_weight(self, weight: f64) -> Result<Self, MaxwellidError> {
+        if !(weight.is_finite() && weight > 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "prior weight of a model",
+                value: weight,
+                expected: "a finite value above 0",
+            });
+        }
+        Ok(Self { weight, ..self })
+    }
+
+    /// The elastic rod, the three laws of paper D, and the linear competitors: Zener, two and three Maxwell branches, constant Q.
+    ///
+    /// Beforehand κ is 0.25 to 3.75 and σ_ref/m -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9 MPa).
+    #[must_use]
+    pub fn standard() -> Vec<Self> {
+        let norton = MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS);
+        let gurevich =
+            MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, DEFAULT_REFERENCE_STRESS);
+        let nonlinear = [
+            norton
+                .ok()
+                .and_then(|law| Self::inelastic(law, &[(0.25, 3.75)]).ok()),
+            gurevich
+                .ok()
+                .and_then(|law| Self::inelastic(law, &[(-0.5, 3.5)]).ok()),
+        ];
+        let branches = [1, 2, 3].map(|n| MaxwellBranches::of(n).map(Self::linear));
+        std::iter::once(Self::elastic())
+            .chain(branches.into_iter().flatten())
+            .chain([
+                Self::linear(MaxwellBranches::zener()),
+                Self::linear(ConstantQ::default()),
+            ])
+            .chain(nonlinear.into_iter().flatten())
+            .collect()
+    }
+
+    /// Name of the model.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Arc<dyn RodModel> {
+        &self.model
+    }
+
+    /// Whether it is linear with a loss factor that may be flat.
+    #[must_use]
+    pub fn is_flat_loss(&self) -> bool {
+        self.is_flat_loss
+    }
+
+    pub(crate) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// Ranges of all parameters, ln E first, for a modulus from the time of flight and a duration of the record \[s\].
+    pub(crate) fn ranges(&self, modulus: f64, duration: f64) -> Vec<(f64, f64)> {
+        let starts = self.model.starts(modulus, duration);
+        let of_starts = |index: usize| {
+            starts
+                .iter()
+                .filter_map(|start| start.get(index + 1))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(*value), high.max(*value))
+                })
+        };
+        let half = 2.0 * Self::LN_MODULUS_DEVIATION;
+        std::iter::once((modulus.ln() - half, modulus.ln() + half))
+            .chain(
+                self.ranges
+                    .iter()
+                    .enumerate()
+                    .map(|(index, range)| range.unwrap_or_else(|| of_starts(index))),
+            )
+            .collect()
+    }
+
+    pub(crate) fn prior(&self, modulus: f64, duration: f64) -> Prior {
+        let ranges = self.ranges(modulus, duration);
+        Prior {
+            mean: ranges
+                .iter()
+                .map(|(low, high)| 0.5 * (low + high))
+                .collect(),
+            deviation: ranges
+                .iter()
+                .map(|(low, high)| 0.25 * (high - low))
+                .collect(),
+        }
+    }
+
+    /// Parameters from which a fit may start.
+    pub(crate) fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
+        let mut starts = self.model.starts(modulus, duration);
+        if self.model.is_linear() {
+            // a linear law states one start; its prior tells where else to look, one parameter at a time
+            let Prior { mean, deviation } = self.prior(modulus, duration);
+            let first = starts.first().cloned().unwrap_or_default();
+            for index in 1..first.len() {
+                for sign in [-1.0, 0.0, 1.0] {
+                    let mut start = first.clone();
+                    start[index] = mean[index] + sign * deviation[index];
+                    starts.push(start);
+                }
+            }
+        }
+        starts
+    }
+}

@@ -1,0 +1,102 @@
+//! From probabilities to a verdict, and to the advice that goes with it.
+
+use std::fmt;
+
+/// What the data say about the law.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Decision {
+    /// This law, by its index among the candidates.
+    Law {
+        /// Index of the candidate.
+        candidate: usize,
+        /// Its probability.
+        probability: f64,
+    },
+    /// Several laws explain the data; more data are needed.
+    CannotTell {
+        /// The candidates between which the data do not decide, most probable first.
+        between: Vec<usize>,
+        /// Why.
+        reason: Doubt,
+    },
+    /// No candidate explains the data.
+    NoneOfThese {
+        /// The candidate with the least misfit.
+        best: usize,
+        /// Probability of a misfit as large as its, if it were true.
+        adequacy: f64,
+    },
+}
+
+/// Why no law is named.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// No candidate reaches the required probability.
+    Probabilities {
+        /// That of the first.
+        first: f64,
+        /// What is required.
+        required: f64,
+    },
+    /// A nonlinear law leads, but all tests are of one impact velocity, and a linear law of flat loss explains the data as well.
+    OneVelocity {
+        /// The linear law.
+        linear: usize,
+        /// Its adequacy: the probability of a misfit as large as its, if it were true.
+        adequacy: f64,
+    },
+    /// A nonlinear law leads, but all tests are of one impact velocity, and no linear law of flat loss was among the candidates.
+    NoFlatLossCompetitor,
+}
+
+/// What should be done before the verdict is used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Advice {
+    /// Repeat at another impact velocity. A linear rod's response is proportional to it; that of a Norton law has an apparent
+    /// relaxation time ∝ V0^{1-κ}.
+    SecondVelocity {
+        /// The only impact velocity [m/s].
+        present: f64,
+    },
+    /// The residual of the best candidate is correlated: something in the model or in the instruments is missing.
+    CorrelatedResidual {
+        /// Factor by which the number of independent samples is reduced.
+        inflation: f64,
+    },
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Probabilities { first, required } => write!(
+                f,
+                "the most probable law has a probability of {first:.3}, less than {required}"
+            ),
+            Self::OneVelocity { adequacy, .. } => write!(
+                f,
+                "a nonlinear law leads, but from one impact velocity a linear law of flat loss explains the data as well (adequacy {adequacy:.3})"
+            ),
+            Self::NoFlatLossCompetitor => f.write_str(
+                "a nonlinear law leads, but from one impact velocity and without a linear law of flat loss among the candidates",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SecondVelocity { present } => write!(
+                f,
+                "repeat the test at another impact velocity than {present} m/s: only the response of a linear rod is proportional to it"
+            ),
+            Self::CorrelatedResidual { inflation } => write!(
+                f,
+                "the residual of the best law is correlated (one independent sample in {inflation:.1}): something is missing in the law or in the instruments"
+            ),
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! The most probable parameters of one candidate, and the evidence for it.
+
+use crate::error::MaxwellidError;
+use crate::least_squares::{
+    LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares,
+};
+use crate::model::RodModel;
+use crate::parallel::map_in_order;
+use crate::selection::candidate::{Candidate, Prior};
+use crate::selection::seen_test::{SeenTest, rough_level};
+use crate::test::RodTest;
+
+/// Whitened residuals of all tests, followed by one row a parameter for its prior.
+pub(crate) struct PosteriorProblem<'a> {
+    pub(crate) model: &'a dyn RodModel,
+    /// The tests, each with its most probable excitation.
+    pub(crate) tests: &'a [SeenTest<'a>],
+    /// What the whitened residuals are multiplied by: 1/(standard deviation).
+    pub(crate) weight: f64,
+    pub(crate) prior: &'a Prior,
+    /// Longest cell of a grid \[m\].
+    pub(crate) cell: f64,
+}
+
+impl PosteriorProblem<'_> {
+    pub(crate) fn samples(&self) -> usize {
+        self.tests.iter().map(SeenTest::count).sum()
+    }
+
+    /// Whitens and weighs a column of the samples of all tests \[m/s\].
+    fn whiten(&self, column: &mut [f64]) {
+        let mut rest = &mut *column;
+        for test in self.tests {
+            let (of_test, others) = rest.split_at_mut(test.count());
+            rest = others;
+            test.whiten(of_test);
+        }
+        for value in column {
+            *value *= self.weight;
+        }
+    }
+
+    fn finish(&self, mut simulated: Vec<f64>, parameters: &[f64]) -> Vec<f64> {
+        let targets = self.tests.iter().flat_map(SeenTest::target);
+        for (value, target) in simulated.iter_mut().zip(targets) {
+            *value -= target;
+        }
+        self.whiten(&mut simulated);
+        simulated.extend(
+            parameters
+                .iter()
+                .zip(&self.prior.mean)
+                .zip(&self.prior.deviation)
+                .map(|((value, mean), deviation)| (value - mean) / deviation),
+        );
+        simulated
+    }
+}
+
+impl LeastSquares for PosteriorProblem<'_> {
+    fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+        let mut simulated = Vec::with_capacity(self.samples() + parameters.len());
+        for test in self.tests {
+            simulated.extend(self.model.response(&test.rod(self.cell), parameters)?);
+        }
+        let residual = self.finish(simulated, parameters);
+        residual.iter().all(|r| r.is_finite()).then_some(residual)
+    }
+
+    fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation> {
+        let samples = self.samples();
+        let mut simulated = Vec::with_capacity(samples + parameters.len());
+        let mut jacobian = vec![Vec::with_capacity(samples + parameters.len()); parameters.len()];
+        for test in self.tests {
+            let response = self
+                .model
+                .linearised_response(&test.rod(self.cell), parameters)?;
+            simulated.extend(response.velocity);
+            for (column, derivative) in jacobian.iter_mut().zip(response.by_parameter) {
+                column.extend(derivative);
+            }
+        }
+        for (index, column) in jacobian.iter_mut().enumerate() {
+            self.whiten(column);
+            let rows = self.prior.deviation.iter().enumerate();
+            column.extend(rows.map(|(row, s)| if row == index { 1.0 / s } else { 0.0 }));
+        }
+        let residual = self.finish(simulated, parameters);
+        let finite = residual.iter().all(|r| r.is_finite())
+            && jacobian.iter().flatten().all(|d| d.is_finite());
+        finite.then_some(Linearisation { residual, jacobian })
+    }
+
+    fn step_limits(&self) -> Vec<f64> {
+        self.model.step_limits()
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        self.model.bounds()
+    }
+}
+
+/// What a fit with prior found.
+#[derive(Debug, Clone)]
+pub(crate) struct Posterior {
+    pub(crate) minimum: Minimum,
+    /// Σ of the squares of the whitened, weighted residuals.
+    pub(crate) chi_square: f64,
+    /// Σ of the squares of the prior's rows.
+    pub(crate) prior_square: f64,
+    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: by how much the data narrow the parameters.
+    pub(crate) occam: f64,
+    /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
+    pub(crate) determined: f64,
+}
+
+/// Starts are compared on a coarse grid.
+const SCAN_CELL: f64 = 8e-3;
+
+/// Factors of E at which starts of linear models are tried: the time of flight may be a fraction of a period off.
+const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
+
+/// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
+const RENEWALS: usize = 4;
+
+/// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
+const REDUCTION: f64 = 1e-6;
+
+/// Change of χ² by a renewal that ends them: a thirtieth of what tells one law from another.
+const SETTLED: f64 = 0.2;
+
+/// A χ² that exceeds that of another candidate by so much needs no further digits: its probability is below e^{-50}.
+const HOPELESS: f64 = 100.0;
+
+/// One candidate before its tests.
+pub(crate) struct Contest<'a> {
+    pub(crate) candidate: &'a Candidate,
+    pub(crate) prior: &'a Prior,
+    pub(crate) tests: &'a [RodTest],
+    pub(crate) times: &'a [Vec<f64>],
+    pub(crate) cell: f64,
+    /// What the whitened residuals are multiplied by.
+    pub(crate) weight: f64,
+    /// The least χ² of the candidates so far.
+    pub(crate) least: f64,
+}
+
+impl Contest<'_> {
+    pub(crate) fn problem<'a>(&'a self, tests: &'a [SeenTest<'a>]) -> PosteriorProblem<'a> {
+        PosteriorProblem {
+            model: self.candidate.model.as_ref(),
+            tests,
+            weight: self.weight,
+            prior: self.prior,
+            cell: self.cell,
+        }
+    }
+
+    /// The tests as they are seen at θ; `None` where the model does not exist.
+    pub(crate) fn seen(&self, parameters: &[f64]) -> Option<Vec<SeenTest<'_>>> {
+        self.tests
+            .iter()
+            .zip(self.times)
+            .map(|(test, times)| {
+                SeenTest::of(test, times, &self.candidate.model, parameters, self.cell)
+            })
+            .collect()
+    }
+
+    /// What a start is compared with others by; `None` where the model does not exist.
+    fn rough_misfit(&self, start: &[f64], levels: &[f64]) -> Option<f64> {
+        let mut sum = 0.0;
+        for ((test, times), level) in self.tests.iter().zip(self.times).zip(levels) {
+            let rod = test.driven_rod(times, self.cell.max(SCAN_CELL));
+            let response = self.candidate.model.response(&rod, start)?;
+            sum += response
+                .iter()
+                .zip(test.response())
+                .map(|(s, m)| ((s - m) / level).powi(2))
+                .sum::<f64>();
+        }
+        let prior = self.prior.mean.iter().zip(&self.prior.deviation);
+        let unlikely = start
+            .iter()
+            .zip(prior)
+            .map(|(t, (m, s))| ((t - m) / s).powi(2));
+        Some(sum + unlikely.sum::<f64>())
+    }
+
+    /// The most probable parameters, from the best of the candidate's starts for `modulus`; `None` if the model exists at none.
+    pub(crate) fn search(
+        &self,
+        modulus: f64,
+        duration: f64,
+    ) -> Result<Option<Posterior>, MaxwellidError> {
+        let levels = self
+            .tests
+            .iter()
+            .map(rough_level)
+            .collect::<Result<Vec<_>, _>>()?;
+        let factors = if self.candidate.model.is_linear() {
+            &MODULUS_FACTORS[..]
+        } else {
+            &MODULUS_FACTORS[..1]
+        };
+        let starts: Vec<Vec<f64>> = factors
+            .iter()
+            .flat_map(|factor| self.candidate.starts(modulus * factor, duration))
+            .collect();
+        let misfits = map_in_order(&starts, |start| self.rough_misfit(start, &levels));
+        let best = starts
+            .iter()
+            .zip(misfits)
+            .filter_map(|(start, misfit)| Some((misfit?, start)))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match best {
+            None => Ok(None),
+            Some((_, start)) => self.from(start),
+        }
+    }
+
+    /// The most probable parameters near `start`.
+    pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
+        let mut parameters = start.to_vec();
+        let mut found: Option<Posterior> = None;
+        for _ in 0..RENEWALS {
+            let Some(tests) = self.seen(&parameters) else {
+                return Ok(None);
+            };
+            let problem = self.problem(&tests);
+            let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
+                return Ok(None);
+            };
+            parameters.clone_from(&minimum.parameters);
+            let next = Posterior::of(&problem, minimum)?;
+            let change = found.as_ref().map_or(f64::INFINITY, |last: &Posterior| {
+                (next.chi_square - last.chi_square).abs()
+            });
+            let is_settled = change < SETTLED || next.chi_square > self.least + HOPELESS;
+            found = Some(next);
+            if is_settled {
+                break;
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl Posterior {
+    fn of(problem: &PosteriorProblem<'_>, minimum: Minimum) -> Result<Self, MaxwellidError> {
+        let residual = &minimum.linearisation.residual;
+        let (of_data, of_prior) = residual.split_at(problem.samples());
+        let svd = ScaledDecomposition::new(&minimum.linearisation, &problem.prior.deviation)
+            .ok_or(MaxwellidError::Decomposition {
+                iteration: minimum.iterations,
+            })?;
+        // rows of the data and of the prior together: squares of singular values are 1 + those of the data
+        let values = &svd.singular_values;
+        Ok(Self {
+            chi_square: sum_of_squares(of_data),
+            prior_square: sum_of_squares(of_prior),
+            occam: values.iter().map(|s| s.ln()).sum(),
+            determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
+            minimum,
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! A test as one candidate sees it: with the excitation and the covariance of the residual that are most likely for it.
+//!
+//! Noise in the excitation rewards every θ that damps it: without the cure of [`crate::whitening`] a law "finds" losses at high
+//! frequency in noise alone, and linear laws of short relaxation times win over the true nonlinear one. Each candidate therefore has
+//! an excitation and a covariance of its own. No determinant of the covariance enters: the excitation is not averaged over but
+//! the most probable one is taken, and with it the expectation of χ² under the true law is the number of samples.
+
+use crate::error::MaxwellidError;
+use crate::model::{DrivenRod, RodModel};
+use crate::test::RodTest;
+use crate::whitening::{Transfer, Weighting};
+
+/// One test with its weighting.
+#[derive(Debug, Clone)]
+pub(crate) struct SeenTest<'a> {
+    test: &'a RodTest,
+    times: &'a [f64],
+    weighting: Weighting,
+    /// What the simulated response to the most likely excitation is compared with [m/s].
+    target: Vec<f64>,
+}
+
+impl<'a> SeenTest<'a> {
+    /// For `model` at θ; `None` where the model does not exist.
+    pub(crate) fn of<M: RodModel>(
+        test: &'a RodTest,
+        times: &'a [f64],
+        model: &M,
+        parameters: &[f64],
+        cell: f64,
+    ) -> Option<Self> {
+        let transfer = Transfer::new(model, parameters, test, &test.excitation_samples)?;
+        let weighting = Weighting::new(test, transfer, 0.0)?;
+        let mut residual = model.response(&test.driven_rod(times, cell), parameters)?;
+        for (value, measured) in residual.iter_mut().zip(test.response()) {
+            *value -= measured;
+        }
+        weighting.whiten(&mut residual);
+        let weighting = weighting.cleaned(test, &residual)?;
+        let pairs = test.response().iter().zip(&weighting.correction);
+        Some(Self {
+            test,
+            times,
+            target: pairs.map(|(measured, c)| measured - c).collect(),
+            weighting,
+        })
+    }
+
+    /// The rod driven by the most likely excitation.
+    pub(crate) fn rod(&self, cell: f64) -> DrivenRod<'_> {
+        DrivenRod {
+            samples: &self.weighting.excitation,
+            excitation: &self.weighting.history,
+            ..self.test.driven_rod(self.times, cell)
+        }
+    }
+
+    /// Number of samples compared.
+    pub(crate) fn count(&self) -> usize {
+        self.times.len()
+    }
+
+    pub(crate) fn target(&self) -> &[f64] {
+        &self.target
+    }
+
+    /// From m/s to standard deviations, white, in place.
+    pub(crate) fn whiten(&self, values: &mut [f64]) {
+        self.weighting.whiten(values);
+    }
+}
+
+/// Standard deviation [m/s] of a residual for the comparison of starts: as if the rod did nothing but double the excitation.
+pub(crate) fn rough_level(test: &RodTest) -> Result<f64, MaxwellidError> {
+    let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
+        test: test.name().to_owned(),
+    })?;
+    let (excitation, response) = (&noise.excitation, &noise.response);
+    Ok((2.0 * excitation.standard_deviation()).hypot(response.standard_deviation()))
+}

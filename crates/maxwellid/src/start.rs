@@ -1,0 +1,154 @@
+//! Where a fit starts, and how it gets out of a minimum that is an arrival half a period off.
+
+use crate::error::MaxwellidError;
+use crate::least_squares::{Minimum, Termination, sum_of_squares};
+use crate::model::RodModel;
+use crate::parallel::map_in_order;
+use crate::residual::TestResidual;
+use crate::test::RodTest;
+
+/// One of several starts and where it led, on the grid of the scan and with all samples of equal weight.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct StartOutcome {
+    /// θ at the start.
+    pub start: Vec<f64>,
+    /// θ at the end.
+    pub parameters: Vec<f64>,
+    /// Root mean square of the residual over V0 at the end.
+    pub relative_error: f64,
+    /// Why the iteration ended.
+    pub termination: Termination,
+}
+
+/// Half the range of ln E over which starts are spread: 30 % in E are 15 % in the time of flight.
+const MODULUS_SPREAD: f64 = 0.3;
+
+/// Half the range of the other parameters, in step limits.
+const SPREAD: f64 = 2.0;
+
+/// `count` starts around the candidates of the model, spread by an additive recurrence with the powers of the generalised golden
+/// ratio (Roberts, 2018): no randomness, and the first n of more starts are those of n.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "start counts and dimensions are far below 2^52"
+)]
+pub(crate) fn spread<M: RodModel>(
+    model: &M,
+    candidates: &[Vec<f64>],
+    count: usize,
+) -> Vec<Vec<f64>> {
+    let limits = model.step_limits();
+    let bounds = model.bounds();
+    // the root of x^(d+1) = x + 1
+    let exponent = 1.0 / (limits.len() as f64 + 1.0);
+    let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
+    (0..count)
+        .map(|index| {
+            let from = &candidates[index % candidates.len()];
+            let round = (index / candidates.len()) as f64 + 1.0;
+            from.iter()
+                .zip(&limits)
+                .enumerate()
+                .map(|(k, (t, limit))| {
+                    let half = if k == 0 {
+                        MODULUS_SPREAD
+                    } else {
+                        SPREAD * limit
+                    };
+                    let share = (0.5 + round * ratio.powf(-(k as f64 + 1.0))).fract();
+                    let (low, high) = bounds[k];
+                    (t + half * (2.0 * share - 1.0)).clamp(low, high)
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// The one among `candidates` that fits best as it stands; `None` if the model exists at none of them.
+pub(crate) fn best_candidate<M: RodModel>(
+    problem: &TestResidual<'_, M>,
+    candidates: &[Vec<f64>],
+) -> Option<Vec<f64>> {
+    use crate::least_squares::LeastSquares;
+    let values = map_in_order(candidates, |candidate| {
+        problem.residual(candidate).map(|r| sum_of_squares(&r))
+    });
+    values
+        .into_iter()
+        .zip(candidates)
+        .filter_map(|(value, candidate)| Some((value?, candidate)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.clone())
+}
+
+/// Minima from all `starts`, in their order; where the model does not exist there is none.
+pub(crate) fn minima<F>(
+    starts: &[Vec<f64>],
+    minimise: F,
+) -> Result<Vec<Option<Minimum>>, MaxwellidError>
+where
+    F: Fn(&[f64]) -> Result<Option<Minimum>, MaxwellidError> + Sync,
+{
+    map_in_order(starts, |start| minimise(start))
+        .into_iter()
+        .collect()
+}
+
+/// Smallest lag of the arrival, in samples, that counts as another minimum.
+const SMALLEST_LAG: usize = 2;
+
+/// How much better the correlation must be at a lag than without.
+const BETTER: f64 = 0.1;
+
+/// Lag \[s\] by which the simulated response would have to be delayed to agree best with the measured one, if that is more than
+/// sampling and noise can explain; of the test in which it agrees best.
+///
+/// The correlation is that of the differences of neighbouring samples, which fronts dominate.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+pub(crate) fn arrival_lag<M: RodModel>(
+    problem: &TestResidual<'_, M>,
+    parameters: &[f64],
+) -> Option<(usize, f64)> {
+    let mut best: Option<(f64, usize, f64)> = None;
+    for (index, (test, times)) in problem.tests.iter().zip(&problem.times).enumerate() {
+        let of_model = parameters.get(..problem.of_model())?;
+        let simulated = problem
+            .model
+            .response(&test.driven_rod(times, problem.cell), of_model)?;
+        let differences = |history: &[f64]| -> Vec<f64> {
+            history.windows(2).map(|pair| pair[1] - pair[0]).collect()
+        };
+        let (simulated, measured) = (differences(&simulated), differences(test.response()));
+        let norm = (sum_of_squares(&simulated) * sum_of_squares(&measured)).sqrt();
+        if norm <= 0.0 {
+            continue;
+        }
+        let correlation = |late: usize, early: usize| -> f64 {
+            let pairs = simulated.iter().skip(early).zip(measured.iter().skip(late));
+            pairs.map(|(s, m)| s * m).sum::<f64>() / norm
+        };
+        let in_phase = correlation(0, 0);
+        let half = measured.len() / 2;
+        let lags = (SMALLEST_LAG..half).flat_map(|lag| [(lag, 0), (0, lag)]);
+        for (late, early) in lags {
+            let value = correlation(late, early);
+            if value > in_phase + BETTER && best.is_none_or(|(top, _, _)| value > top) {
+                let lag = (late as f64 - early as f64) / test.sampling_rate_hz;
+                best = Some((value, index, lag));
+            }
+        }
+    }
+    best.map(|(_, index, lag)| (index, lag))
+}
+
+/// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with `modulus`; `None` for a lag that would have it
+/// arrive before it left.
+pub(crate) fn modulus_after_lag(test: &RodTest, modulus: f64, lag: f64) -> Option<f64> {
+    let transit = test.length * (test.density / modulus).sqrt();
+    let corrected = transit + lag;
+    (corrected > 0.1 * transit).then(|| test.density * (test.length / corrected).powi(2))
+}

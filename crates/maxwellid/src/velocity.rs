@@ -1,0 +1,202 @@
+//! Velocity from a sampled displacement.
+//!
+//! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope is taken (Savitzky and Golay,
+//! Anal. Chem. 36 (1964) 1627). A smoothing spline would serve as well in the middle of a record; this filter is preferred
+//! because it has no tuning that depends on the data, no memory beyond m samples, exactly linear phase, and a noise whose
+//! covariance is known in closed form: it is a finite sum of the noise of the displacement.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
+use crate::error::MaxwellidError;
+
+/// A finite-difference differentiator v_k = Σ d_j u_{k+j}, j = -m..m.
+///
+/// Its response to e^{iωt} is i ω times [`Self::gain`]; it commutes with a linear rod, so that a response and an excitation
+/// that went through the same differentiator still belong together. A nonlinear rod does not commute with it: what is above
+/// [`Self::bandwidth`] is lost before the rod is simulated, as with the filter of a recorder (docs/theory/identification.md).
+///
+/// ```
+/// use maxwellid::Differentiator;
+///
+/// let differentiator = Differentiator::new(2, 4)?; // five points, degree 4
+/// // (u₋₂ - 8 u₋₁ + 8 u₁ - u₂)/12, the difference of fourth order
+/// assert!((differentiator.weights()[3] - 8.0 / 12.0).abs() < 1e-12);
+/// // a hundredth of the slope is lost at 0.12 of the sampling rate, and white noise of 1 µm at 51.2 kHz becomes 49 mm/s
+/// assert!((differentiator.bandwidth(0.01) - 0.12).abs() < 0.01);
+/// assert!((differentiator.noise_gain() * 51_200.0 * 1e-6 - 0.0486).abs() < 1e-4);
+/// # Ok::<(), maxwellid::MaxwellidError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Differentiator {
+    /// d_j, j = -m..m, for a sampling interval of 1
+    weights: Vec<f64>,
+}
+
+impl Differentiator {
+    /// The filter of 2 `half_width` + 1 points and a polynomial of degree `degree`.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Differentiator`] unless 1 <= `degree` <= 2 `half_width` <= 200.
+    pub fn new(half_width: usize, degree: usize) -> Result<Self, MaxwellidError> {
+        if !(1..=100).contains(&half_width) || degree < 1 || degree > 2 * half_width {
+            return Err(MaxwellidError::Differentiator { half_width, degree });
+        }
+        let m = half_width.cast_signed();
+        // positions in units of the half width, so that powers stay within [-1, 1]
+        #[expect(clippy::cast_precision_loss, reason = "at most 100")]
+        let (scale, points): (f64, Vec<f64>) = (
+            half_width as f64,
+            (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
+        );
+        let power = |x: f64, k: usize| (0..k).fold(1.0, |p, _| p * x);
+        let basis = Mat::from_fn(points.len(), degree + 1, |i, k| power(points[i], k));
+        // the slope at 0 is the coefficient of the first power: the row e₁ᵀ (AᵀA)⁻¹Aᵀ = (A R⁻¹ R⁻ᵀ e₁)ᵀ
+        let normal = basis.transpose() * &basis;
+        let unit = Mat::from_fn(degree + 1, 1, |k, _| if k == 1 { 1.0 } else { 0.0 });
+        let solution = normal.partial_piv_lu().solve(&unit);
+        let weights = &basis * solution;
+        Ok(Self {
+            weights: (0..points.len()).map(|i| weights[(i, 0)] / scale).collect(),
+        })
+    }
+
+    /// The weights d_j for a sampling interval of 1, j = -m..m.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Samples m that the filter reaches to either side.
+    #[must_use]
+    pub fn half_width(&self) -> usize {
+        self.weights.len() / 2
+    }
+
+    /// Slope found over true slope of a sinusoid at `frequency`, as a share of the sampling rate.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "at most 100 points to a side")]
+    pub fn gain(&self, frequency: f64) -> f64 {
+        let omega = std::f64::consts::TAU * frequency;
+        let half = self.half_width();
+        let sum: f64 = self
+            .weights
+            .iter()
+            .enumerate()
+            .map(|(j, d)| d * (omega * (j as f64 - half as f64)).sin())
+            .sum();
+        if omega == 0.0 { 1.0 } else { sum / omega }
+    }
+
+    /// Lowest frequency, as a share of the sampling rate, at which the gain is off by `tolerance`; searched to 1e-4.
+    #[must_use]
+    pub fn bandwidth(&self, tolerance: f64) -> f64 {
+        (1..5000)
+            .map(|k| f64::from(k) * 1e-4)
+            .find(|f| (self.gain(*f) - 1.0).abs() > tolerance)
+            .unwrap_or(0.5)
+    }
+
+    /// (Σ d_j²)^½: standard deviation of the velocity over that of white noise of the displacement times the sampling rate.
+    #[must_use]
+    pub fn noise_gain(&self) -> f64 {
+        self.autocovariance(0).sqrt()
+    }
+
+    /// Σ_j d_j d_{j+lag}: the autocovariance of the velocity for white noise of the displacement of variance 1 at a sampling rate
+    /// of 1.
+    #[must_use]
+    pub fn autocovariance(&self, lag: usize) -> f64 {
+        self.weights
+            .iter()
+            .zip(self.weights.iter().skip(lag))
+            .map(|(a, b)| a * b)
+            .sum()
+    }
+
+    /// The velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the `half_width`-th
+    /// displacement, its last that many before the end: nothing is extrapolated. Empty for a record shorter than the filter.
+    #[must_use]
+    pub fn velocity(&self, displacement: &[f64], rate_hz: f64) -> Vec<f64> {
+        displacement
+            .windows(self.weights.len())
+            .map(|window| {
+                // differences against the middle lose no digit to the displacement already made
+                let middle = window[window.len() / 2];
+                let sum: f64 = self
+                    .weights
+                    .iter()
+                    .zip(window)
+                    .map(|(d, u)| d * (u - middle))
+                    .sum();
+                sum * rate_hz
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_polynomial_of_its_degree_is_differentiated_exactly() {
+        for (half_width, degree) in [(1, 2), (2, 4), (3, 4), (5, 4), (6, 6)] {
+            let differentiator = Differentiator::new(half_width, degree).unwrap();
+            let degree = i32::try_from(degree).unwrap();
+            let samples: Vec<f64> = (0..40).map(|k| (0.1 * f64::from(k)).powi(degree)).collect();
+            for (index, v) in differentiator.velocity(&samples, 10.0).iter().enumerate() {
+                let t = 0.1 * f64::from(u32::try_from(index + half_width).unwrap());
+                let expected = f64::from(degree) * t.powi(degree - 1);
+                // rounding of a polynomial of size 4⁶
+                assert!(
+                    (v - expected).abs() < 1e-9,
+                    "{half_width} {degree}: {v} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_stated_gain_is_that_of_a_sinusoid() {
+        let differentiator = Differentiator::new(4, 4).unwrap();
+        for f in [0.01, 0.1, 0.2, 0.35] {
+            let samples: Vec<f64> = (0..60).map(|k| (TAU * f * f64::from(k)).sin()).collect();
+            let velocity = differentiator.velocity(&samples, 1.0);
+            // cosine at sample 4 + k
+            let at = |k: u32| TAU * f * (TAU * f * f64::from(4 + k)).cos() * differentiator.gain(f);
+            for k in 0..52 {
+                assert!((velocity[k as usize] - at(k)).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_the_sum() {
+        let differentiator = Differentiator::new(3, 2).unwrap();
+        // the first three points of degree 2: d_j = j/Σj² = j/28
+        for (d, j) in differentiator.weights().iter().zip(-3_i32..) {
+            assert!((d - f64::from(j) / 28.0).abs() < 1e-14);
+        }
+        // Σ j²/28² = 1/28; lag 1: Σ j(j+1)/28² = 16/784
+        assert!((differentiator.autocovariance(0) - 1.0 / 28.0).abs() < 1e-15);
+        assert!((differentiator.autocovariance(1) - 16.0 / 784.0).abs() < 1e-15);
+        assert!(differentiator.autocovariance(7).abs() < 1e-300);
+    }
+
+    #[test]
+    fn filters_that_do_not_exist_are_refused() {
+        for (half_width, degree) in [(0, 1), (2, 5), (2, 0), (101, 4)] {
+            assert_eq!(
+                Differentiator::new(half_width, degree)
+                    .unwrap_err()
+                    .to_string(),
+                format!(
+                    "no differentiator has {half_width} points to either side and degree {degree}: \
+                     expected 1 <= degree <= 2 points <= 200"
+                )
+            );
+        }
+    }
+}

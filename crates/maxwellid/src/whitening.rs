@@ -1,0 +1,409 @@
+//! Noise of both histories in the residual, and the excitation that it leaves most likely.
+//!
+//! The simulated response is that to the *measured* excitation v_e = u + e, so the residual S(v_e; θ) - v_r holds the noise
+//! of the response and, through the rod, that of the excitation. With H = ∂S/∂u, the rod linearised about its motion, its covariance is
+//! C = C_r + H C_e Hᵀ. The factor L of C = L Lᵀ makes it white.
+//!
+//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and so are correlated with the residual. The cure
+//! is the maximum of the joint likelihood of θ *and* u: linearised about a present estimate û the residual is
+//! S(û; θ) + H (v_e - û) - v_r, of the same covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is
+//! independent of the residual. Alternating the two is Gauss and Newton's iteration for the joint problem; it also keeps the noise out
+//! of the nonlinear law. What noise is left in û still counts as signal in the derivatives, above all in ∂S/∂ln E, which is a
+//! derivative in time: the linearisation is therefore about û as a Wiener filter passes it. That costs nothing, because the residual is
+//! the same to first order about whatever excitation it is linearised.
+//!
+//! # Approximations
+//! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
+//! renewed when they move by more than five standard errors. The discretisation error of the solver counts as white noise of the requested
+//! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
+
+use faer::{Mat, Side};
+use rodwave::band_limited::SampledHistory;
+
+use crate::model::{DrivenRod, RodModel};
+use crate::noise::{HistoryNoise, TestNoise};
+use crate::parallel::map_in_order;
+use crate::test::RodTest;
+
+/// Cells of the grid on which the transfer H is found \[m\]: a per cent of H changes an error by a per cent of itself.
+const TRANSFER_CELL: f64 = 8e-3;
+
+/// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
+const PERTURBATION: f64 = 1e-4;
+
+/// Every how many samples a nonlinear rod is perturbed: its impulse response changes slowly along its motion, and those between are
+/// interpolated at equal delay.
+const STRIDE: usize = 8;
+
+/// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
+#[derive(Debug, Clone)]
+pub(crate) struct Transfer {
+    matrix: Mat<f64>,
+}
+
+impl Transfer {
+    /// `None` where the model cannot be evaluated.
+    pub(crate) fn new<M: RodModel>(
+        model: &M,
+        parameters: &[f64],
+        test: &RodTest,
+        excitation: &[f64],
+    ) -> Option<Self> {
+        let window = test.window;
+        let samples = excitation.len().min(window + SampledHistory::HALF_WIDTH);
+        let times = test.times();
+        let rod = |history: &SampledHistory, samples: &[f64]| {
+            let rod = DrivenRod {
+                samples,
+                excitation: history,
+                ..test.driven_rod(&times, TRANSFER_CELL)
+            };
+            model.response(&rod, parameters)
+        };
+        let step = PERTURBATION * test.impact_velocity;
+        let perturbed = |base: &[f64], at: usize, step: f64| -> Option<Vec<f64>> {
+            let mut samples = base.to_vec();
+            *samples.get_mut(at)? += step;
+            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            rod(&history, &samples)
+        };
+        if model.is_linear() {
+            // one column, shifted: from a sample late enough for the whole of the interpolation
+            let lead = SampledHistory::HALF_WIDTH;
+            let base = vec![0.0; excitation.len() + lead];
+            let times: Vec<f64> = (0..window + lead)
+                .map(|k| sample_time(k, test.sampling_rate_hz))
+                .collect();
+            let mut samples = base;
+            *samples.get_mut(lead)? = step;
+            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            let rod = DrivenRod {
+                samples: &samples,
+                excitation: &history,
+                ..test.driven_rod(&times, TRANSFER_CELL)
+            };
+            let impulse = model.response(&rod, parameters)?;
+            return Some(Self {
+                matrix: Mat::from_fn(window, samples_of(excitation, window), |i, j| {
+                    (i + lead)
+                        .checked_sub(j)
+                        .and_then(|k| impulse.get(k))
+                        .map_or(0.0, |v| v / step)
+                }),
+            });
+        }
+        let base = {
+            let history = SampledHistory::new(excitation, test.sampling_rate_hz).ok()?;
+            rod(&history, excitation)?
+        };
+        let places: Vec<usize> = (0..samples).step_by(STRIDE).collect();
+        let columns: Option<Vec<Vec<f64>>> = map_in_order(&places, |at| {
+            let moved = perturbed(excitation, *at, step)?;
+            Some(
+                moved
+                    .iter()
+                    .zip(&base)
+                    .map(|(m, b)| (m - b) / step)
+                    .collect(),
+            )
+        })
+        .into_iter()
+        .collect();
+        let columns = columns?;
+        let matrix = Mat::from_fn(window, samples, |i, j| {
+            interpolated_at_equal_delay(&columns, i, j)
+        });
+        Some(Self { matrix })
+    }
+
+    /// H times a history [m/s].
+    pub(crate) fn times(&self, history: &[f64]) -> Vec<f64> {
+        (0..self.matrix.nrows())
+            .map(|i| {
+                history
+                    .iter()
+                    .take(self.matrix.ncols())
+                    .enumerate()
+                    .map(|(j, v)| self.matrix[(i, j)] * v)
+                    .sum()
+            })
+            .collect()
+    }
+}
+
+fn samples_of(excitation: &[f64], window: usize) -> usize {
+    excitation.len().min(window + SampledHistory::HALF_WIDTH)
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn sample_time(k: usize, rate_hz: f64) -> f64 {
+    k as f64 / rate_hz
+}
+
+/// Entry (i, j) of H from columns at every [`STRIDE`]-th sample.
+fn interpolated_at_equal_delay(columns: &[Vec<f64>], i: usize, j: usize) -> f64 {
+    let (before, offset) = (j / STRIDE, j % STRIDE);
+    // rows at which the neighbouring columns have the same delay i - j
+    let at = |column: usize, row: Option<usize>| {
+        let column = columns.get(column)?;
+        row.and_then(|row| column.get(row)).copied()
+    };
+    let first = at(before, i.checked_sub(offset));
+    let second = at(before + 1, Some(i + STRIDE - offset));
+    match (first, second) {
+        (Some(a), Some(_)) if offset == 0 => a,
+        (Some(a), Some(b)) => {
+            #[expect(clippy::cast_precision_loss, reason = "a stride of a few samples")]
+            let share = offset as f64 / STRIDE as f64;
+            a + share * (b - a)
+        }
+        (Some(v), None) | (None, Some(v)) => v,
+        (None, None) => 0.0,
+    }
+}
+
+/// Covariance of the residual of one test as its factor, and the excitation about which the model is linearised.
+#[derive(Debug, Clone)]
+pub(crate) struct Weighting {
+    transfer: Transfer,
+    /// L of C = L Lᵀ [m/s], rows packed.
+    factor: Vec<f64>,
+    noise: TestNoise,
+    /// û [m/s]
+    pub(crate) excitation: Vec<f64>,
+    pub(crate) history: SampledHistory,
+    /// H (v_e - û) [m/s]
+    pub(crate) correction: Vec<f64>,
+}
+
+impl Weighting {
+    /// `floor` [m/s]: standard deviation of white noise that counts for the error of the solver. `None` where the model cannot be
+    /// evaluated or the covariance is not positive definite.
+    pub(crate) fn new(test: &RodTest, transfer: Transfer, floor: f64) -> Option<Self> {
+        let noise = test.noise.clone()?;
+        let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
+        let through = match &noise.excitation {
+            HistoryNoise::White { standard_deviation } => {
+                let scaled = Mat::from_fn(window, samples, |i, j| {
+                    standard_deviation * transfer.matrix[(i, j)]
+                });
+                &scaled * scaled.transpose()
+            }
+            HistoryNoise::Differentiated { .. } => {
+                &transfer.matrix
+                    * toeplitz(&noise.excitation, samples)
+                    * transfer.matrix.transpose()
+            }
+        };
+        let covariance = toeplitz(&noise.response, window) + through;
+        let covariance = Mat::from_fn(window, window, |i, j| {
+            covariance[(i, j)] + if i == j { floor * floor } else { 0.0 }
+        });
+        let factor = covariance.llt(Side::Lower).ok()?;
+        let lower = factor.L();
+        let packed = (0..window)
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .map(|(i, j)| lower[(i, j)])
+            .collect();
+        let weighting = Self {
+            correction: Vec::new(),
+            excitation: Vec::new(),
+            history: test.excitation.clone(),
+            factor: packed,
+            transfer,
+            noise,
+        };
+        weighting.linearised_about(test, test.excitation_samples.clone())
+    }
+
+    /// Linearises about `excitation` [m/s] as the Wiener filter passes it.
+    fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
+        self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
+        // the rod is at rest before the record: without noise it would not jump to its first sample, which no grid resolves
+        for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "some samples")]
+            let share = k as f64 / FADE as f64;
+            *u *= (0.5 * std::f64::consts::PI * share).sin().powi(2);
+        }
+        let error: Vec<f64> = test
+            .excitation_samples
+            .iter()
+            .zip(&self.excitation)
+            .map(|(measured, u)| measured - u)
+            .collect();
+        self.correction = self.transfer.times(&error);
+        self.history = SampledHistory::new(&self.excitation, test.sampling_rate_hz).ok()?;
+        Some(self)
+    }
+
+    /// L⁻¹ times a history of the window [m/s], in place: the result is in standard deviations.
+    pub(crate) fn whiten(&self, history: &mut [f64]) {
+        let mut start = 0;
+        for i in 0..history.len() {
+            let row = &self.factor[start..=start + i];
+            let known: f64 = row.iter().zip(&history[..i]).map(|(l, z)| l * z).sum();
+            history[i] = (history[i] - known) / row[i];
+            start += i + 1;
+        }
+    }
+
+    /// L⁻ᵀ times a history, in place.
+    fn whiten_back(&self, history: &mut [f64]) {
+        for i in (0..history.len()).rev() {
+            let start = i * (i + 1) / 2;
+            let row = &self.factor[start..=start + i];
+            history[i] /= row[i];
+            let value = history[i];
+            for (h, l) in history[..i].iter_mut().zip(row) {
+                *h -= l * value;
+            }
+        }
+    }
+
+    /// The excitation that is most likely, given the white residual of this weighting.
+    pub(crate) fn cleaned(self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
+        let mut weighted = white_residual.to_vec();
+        self.whiten_back(&mut weighted);
+        let samples = self.transfer.matrix.ncols();
+        let through: Vec<f64> = (0..samples)
+            .map(|j| {
+                weighted
+                    .iter()
+                    .enumerate()
+                    .map(|(i, w)| self.transfer.matrix[(i, j)] * w)
+                    .sum()
+            })
+            .collect();
+        let covariance: Vec<f64> = (0..samples)
+            .map(|lag| self.noise.excitation.autocovariance(lag))
+            .collect();
+        let mut excitation = test.excitation_samples.clone();
+        for (k, u) in excitation.iter_mut().take(samples).enumerate() {
+            let error: f64 = through
+                .iter()
+                .enumerate()
+                .map(|(j, t)| covariance[k.abs_diff(j)] * t)
+                .sum();
+            *u -= error;
+        }
+        self.linearised_about(test, excitation)
+    }
+}
+
+/// Samples over which the excitation of the linearisation is faded in.
+const FADE: usize = 8;
+
+/// Frequencies to either side over which the power of a record is averaged.
+const SMOOTHED: usize = 5;
+
+/// Power over that of the noise up to which a frequency counts as noise: the average of eleven exceeds it once in ten times.
+const NOISE_POWER: f64 = 1.5;
+
+/// `history` with each frequency reduced to what its power holds beside the noise. The record is continued by its mirror image, so
+/// that its continuation has no jump.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
+    let count = history.len();
+    if count < 3 {
+        return history.to_vec();
+    }
+    let last = count - 1;
+    let period = 2 * last;
+    let cosines: Vec<f64> = (0..period)
+        .map(|k| (std::f64::consts::TAU * k as f64 / period as f64).cos())
+        .collect();
+    // the ends occur once in a period, all other samples twice
+    let occurs = |k: usize| if k == 0 || k == last { 1.0 } else { 2.0 };
+    let spectrum: Vec<f64> = (0..count)
+        .map(|f| {
+            history
+                .iter()
+                .enumerate()
+                .map(|(k, v)| occurs(k) * v * cosines[f * k % period])
+                .sum()
+        })
+        .collect();
+    let covariance: Vec<f64> = (0..count)
+        .map(|lag| noise.autocovariance(lag))
+        .take_while(|c| *c != 0.0)
+        .collect();
+    let gains: Vec<f64> = (0..count)
+        .map(|f| {
+            let of_noise: f64 = covariance
+                .iter()
+                .enumerate()
+                .map(|(lag, c)| {
+                    if lag == 0 {
+                        *c
+                    } else {
+                        2.0 * c * cosines[f * lag % period]
+                    }
+                })
+                .sum();
+            let (low, high) = (f.saturating_sub(SMOOTHED), (f + SMOOTHED).min(last));
+            let squares: f64 = spectrum[low..=high].iter().map(|x| x * x).sum();
+            let around = squares / (high - low + 1) as f64;
+            if around > 0.0 {
+                (1.0 - NOISE_POWER * period as f64 * of_noise / around).max(0.0)
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    (0..count)
+        .map(|k| {
+            let sum: f64 = spectrum
+                .iter()
+                .zip(&gains)
+                .enumerate()
+                .map(|(f, (x, gain))| occurs(f) * gain * x * cosines[f * k % period])
+                .sum();
+            sum / period as f64
+        })
+        .collect()
+}
+
+fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
+    let row: Vec<f64> = (0..size).map(|lag| noise.autocovariance(lag)).collect();
+    Mat::from_fn(size, size, |i, j| row[i.abs_diff(j)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_noise_the_filter_passes_everything() {
+        let noise = HistoryNoise::White {
+            standard_deviation: 0.0,
+        };
+        let history: Vec<f64> = (0..61_u32)
+            .map(|k| f64::from(k * k % 17) + 0.1 * f64::from(k))
+            .collect();
+        for (a, b) in wiener_filtered(&history, &noise).iter().zip(&history) {
+            // two transforms of 61 samples of size 20
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn frequencies_below_the_noise_are_taken_out_and_those_above_kept() {
+        let noise = HistoryNoise::White {
+            standard_deviation: 0.05,
+        };
+        let wave = |f: f64, k: u32| (std::f64::consts::PI * f * f64::from(k) / 128.0).cos();
+        let history: Vec<f64> = (0..=128)
+            .map(|k| wave(8.0, k) + 0.02 * wave(90.0, k))
+            .collect();
+        for (k, v) in (0..=128).zip(wiener_filtered(&history, &noise)) {
+            // power of the wave 128², averaged over 11: 1490; noise 1.5 · 256 · 0.05² = 0.96
+            assert!((v - wave(8.0, k)).abs() < 1e-3, "{k}: {v}");
+        }
+    }
+}

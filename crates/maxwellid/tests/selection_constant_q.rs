@@ -1,0 +1,50 @@
+//! Linear rods of constant loss factor, struck at one velocity: no nonlinear law is named.
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
+
+mod virtual_tests;
+
+use maxwellid::selection::Candidate;
+use rodwave::modulus::ComplexModulus;
+use virtual_tests::{MODULUS, by_the_line, compare, constant_q_stack, in_parallel, named};
+
+const LOSS_FACTORS: [f64; 4] = [0.03, 0.05, 0.07, 0.10];
+
+/// What the generator is called: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus to 0.2 % that of Kjartansson.
+#[test]
+fn the_stack_of_branches_has_a_constant_loss_factor() {
+    let reference = std::f64::consts::TAU * 4e3;
+    for loss_factor in LOSS_FACTORS {
+        let stack = constant_q_stack(loss_factor);
+        let law = rodwave::modulus::ConstantQ::new(MODULUS, loss_factor, reference).unwrap();
+        for k in 0..=40 {
+            let omega = std::f64::consts::TAU * 200.0 * 10.0_f64.powf(f64::from(k) / 20.0);
+            let (found, expected) = (stack.at(omega), law.at(omega));
+            let loss = found.im / found.re;
+            assert!((loss / loss_factor - 1.0).abs() < 0.01, "{omega} {loss}");
+            let ratio = found.norm() / expected.norm();
+            assert!((ratio - 1.0).abs() < 0.002, "{omega} {ratio}");
+        }
+    }
+}
+
+/// A hundred cases of four materials; five nonlinear verdicts would be the most that is acceptable.
+#[test]
+fn constant_q_at_one_velocity_is_not_called_nonlinear() {
+    let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
+    let cases: Vec<u64> = (0..100).collect();
+    let comparisons = in_parallel(&cases, |case| {
+        let material = usize::try_from(case % 4).unwrap();
+        compare(Candidate::standard(), &exact[material], *case)
+    });
+    let nonlinear = comparisons
+        .iter()
+        .filter(|c| c.is_nonlinear_verdict())
+        .count();
+    assert!(nonlinear <= 5, "{nonlinear}");
+    // and the right law, or others of flat loss that cannot be told from it, are not refuted: 0.1 % each
+    let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
+    assert!(refuted <= 2, "{refuted}");
+    for comparison in &comparisons {
+        assert!(comparison.nonlinear_probability < 1e-6, "{comparison:?}");
+    }
+}

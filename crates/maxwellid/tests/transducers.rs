@@ -1,0 +1,376 @@
+//! Transducers: displacements, their noise and range, gain, offset and delay; tests that contradict each other.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "a failing test should say so at once, and counts are small"
+)]
+
+mod virtual_rod;
+
+use maxwellid::{
+    Differentiator, DisplacementTransducers, Fit, FitFlag, Freedom, MaxwellidError, Noise,
+    Nuisances, RodTest, RodTestData, TestFlag,
+};
+use rodwave::inelastic::{Maxwell, MaxwellNorton};
+use virtual_rod::{RATE, V0, add_noise, struck, struck_before};
+
+fn ratio_error(found: f64, expected: f64) -> f64 {
+    (found / expected - 1.0).abs()
+}
+
+fn transducers(range: f64, noise: Option<(f64, f64)>) -> DisplacementTransducers {
+    DisplacementTransducers {
+        range,
+        noise,
+        differentiator: Differentiator::new(3, 4).unwrap(),
+    }
+}
+
+#[test]
+fn displacements_give_the_linear_law_that_made_them() {
+    let truth = Maxwell::new(4e6).unwrap();
+    let rod = struck(0.4, V0, 3e9, &truth, 110);
+    let test = RodTest::from_displacements(
+        rod.displacements(),
+        &transducers(f64::INFINITY, Some((1e-7, 1e-7))),
+    )
+    .unwrap();
+    // seven points lose three at either end
+    assert_eq!(test.response().len(), 142 - 6 - 16);
+    assert!(test.flags().is_empty());
+    let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
+    // the same differentiator on both histories commutes with a linear rod
+    assert!(
+        ratio_error(fit.modulus(), 3e9) < 5e-4,
+        "{}",
+        fit.report(Noise::Stated)
+    );
+    assert!(
+        ratio_error(fit.law().viscosity(), 4e6) < 5e-3,
+        "{}",
+        fit.report(Noise::Stated)
+    );
+}
+
+#[test]
+fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
+    let truth = Maxwell::new(4e6).unwrap();
+    let rod = struck(0.4, V0, 3e9, &truth, 100);
+    // a micrometre: a five-thousandth of the range of 5 mm, 0.4 % of V0 after the differentiator
+    let noise = 1e-6;
+    let (mut covered, mut squares) = (0, 0.0);
+    let seeds = 24;
+    for seed in 0..seeds {
+        let mut data = rod.displacements();
+        add_noise(&mut data, noise, seed);
+        let test =
+            RodTest::from_displacements(data, &transducers(f64::INFINITY, Some((noise, noise))))
+                .unwrap();
+        let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
+        let judged = fit.identifiability(Noise::Stated).unwrap();
+        let eta = &judged.estimates[1];
+        let (low, high) = eta.interval_95();
+        covered += usize::from(low < 4e6 && 4e6 < high);
+        squares += ((eta.value / 4e6).ln() / eta.standard_error).powi(2);
+        assert!(
+            (fit.ratio_to_noise() - 1.0).abs() < 0.35,
+            "{}",
+            fit.ratio_to_noise()
+        );
+    }
+    // 24 draws of a probability 0.95: fewer than 20 happens once in 200; their mean square is chi-squared over 24
+    assert!(covered >= 20, "{covered} of {seeds}");
+    let mean_square = squares / seeds as f64;
+    assert!((0.35..2.1).contains(&mean_square), "{mean_square}");
+}
+
+#[test]
+fn noise_is_taken_from_the_quiet_part() {
+    let rod = struck_before(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 200, 100);
+    let test = RodTest::new(rod.noisy(0.1, 5))
+        .unwrap()
+        .with_noise_of_quiet_part()
+        .unwrap();
+    let noise = test.noise().unwrap();
+    // 190 and 200 samples: known to 5 %, three standard deviations
+    assert!(ratio_error(noise.excitation.standard_deviation(), 0.1) < 0.16);
+    assert!(ratio_error(noise.response.standard_deviation(), 0.1) < 0.16);
+    let short = struck_before(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 25, 100);
+    let error = RodTest::new(short.noisy(0.1, 5))
+        .unwrap()
+        .with_noise_of_quiet_part()
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("test `virtual rod`: the excitation has 1")
+            && error
+                .to_string()
+                .ends_with("quiet samples before the wave, expected at least 16"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
+    let rod = struck(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 110);
+    let whole = rod.displacements();
+    let largest = whole.response.iter().copied().fold(0.0, f64::max);
+    let range = 0.8 * largest;
+    let expected = whole.response.iter().position(|u| *u >= range).unwrap();
+    for stuck in [false, true] {
+        let mut data = whole.clone();
+        let mut known_range = range;
+        if stuck {
+            // nobody said what the range was, but the signal stands still there
+            data.response.iter_mut().for_each(|u| *u = u.min(range));
+            known_range = f64::INFINITY;
+        }
+        let test = RodTest::from_displacements(data, &transducers(known_range, Some((1e-7, 1e-7))))
+            .unwrap();
+        let of_response = test.flags().iter().find_map(|flag| match flag {
+            TestFlag::Clipped { history, time } if *history == "response" => Some(*time),
+            _ => None,
+        });
+        let time = of_response.unwrap();
+        // the excitation moves as far, a little later or earlier
+        assert_eq!(test.flags().len(), if stuck { 1 } else { 2 });
+        assert!((time * RATE - expected as f64).abs() < 1e-6);
+        assert!(test.response().len() <= expected - 6);
+        let text = test.flags()[test.flags().len() - 1].to_string();
+        assert!(text.starts_with("the transducer of the response is out of range from"));
+        // a window cannot be drawn beyond it
+        let samples = test.response().len();
+        let end = test.times()[samples - 1];
+        if let Ok(longer) = test.clone().with_window(end + 2.0 / RATE) {
+            assert_eq!(longer.response().len(), samples);
+        }
+        let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
+        assert!(ratio_error(fit.law().viscosity(), 4e6) < 0.01);
+    }
+    let error =
+        RodTest::from_displacements(whole, &transducers(1e-5, Some((1e-7, 1e-7)))).unwrap_err();
+    assert!(
+        error.to_string().contains("too early to be used"),
+        "{error}"
+    );
+}
+
+fn transformed(data: &RodTestData, gain: f64, offset: f64) -> RodTestData {
+    let mut data = data.clone();
+    data.response
+        .iter_mut()
+        .for_each(|v| *v = gain * *v + offset);
+    data
+}
+
+#[test]
+fn gain_offset_and_delay_of_a_transducer_are_found() {
+    let truth = MaxwellNorton::new(2.0, 1.3e13).unwrap();
+    let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
+    let rod = struck(0.4, V0, 2.6e9, &truth, 100);
+    let mut data = transformed(&rod.data, 1.03, 0.05);
+    // two samples late, a sixth of the time of flight
+    data.response.splice(0..0, [0.05, 0.05]);
+    data.response.truncate(data.excitation.len());
+    let test = RodTest::new(data).unwrap();
+    let blind = Fit::of(start).to(std::slice::from_ref(&test)).unwrap();
+    assert!(ratio_error(blind.modulus(), 2.6e9) > 0.05);
+    let fit = Fit::of(start)
+        .with_nuisances(Nuisances {
+            response_gain: Freedom::Free,
+            response_offset: Freedom::Free,
+            delay: Freedom::Free,
+            ..Nuisances::default()
+        })
+        .to(&[test])
+        .unwrap();
+    let found: Vec<(&str, f64)> = fit.nuisances()[0]
+        .iter()
+        .map(|n| (n.name, n.value))
+        .collect();
+    let report = fit.report(Noise::FromResidual).to_string();
+    // a rod with one passage of the wave tells E from the delay by its reflections alone
+    assert!((found[0].1 * RATE - 2.0).abs() < 0.05, "{found:?} {report}");
+    assert!((found[1].1 - 1.03).abs() < 2e-3, "{found:?} {report}");
+    assert!((found[2].1 - 0.05).abs() < 5e-3, "{found:?} {report}");
+    assert!(ratio_error(fit.modulus(), 2.6e9) < 3e-3, "{report}");
+    assert!((fit.law().exponent() - 2.0).abs() < 0.06, "{report}");
+}
+
+#[test]
+fn a_calibration_holds_what_the_data_cannot_see() {
+    let truth = Maxwell::new(4e6).unwrap();
+    let rod = struck(0.4, V0, 3e9, &truth, 100);
+    let test = RodTest::new(rod.noisy(0.05, 3))
+        .unwrap()
+        .with_noise(0.05, 0.05)
+        .unwrap();
+    // both gains of a linear rod: only their product is seen; a calibration of 1 % and 3 % shares it out
+    let fit = Fit::of(Maxwell::new(1e6).unwrap())
+        .with_nuisances(Nuisances {
+            response_gain: Freedom::Within(0.01),
+            excitation_gain: Freedom::Within(0.03),
+            ..Nuisances::default()
+        })
+        .to(std::slice::from_ref(&test))
+        .unwrap();
+    let [excitation, response] = &fit.nuisances()[0][..] else {
+        panic!("{:?}", fit.nuisances());
+    };
+    assert_eq!(
+        (excitation.name, response.name),
+        ("excitation gain", "response gain")
+    );
+    // the one that is known better keeps its uncertainty, the other is tied to it by the data
+    assert!(
+        ratio_error(response.standard_error, 0.01) < 0.15,
+        "{response:?} {excitation:?}"
+    );
+    assert!(excitation.standard_error < 0.015, "{excitation:?}");
+    assert!((response.value - 1.0).abs() < 0.02 && (excitation.value - 1.0).abs() < 0.03);
+    // an unknown gain costs knowledge of the damping, a calibrated one less
+    let error = |freedom| {
+        let fit = Fit::of(Maxwell::new(1e6).unwrap())
+            .with_nuisances(Nuisances {
+                response_gain: freedom,
+                ..Nuisances::default()
+            })
+            .to(std::slice::from_ref(&test))
+            .unwrap();
+        fit.identifiability(Noise::Stated).unwrap().estimates[1].standard_error
+    };
+    let (fixed, within, free) = (
+        error(Freedom::Fixed),
+        error(Freedom::Within(2e-3)),
+        error(Freedom::Free),
+    );
+    assert!(fixed < within && within < free, "{fixed} {within} {free}");
+}
+
+#[test]
+fn calibrations_that_mean_nothing_are_refused() {
+    let test = RodTest::new(struck(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 100).data).unwrap();
+    let refused = |freedom| {
+        Fit::of(Maxwell::new(1e6).unwrap())
+            .with_nuisances(Nuisances {
+                delay: freedom,
+                ..Nuisances::default()
+            })
+            .to(std::slice::from_ref(&test))
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        refused(Freedom::Within(-1.0)),
+        "the calibration of the delay [s] has the standard deviation -1, expected a finite value above 0"
+    );
+    assert_eq!(
+        refused(Freedom::Within(1e-6)),
+        "the calibration of the delay [s] needs tests with stated noise to be weighed against"
+    );
+}
+
+#[test]
+fn tests_that_contradict_each_other_are_refused_or_flagged() {
+    let truth = Maxwell::new(4e6).unwrap();
+    let (long, middle, short) = (
+        struck(0.6, V0, 3e9, &truth, 120),
+        struck(0.4, V0, 3e9, &truth, 100),
+        struck(0.3, V0, 3e9, &truth, 100),
+    );
+    let tests = |change: &dyn Fn(&mut RodTestData)| -> Vec<RodTest> {
+        let mut changed = short.named("short");
+        change(&mut changed);
+        [long.named("long"), middle.named("middle"), changed]
+            .into_iter()
+            .map(|data| RodTest::new(data).unwrap())
+            .collect()
+    };
+    let fit = |tests: &[RodTest]| Fit::of(Maxwell::new(1e6).unwrap()).to(tests);
+    let agreeing = fit(&tests(&|_| ())).unwrap();
+    assert!(agreeing.flags().is_empty(), "{:?}", agreeing.flags());
+    assert!(ratio_error(agreeing.modulus(), 3e9) < 1e-3);
+    // a sampling rate of half the true one quarters the modulus by the time of flight
+    let error = fit(&tests(&|data| data.sampling_rate_hz *= 0.5)).unwrap_err();
+    assert!(
+        matches!(&error, MaxwellidError::Contradiction { test, .. } if test == "short"),
+        "{error}"
+    );
+    assert!(
+        error
+            .to_string()
+            .contains("a length, a density or a sampling rate is wrong, or the material")
+    );
+    // two per cent of the length are less than the time of flight can tell, but not less than the fit
+    let doubtful = fit(&tests(&|data| data.length *= 1.02)).unwrap();
+    assert!(
+        doubtful.flags().iter().any(|flag| matches!(
+            flag,
+            FitFlag::TestDisagrees { test, parameter, .. } if test == "short" && parameter == "ln_modulus"
+        )),
+        "{:?}",
+        doubtful.flags()
+    );
+}
+
+#[test]
+fn windows_and_noise_that_are_no_good_are_named() {
+    let truth = Maxwell::new(4e6).unwrap();
+    let rod = struck(0.4, V0, 3e9, &truth, 100);
+    let test = RodTest::new(rod.data.clone()).unwrap();
+    let fit = |tests: &[RodTest]| Fit::of(Maxwell::new(1e6).unwrap()).to(tests).unwrap_err();
+    // the wave arrives after 32 samples and 0.24 ms: at 0.87 ms
+    let short = test.clone().with_window(0.95e-3).unwrap();
+    let error = fit(&[short]);
+    assert!(
+        matches!(error, MaxwellidError::WindowTooShort { .. }),
+        "{error}"
+    );
+    assert!(
+        error.to_string().contains("but the wave arrives at 0.000"),
+        "{error}"
+    );
+    let error = fit(&[test.clone().with_noise(0.1, 0.1).unwrap(), test.clone()]);
+    assert_eq!(
+        error.to_string(),
+        "test `virtual rod` has no stated noise, but others have: state it for all or for none"
+    );
+    assert_eq!(
+        test.clone().with_noise(0.1, 0.0).unwrap_err().to_string(),
+        "test `virtual rod`: the noise of the response is 0 m/s, expected a finite value above 0 (0 is permitted for the \
+         excitation)"
+    );
+    assert!(test.clone().with_noise(f64::NAN, 0.1).is_err());
+    assert!(test.with_noise(0.0, 0.1).is_ok());
+    assert_eq!(
+        RodTest::from_displacements(rod.displacements(), &transducers(-1.0, None))
+            .unwrap_err()
+            .to_string(),
+        "test `virtual rod`: the range of the transducer is -1 m, expected a value above 0"
+    );
+}
+
+#[test]
+fn noise_stated_too_low_is_found_out() {
+    let rod = struck(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 100);
+    let fit = |stated| {
+        let test = RodTest::new(rod.noisy(0.1, 7))
+            .unwrap()
+            .with_noise(stated, stated)
+            .unwrap();
+        Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap()
+    };
+    let (right, wrong) = (fit(0.1), fit(0.04));
+    assert!(right.flags().is_empty(), "{:?}", right.flags());
+    assert!(
+        matches!(wrong.flags()[0], FitFlag::ResidualAboveNoise { ratio } if (ratio - 2.5).abs() < 0.5)
+    );
+    // the errors are those of the residual, not of the statement
+    let error = |fit: &maxwellid::Identification<Maxwell>| {
+        fit.identifiability(Noise::Stated).unwrap().estimates[1].standard_error
+    };
+    assert!(ratio_error(error(&wrong), error(&right)) < 0.25);
+}

@@ -1,0 +1,160 @@
+//! Virtual tests for the tests of the fit: the striker and the recorder of paper D, the response of the lumped chain to the excitation
+//! as it was before sampling, extrapolated from two grids.
+#![allow(dead_code, reason = "each file of tests uses what it needs")]
+
+use maxwellid::{Provenance, RodTestData};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use rodwave::InelasticRod;
+use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
+use rodwave::experiment::Acquisition;
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::InelasticLaw;
+use rodwave::lumped::{self, LumpedRod};
+
+pub(crate) const DENSITY: f64 = 1100.0;
+pub(crate) const V0: f64 = 10.0;
+pub(crate) const RATE: f64 = 51_200.0;
+
+/// A struck rod: what the recorder would give of both velocities, and the excitation before sampling.
+pub(crate) struct VirtualRod {
+    pub(crate) data: RodTestData,
+    excitation: SampledHistory,
+}
+
+pub(crate) fn times(count: usize) -> Vec<f64> {
+    (0..count).map(|k| k as f64 / RATE).collect()
+}
+
+pub(crate) fn struck<L: InelasticLaw>(
+    length: f64,
+    velocity: f64,
+    modulus: f64,
+    law: &L,
+    samples_after: usize,
+) -> VirtualRod {
+    struck_before(length, velocity, modulus, law, 32, samples_after)
+}
+
+pub(crate) fn struck_before<L: InelasticLaw>(
+    length: f64,
+    velocity: f64,
+    modulus: f64,
+    law: &L,
+    samples_before: usize,
+    samples_after: usize,
+) -> VirtualRod {
+    let record = ImpactTest {
+        striker: Striker {
+            velocity,
+            ..Striker::PAPER_D
+        },
+        rod: InelasticRod::new(length + 0.008, DENSITY, modulus, law.clone()).unwrap(),
+        diameter: 0.016,
+        section_distance: length,
+    }
+    .record(
+        &Acquisition {
+            recorder: Recorder {
+                rate_hz: RATE,
+                cutoff_hz: 16_000.0,
+            },
+            samples_before,
+            samples_after,
+            transducer_range: 0.02,
+        },
+        1e-3,
+    )
+    .unwrap();
+    let rod = InelasticRod::new(length, DENSITY, modulus, law.clone()).unwrap();
+    let at = times(record.excitation.len());
+    let chain = |cells| {
+        LumpedRod::new(&rod, cells, 0.5)
+            .unwrap()
+            .free_end_velocity(&record.excitation_before_sampling, &at)
+            .unwrap()
+    };
+    let cells = (length / 1.5e-3).ceil() as usize;
+    let response = chain(cells)
+        .iter()
+        .zip(chain(2 * cells))
+        .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
+        .collect();
+    VirtualRod {
+        data: RodTestData {
+            name: "virtual rod".into(),
+            length,
+            density: DENSITY,
+            impact_velocity: velocity,
+            sampling_rate_hz: RATE,
+            excitation: record.excitation,
+            response,
+            provenance: Provenance::Virtual {
+                generator: lumped::GENERATOR.into(),
+            },
+        },
+        excitation: record.excitation_before_sampling,
+    }
+}
+
+impl VirtualRod {
+    /// v_e [m/s] at `time` \[s\] of the record, known without its samples.
+    pub(crate) fn excitation_at(&self, time: f64) -> f64 {
+        self.excitation.at(time)
+    }
+
+    pub(crate) fn named(&self, name: &str) -> RodTestData {
+        RodTestData {
+            name: name.into(),
+            ..self.data.clone()
+        }
+    }
+
+    /// With white noise of `deviation` [m/s] on both histories.
+    pub(crate) fn noisy(&self, deviation: f64, seed: u64) -> RodTestData {
+        let mut data = self.data.clone();
+        add_noise(&mut data, deviation, seed);
+        data
+    }
+
+    /// The displacements \[m\] whose velocities these are, by the integral of the band-limited histories.
+    pub(crate) fn displacements(&self) -> RodTestData {
+        let mut data = self.data.clone();
+        for history in [&mut data.excitation, &mut data.response] {
+            *history = integrated(history);
+        }
+        data
+    }
+}
+
+/// White noise of `deviation` on both histories.
+pub(crate) fn add_noise(data: &mut RodTestData, deviation: f64, seed: u64) {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let white = Normal::new(0.0, deviation).unwrap();
+    for v in data.excitation.iter_mut().chain(&mut data.response) {
+        *v += white.sample(&mut generator);
+    }
+}
+
+/// ∫ v dt at the samples, by Simpson's rule on sixteen points between them.
+fn integrated(velocity: &[f64]) -> Vec<f64> {
+    let history = SampledHistory::new(velocity, RATE).unwrap();
+    let step = 1.0 / RATE / 16.0;
+    let mut displacement = 0.0;
+    (0..velocity.len())
+        .map(|k| {
+            if k > 0 {
+                let from = (k - 1) as f64 / RATE;
+                displacement += (0..8)
+                    .map(|i| {
+                        let t = from + 2.0 * f64::from(i) * step;
+                        let at = |n: f64| history.at(t + n * step);
+                        step / 3.0 * (at(0.0) + 4.0 * at(1.0) + at(2.0))
+                    })
+                    .sum::<f64>();
+            }
+            displacement
+        })
+        .collect()
+}

@@ -1,0 +1,194 @@
+//! Table 3: which model, by the paper's measures of adequacy and by two others.
+
+use maxwellid::RodTest;
+use maxwellid::adequacy::{Basis, Correction, RobbinsMonro, Weights};
+use maxwellid::conformal::p_values;
+use maxwellid::samples::{Pattern, StandardSamples};
+use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
+use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use serde::Serialize;
+
+use super::super::Error;
+use super::flat_loss;
+use super::identify::modulus_of;
+use super::materials::conditions;
+use super::virtual_test::{self, Rig};
+use crate::fixtures::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
+
+/// Components of the pattern that are kept, and functions of them: the best of 60 samples a model is little above chance whatever is taken.
+const COMPONENTS: usize = 6;
+
+/// What the selection says of a set of tests.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Verdict {
+    /// Posterior probability of each candidate, by name.
+    pub(crate) probabilities: Vec<(String, f64)>,
+    pub(crate) decision: String,
+    #[serde(skip)]
+    pub(crate) names_a_nonlinear_law: bool,
+    #[serde(skip)]
+    pub(crate) named: Option<String>,
+}
+
+pub(crate) fn verdict(comparison: &Comparison) -> Verdict {
+    let name = |index: usize| {
+        comparison
+            .laws
+            .get(index)
+            .map_or("?", |law| law.name.as_str())
+    };
+    Verdict {
+        probabilities: comparison
+            .laws
+            .iter()
+            .map(|law| (law.name.clone(), law.probability))
+            .collect(),
+        decision: match &comparison.decision {
+            Decision::Law { candidate, .. } => name(*candidate).to_owned(),
+            Decision::CannotTell { between, .. } => {
+                let names: Vec<&str> = between.iter().map(|index| name(*index)).collect();
+                format!("cannot tell: {}", names.join(" or "))
+            }
+            Decision::NoneOfThese { .. } => "none of these".into(),
+            other => format!("{other:?}"),
+        },
+        names_a_nonlinear_law: comparison.is_nonlinear_verdict(),
+        named: comparison.law().map(|law| law.name.clone()),
+    }
+}
+
+/// One row: a material, its data, and the measures of the three models.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Row {
+    pub(crate) material: String,
+    pub(crate) data: &'static str,
+    /// The law that made the data, if it is one of the three.
+    pub(crate) truth: Option<&'static str>,
+    pub(crate) printed: Vec<f64>,
+    pub(crate) least_mean_square: Vec<f64>,
+    pub(crate) increment: Vec<f64>,
+    pub(crate) conformal: Vec<f64>,
+    pub(crate) selection: Verdict,
+}
+
+/// What makes the data of a row.
+#[derive(Debug, Clone)]
+enum Data {
+    /// The law of Table 4 with damping that acts.
+    Law,
+    /// Constant loss.
+    FlatLoss(flat_loss::Job),
+}
+
+/// A row still to be computed.
+#[derive(Debug, Clone)]
+pub(crate) struct Job {
+    material: IdentifiedMaterial,
+    test: RodTestConditions,
+    data: Data,
+    printed: Vec<f64>,
+    samples: usize,
+}
+
+/// The first test of each material served the choice of the model.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "about sixty"
+)]
+pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
+    let flat = flat_loss::jobs(paper);
+    let mut jobs = Vec::new();
+    for material in paper.identified(UnitReading::Realistic) {
+        let Some(test) = paper.tests.iter().find(|t| t.material == material.material) else {
+            continue;
+        };
+        let linear = flat
+            .iter()
+            .find(|job| job.material.material == material.material)
+            .cloned()
+            .map(Data::FlatLoss);
+        for data in std::iter::once(Data::Law).chain(linear) {
+            jobs.push(Job {
+                material: material.clone(),
+                test: test.clone(),
+                data,
+                printed: paper
+                    .adequacy
+                    .iter()
+                    .filter(|row| row.material == material.material)
+                    .flat_map(|row| row.measures.iter().map(|measure| measure.value))
+                    .collect(),
+                samples: paper.standard_samples_per_model as usize,
+            });
+        }
+    }
+    jobs
+}
+
+pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
+    let conditions = conditions(&job.test, modulus_of(job.material.values));
+    let mut noise = virtual_test::Noise::of_the_recorder(
+        rig.striker.velocity,
+        virtual_test::SEED + u64::from(job.test.test),
+    )?;
+    let test = match &job.data {
+        Data::Law => rig.driven(&conditions, job.material.values, &mut noise)?,
+        Data::FlatLoss(flat) => rig.flat_loss(&conditions, &flat.law()?, &mut noise)?,
+    };
+    let tests = [test];
+    let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
+    let [least_mean_square, increment, conformal] = of_the_pattern(&tests, job.samples)?;
+    let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
+    Ok(Row {
+        material: job.material.material.clone(),
+        data: match job.data {
+            Data::Law => "the law of Table 4",
+            Data::FlatLoss(_) => "constant loss",
+        },
+        truth: matches!(job.data, Data::Law).then(|| job.material.model.symbol()),
+        printed: job.printed.clone(),
+        least_mean_square,
+        increment,
+        conformal,
+        selection: verdict(&comparison),
+    })
+}
+
+/// The measures that need nothing but standard samples: P_i by the two recursions, and conformal p-values, of M_1, M_2, M_3.
+fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Error> {
+    let models = [
+        Candidate::inelastic(Maxwell::new(1e7)?, &[])?,
+        Candidate::inelastic(
+            MaxwellNorton::from_reference_rate(1.5, 1.0, 10e6)?,
+            &[(1.3, 3.0)],
+        )?,
+        Candidate::inelastic(
+            MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, 10e6)?,
+            // m from 4 to 20 MPa
+            &[(0.5, 2.5)],
+        )?,
+    ];
+    let samples = StandardSamples::of(&models, tests, samples, Pattern::Absolute)?;
+    let projection = samples.projection(COMPONENTS)?;
+    let projected: Vec<Vec<f64>> = samples
+        .patterns
+        .iter()
+        .map(|pattern| projection.project(pattern))
+        .collect();
+    let measured = projection.project(&samples.measured(tests));
+    let features: Vec<Vec<f64>> = projected.iter().map(|z| Basis::Linear.of(z)).collect();
+    let adequacies = |correction| -> Result<Vec<f64>, Error> {
+        let settings = RobbinsMonro {
+            correction,
+            ..RobbinsMonro::default()
+        };
+        let weights = Weights::robbins_monro(&features, &samples.class_of, &settings)?;
+        Ok(weights.adequacies(&Basis::Linear.of(&measured)))
+    };
+    Ok([
+        adequacies(Correction::LeastMeanSquare)?,
+        adequacies(Correction::Increment)?,
+        p_values(&projected, &samples.class_of, &measured)?,
+    ])
+}

@@ -1,0 +1,169 @@
+//! What the laws of the paper make of rods that are linear and lose the same at every frequency, as polymers nearly do.
+
+use std::f64::consts::TAU;
+
+use maxwellid::linear::{self, LinearModel};
+use maxwellid::selection::{Candidate, Selection};
+use maxwellid::{Fit, Noise, RodTest};
+use rodwave::inelastic::Elastic;
+use rodwave::modulus::{ConstantQ, PronyStandIn};
+use serde::Serialize;
+
+use super::super::Error;
+use super::choice::{Verdict, verdict};
+use super::identify::{Parameter, Settings, identify, modulus_of};
+use super::materials::{CELL, conditions};
+use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
+use crate::fixtures::paper_d::{
+    IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
+};
+
+/// Loss factors at kilohertz: handbooks and papers C and E for the plastics, natural rubber with carbon black.
+const LOSS_FACTORS: [(&str, f64); 5] = [
+    ("Polypropylene", 0.07),
+    ("Polyamide 6", 0.03),
+    ("Polyoximethylene", 0.025),
+    ("Polyethylene", 0.08),
+    ("Rubber", 0.3),
+];
+
+/// The modulus of Table 4 is that at this frequency, in Hz.
+const REFERENCE_HZ: f64 = 3e3;
+
+/// One material.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct FlatLoss {
+    pub(crate) material: String,
+    pub(crate) model: &'static str,
+    pub(crate) loss_factor: f64,
+    /// Greatest error of the series that stands for the law in the data.
+    pub(crate) stand_in_error: f64,
+    /// What the paper's law becomes, from four tests.
+    pub(crate) parameters: Vec<Parameter>,
+    /// δ of the paper's law with Q = 1, 2, 3, 4 tests.
+    pub(crate) errors: Vec<f64>,
+    pub(crate) printed_errors: Vec<f64>,
+    /// δ of an elastic rod and of constant loss, four tests.
+    pub(crate) elastic_error: f64,
+    pub(crate) flat_loss_error: f64,
+    /// Loss factor of the fit with constant loss, and the standard error of its logarithm.
+    pub(crate) loss_factor_found: f64,
+    pub(crate) standard_error: f64,
+    pub(crate) selection: Verdict,
+}
+
+/// A material still to be computed.
+#[derive(Debug, Clone)]
+pub(crate) struct Job {
+    pub(crate) material: IdentifiedMaterial,
+    pub(crate) loss_factor: f64,
+    tests: Vec<RodTestConditions>,
+    printed_errors: Vec<f64>,
+}
+
+pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
+    paper
+        .identified(UnitReading::Realistic)
+        .iter()
+        .filter_map(|material| {
+            let (_, loss_factor) = LOSS_FACTORS
+                .iter()
+                .find(|(name, _)| *name == material.material)?;
+            Some(Job {
+                material: material.clone(),
+                loss_factor: *loss_factor,
+                tests: paper
+                    .tests
+                    .iter()
+                    .filter(|test| test.material == material.material)
+                    .skip(1)
+                    .cloned()
+                    .collect(),
+                printed_errors: paper
+                    .errors
+                    .iter()
+                    .filter(|errors| errors.material == material.material)
+                    .flat_map(|errors| errors.by_number_of_tests.iter().map(|e| e.value))
+                    .collect(),
+            })
+        })
+        .collect()
+}
+
+impl Job {
+    /// The law that makes the data.
+    pub(crate) fn law(&self) -> Result<ConstantQ, Error> {
+        Ok(ConstantQ::new(
+            modulus_of(self.material.values),
+            self.loss_factor,
+            TAU * REFERENCE_HZ,
+        )?)
+    }
+}
+
+pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
+    let law = job.law()?;
+    let modulus = modulus_of(job.material.values);
+    let tests: Vec<RodTest> = job
+        .tests
+        .iter()
+        .map(|test| {
+            let mut noise = virtual_test::Noise::of_the_recorder(
+                rig.striker.velocity,
+                virtual_test::SEED + u64::from(test.test),
+            )?;
+            rig.flat_loss(&conditions(test, modulus), &law, &mut noise)
+        })
+        .collect::<Result<_, Error>>()?;
+    let settings = Settings {
+        cell: Some(CELL),
+        round_trip: false,
+        noise: Noise::FromResidual,
+        recorder_noise: virtual_test::NOISE_OF_TABLE_5,
+    };
+    let outcomes = (1..=tests.len())
+        .map(|count| identify(job.material.model, &tests[..count], settings))
+        .collect::<Result<Vec<_>, _>>()?;
+    let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
+    let elastic = Fit::of(Elastic).with_cell(CELL).to(&tests)?;
+    let flat = Fit::of(LinearModel::new(linear::ConstantQ::default())).to(&weighed)?;
+    let loss_factor = flat
+        .identifiability(Noise::Stated)
+        .and_then(|found| found.estimates.into_iter().nth(1))
+        .ok_or("the fit with constant loss has a loss factor")?;
+    let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
+    Ok(FlatLoss {
+        material: job.material.material.clone(),
+        model: job.material.model.symbol(),
+        loss_factor: job.loss_factor,
+        stand_in_error: PronyStandIn::new(&law, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES)?
+            .greatest_error(),
+        parameters: outcomes
+            .last()
+            .map(|outcome| outcome.parameters.clone())
+            .unwrap_or_default(),
+        errors: outcomes.iter().map(|o| o.relative_error).collect(),
+        printed_errors: job.printed_errors.clone(),
+        elastic_error: elastic.relative_error(),
+        flat_loss_error: flat.relative_error(),
+        loss_factor_found: loss_factor.value.exp(),
+        standard_error: loss_factor.standard_error,
+        selection: verdict(&comparison),
+    })
+}
+
+impl FlatLoss {
+    /// The shape that the paper's law takes: κ, or m in MPa.
+    pub(crate) fn shape(&self) -> Option<String> {
+        let of = |symbol: &str| {
+            self.parameters
+                .iter()
+                .find(|p| p.symbol == symbol && p.identified)
+                .and_then(|p| p.value)
+        };
+        if self.model == ModelKind::MaxwellNorton.symbol() {
+            return of("kappa").map(|kappa| format!("kappa = {kappa:.2}"));
+        }
+        of("m").map(|m| format!("m = {:.1} MPa", 1e-6 * m))
+    }
+}
