@@ -148,13 +148,21 @@ fn run<L: IdentifiableLaw>(
             .map(|i| i.estimates)
             .unwrap_or_default()
     };
+    let judged = estimates(settings.noise);
+    let law_is_identified = judged
+        .iter()
+        .filter(|estimate| estimate.role == Role::Coordinate)
+        .all(|estimate| estimate.verdict == Verdict::Identified);
     Ok(Outcome {
-        parameters: estimates(settings.noise)
+        parameters: judged
             .into_iter()
             .map(|estimate| {
                 let identified = estimate.verdict == Verdict::Identified;
-                let determined =
-                    identified || estimate.role == Role::Derived && estimate.standard_error < 2.0;
+                // what follows from coordinates is as good as they are
+                let determined = identified
+                    || law_is_identified
+                        && estimate.role == Role::Derived
+                        && estimate.standard_error < 2.0;
                 Parameter {
                     symbol: estimate.symbol,
                     unit: estimate.unit,

@@ -9,8 +9,8 @@ use crate::fixtures::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, Un
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Cells of the inversion, in m: second order leaves a tenth of the noise.
-pub(crate) const CELL: f64 = 2e-3;
+/// Cells of the inversion, in m: second order leaves 2e-4 of V0, a fortieth of the noise.
+pub(crate) const CELL: f64 = 4e-3;
 
 /// Cells of the chain in the shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 50.0;

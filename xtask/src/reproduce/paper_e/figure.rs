@@ -98,9 +98,7 @@ pub(crate) fn histories(forces: &[&Forces], number: u32, until_ms: f64) -> Strin
         ];
         layouts.push(
             layout(&plots, until_ms)
-                .with_title(format!(
-                    "{name}: (I) less the body itself on the same lines"
-                ))
+                .with_title(format!("{name}: error of (I) in its band of 95 %"))
                 .with_y_label("force, N")
                 .with_legend_position(LegendPosition::InsideTopRight),
         );
