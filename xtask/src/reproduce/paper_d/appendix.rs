@@ -134,6 +134,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
             noise: Noise::FromResidual,
             recorder_noise: NOISE_OF_TABLE_5,
         },
+        None,
     )?;
     Ok(Row {
         model: row.model.symbol(),

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::super::Error;
 use super::choice::{Verdict, verdict};
-use super::identify::{Parameter, Settings, identify, modulus_of};
+use super::identify::{Parameter, Settings, modulus_of, one_by_one};
 use super::materials::{CELL, conditions};
 use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
 use crate::fixtures::paper_d::{
@@ -121,9 +121,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
         noise: Noise::FromResidual,
         recorder_noise: virtual_test::NOISE_OF_TABLE_5,
     };
-    let outcomes = (1..=tests.len())
-        .map(|count| identify(job.material.model, &tests[..count], settings))
-        .collect::<Result<Vec<_>, _>>()?;
+    let outcomes = one_by_one(job.material.model, &tests, settings)?;
     let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
     let elastic = Fit::of(Elastic).with_cell(CELL).to(&tests)?;
     let flat = Fit::of(LinearModel::new(linear::ConstantQ::default())).to(&weighed)?;

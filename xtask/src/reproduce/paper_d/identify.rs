@@ -5,6 +5,7 @@ use rodwave::RodwaveError;
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use serde::Serialize;
 
+use super::super::Error;
 use crate::fixtures::paper_d::{LawParameters, ModelKind};
 
 /// Runs `$body` with `$law` bound to the law of `$parameters`, whichever its type.
@@ -92,6 +93,22 @@ pub(crate) struct Outcome {
     pub(crate) termination: String,
     /// Simulated minus measured over V0, for each test.
     pub(crate) residuals: Vec<Vec<f64>>,
+    /// (ln E, parameters of the law)
+    pub(crate) solution: Vec<f64>,
+}
+
+/// Identifies from one test, from two, and so on to all.
+pub(crate) fn one_by_one(
+    model: ModelKind,
+    tests: &[RodTest],
+    settings: Settings,
+) -> Result<Vec<Outcome>, Error> {
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    for count in 1..=tests.len() {
+        let outcome = identify(model, &tests[..count], settings, outcomes.last())?;
+        outcomes.push(outcome);
+    }
+    Ok(outcomes)
 }
 
 /// How to identify.
@@ -107,23 +124,26 @@ pub(crate) struct Settings {
 }
 
 /// Identifies the law of kind `model` from `tests`, from a start that knows nothing of the truth: E from the time of
-/// flight, the rate from a scan, and a weak nonlinearity.
+/// flight, the rate from a scan, and a weak nonlinearity; or from what fewer tests have given `before`.
 pub(crate) fn identify(
     model: ModelKind,
     tests: &[RodTest],
     settings: Settings,
-) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
+    before: Option<&Outcome>,
+) -> Result<Outcome, Error> {
     let outcome = match model {
-        ModelKind::Maxwell => run(Maxwell::new(1e7)?, tests, settings),
+        ModelKind::Maxwell => run(Maxwell::new(1e7)?, tests, settings, before),
         ModelKind::MaxwellNorton => run(
             MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?,
             tests,
             settings,
+            before,
         ),
         ModelKind::MaxwellGurevichRabinovich => run(
             MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?,
             tests,
             settings,
+            before,
         ),
     };
     Ok(outcome?)
@@ -133,8 +153,17 @@ fn run<L: IdentifiableLaw>(
     start: L,
     tests: &[RodTest],
     settings: Settings,
+    before: Option<&Outcome>,
 ) -> Result<Outcome, MaxwellidError> {
-    let mut fit = Fit::of(start);
+    let mut fit = match before.map(|outcome| outcome.solution.split_first()) {
+        Some(Some((log_modulus, of_law))) => {
+            let law = start
+                .with_parameters(of_law)
+                .map_err(|source| MaxwellidError::Start { source })?;
+            Fit::of(law).starting_from(log_modulus.exp())
+        }
+        _ => Fit::of(start),
+    };
     if let Some(cell) = settings.cell {
         fit = fit.with_cell(cell);
     }
@@ -193,5 +222,6 @@ fn run<L: IdentifiableLaw>(
         iterations: identification.iterations(),
         termination: identification.termination().to_string(),
         residuals: identification.residuals().map(<[f64]>::to_vec).collect(),
+        solution: identification.parameters().to_vec(),
     })
 }

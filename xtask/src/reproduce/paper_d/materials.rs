@@ -3,7 +3,7 @@
 use maxwellid::{Noise, RodTest, Verdict};
 use serde::Serialize;
 
-use super::identify::{Outcome, Parameter, Settings, identify, stated};
+use super::identify::{Parameter, Settings, identify, one_by_one, stated};
 use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
 use crate::fixtures::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
@@ -137,9 +137,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         noise: Noise::FromResidual,
         recorder_noise: NOISE,
     };
-    let outcomes: Vec<Outcome> = (1..=tests.len())
-        .map(|count| identify(job.material.model, &tests[..count], plain))
-        .collect::<Result<_, _>>()?;
+    let outcomes = one_by_one(job.material.model, &tests, plain)?;
     let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
     let last = identify(
         job.material.model,
@@ -148,6 +146,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             noise: Noise::Stated,
             ..plain
         },
+        outcomes.last(),
     )?;
     let truth = stated(parameters)?;
     let lines = last

@@ -429,8 +429,8 @@ fn of_flat_loss(flat_losses: &[FlatLoss]) -> Vec<String> {
             },
         ),
         format!(
-            "The nonlinear laws fitted to these linear rods come out with {}: values like the printed ones, with small standard errors, and \
-             without any meaning. The selection names a nonlinear law in {trapped} of {} cases.",
+            "The nonlinear laws fitted to these linear rods come out with {}: shapes of a nonlinearity that is not there, and the errors \
+             of the fit do not say so. The selection names a nonlinear law in {trapped} of {} cases.",
             if shapes.is_empty() {
                 "no identified shape".to_owned()
             } else {

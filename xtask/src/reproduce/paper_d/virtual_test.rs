@@ -39,7 +39,7 @@ pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
 };
 
 /// Steps of its line in a step of the chain.
-const FLAT_LOSS_REFINEMENT: f64 = 6.0;
+const FLAT_LOSS_REFINEMENT: f64 = 4.0;
 
 /// Its branches a decade.
 pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
