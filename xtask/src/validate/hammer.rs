@@ -502,7 +502,7 @@ mod tests {
                 failed,
                 skipped,
             } = report(data).tally();
-            assert_eq!((total, passed, failed, skipped), (32, 0, 0, 32));
+            assert_eq!((total, passed, failed, skipped), (33, 0, 0, 33));
         }
     }
 
@@ -512,6 +512,6 @@ mod tests {
         let path = folder.path().join("hammer");
         std::fs::create_dir(&path).unwrap();
         std::fs::write(path.join("measurements_1.npy"), b"not an array").unwrap();
-        assert_eq!(report(Some(folder.path())).tally().failed, 32);
+        assert_eq!(report(Some(folder.path())).tally().failed, 33);
     }
 }
