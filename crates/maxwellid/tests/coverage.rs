@@ -82,3 +82,32 @@ fn gurevich_rabinovich_is_covered() {
     let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6).unwrap();
     assert_covered("Gurevich-Rabinovich", &coverage(2.107e9, &truth, &start));
 }
+
+/// The parameters of polypropylene as Table 4 prints them, read literally: an elastic rod. What the noise of both histories makes of it is
+/// no law: where the search ends at its bound, nothing but E is identified.
+#[test]
+fn noise_on_both_histories_is_no_law() {
+    let truth = MaxwellNorton::new(2.108, 38.16e18).unwrap();
+    let rod = struck(LENGTH, V0, 2.58e9, &truth, 88);
+    let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
+    let mut at_bound = 0;
+    let mut named = 0;
+    for seed in 0..40 {
+        let test = RodTest::new(rod.noisy(NOISE, seed))
+            .unwrap()
+            .with_noise(NOISE, NOISE)
+            .unwrap();
+        let fit = Fit::of(start.clone()).with_cell(8e-3).to(&[test]).unwrap();
+        at_bound += usize::from(!fit.termination().was_successful());
+        let judged = fit.identifiability(Noise::Stated).unwrap();
+        named += usize::from(
+            judged
+                .estimates
+                .iter()
+                .skip(1)
+                .any(|estimate| estimate.verdict == maxwellid::Verdict::Identified),
+        );
+    }
+    assert!(at_bound > 0, "no fit ends at a bound");
+    assert_eq!(named, 0);
+}
