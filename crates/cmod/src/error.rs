@@ -278,9 +278,9 @@ pub enum CmodError {
     Temperature {
         /// Position in the sweep, from 0.
         index: usize,
-        /// The value found [K].
+        /// The value found \[K\].
         kelvin: f64,
-        /// The one before [K]; 0 for the first.
+        /// The one before \[K\]; 0 for the first.
         previous: f64,
     },
     /// The shift factors of a master curve have no covariance.

@@ -40,7 +40,7 @@ pub struct LinearisedResponse {
 /// solver [`rodwave::characteristics`]; a linear material solved in the frequency domain is another.
 ///
 /// # Requirements
-/// θ[0] is ln E \[Pa\], E being the modulus that sets the speed of the front, from which a fit starts by the time of flight. The
+/// The first of θ is ln E \[Pa\], E being the modulus that sets the speed of the front, from which a fit starts by the time of flight. The
 /// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait keeps no state.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.

@@ -38,7 +38,7 @@ pub struct MasterCurve {
     pub fit: RheologicalFit,
     /// Orders that were tried in the last round.
     pub orders: Vec<Order>,
-    /// Tᵣ [K].
+    /// Tᵣ \[K\].
     pub reference_temperature: f64,
     /// One for each temperature.
     pub shifts: Vec<Shift>,
@@ -50,7 +50,7 @@ pub struct MasterCurve {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Shift {
-    /// T [K].
+    /// T \[K\].
     pub temperature: f64,
     /// ln a_T.
     pub log_shift: f64,
@@ -67,7 +67,7 @@ pub struct Shift {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MasterPoint {
-    /// T [K].
+    /// T \[K\].
     pub temperature: f64,
     /// Frequency times a_T \[Hz\].
     pub reduced_frequency_hz: f64,

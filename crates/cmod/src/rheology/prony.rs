@@ -23,7 +23,7 @@ impl Prony {
         Self::shifted(solid, branches, Vec::new(), &[])
     }
 
-    /// With a shift for each temperature [K] of `shifted`, at the end of the coordinates.
+    /// With a shift for each temperature \[K\] of `shifted`, at the end of the coordinates.
     pub(super) fn shifted(
         solid: bool,
         branches: usize,

@@ -24,15 +24,15 @@ pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Wlf {
-    /// Tᵣ [K].
+    /// Tᵣ \[K\].
     pub reference_temperature: f64,
     /// C₁; infinite where the shifts are a straight line, κ = 0, and negative where they are bent the other way.
     pub c1: f64,
-    /// C₂ [K].
+    /// C₂ \[K\].
     pub c2: f64,
     /// Standard error of C₁, to first order in κ's.
     pub c1_standard_error: f64,
-    /// Standard error of C₂ [K], to first order in κ's.
+    /// Standard error of C₂ \[K\], to first order in κ's.
     pub c2_standard_error: f64,
     /// β [1/K], the slope of -ln a_T at Tᵣ.
     pub slope: f64,
@@ -47,7 +47,7 @@ pub struct Wlf {
 }
 
 impl Wlf {
-    /// ln a_T at `temperature` [K] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
+    /// ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         let d = temperature - self.reference_temperature;
@@ -68,7 +68,7 @@ impl Wlf {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Arrhenius {
-    /// Tᵣ [K].
+    /// Tᵣ \[K\].
     pub reference_temperature: f64,
     /// E_a [J/mol].
     pub activation_energy: f64,
@@ -81,7 +81,7 @@ pub struct Arrhenius {
 }
 
 impl Arrhenius {
-    /// ln a_T at `temperature` [K] with its standard error; `None` unless it is above 0.
+    /// ln a_T at `temperature` \[K\] with its standard error; `None` unless it is above 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         (temperature > 0.0).then(|| {
@@ -105,7 +105,7 @@ pub struct ShiftLaws {
 }
 
 impl ShiftLaws {
-    /// Fits both to `log_shifts` at `differences` T - Tᵣ [K] with their `covariance`.
+    /// Fits both to `log_shifts` at `differences` T - Tᵣ \[K\] with their `covariance`.
     pub(super) fn new(
         reference_temperature: f64,
         differences: &[f64],

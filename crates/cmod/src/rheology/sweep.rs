@@ -21,7 +21,7 @@ pub struct TemperatureSweep {
 }
 
 impl TemperatureSweep {
-    /// Data at absolute temperatures [K], in the order of increasing temperature.
+    /// Data at absolute temperatures \[K\], in the order of increasing temperature.
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] below two temperatures or below three points at one of them; [`CmodError::Temperature`]
@@ -75,7 +75,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Temperatures [K].
+    /// Temperatures \[K\].
     #[must_use]
     pub fn temperatures(&self) -> &[f64] {
         &self.temperatures
