@@ -97,7 +97,7 @@ fn noise_on_both_histories_is_no_law() {
             .unwrap()
             .with_noise(NOISE, NOISE)
             .unwrap();
-        let fit = Fit::of(start.clone()).with_cell(8e-3).to(&[test]).unwrap();
+        let fit = Fit::of(start).with_cell(8e-3).to(&[test]).unwrap();
         at_bound += usize::from(!fit.termination().was_successful());
         let judged = fit.identifiability(Noise::Stated).unwrap();
         named += usize::from(
