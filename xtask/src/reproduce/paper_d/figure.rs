@@ -34,7 +34,7 @@ pub(crate) fn svg(material: &Material, impact_velocity: f64) -> String {
     let columns = material.histories.len();
     let scene = Figure::new(2, columns)
         .with_title(format!(
-            "{}: virtual measurements with 2 % noise (points) and the identified law (lines)",
+            "{}: virtual measurements (points) and the identified law (lines)",
             material.material
         ))
         .with_title_size(18)
