@@ -1,0 +1,105 @@
+//! What can keep the command from its result.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::sheet::SheetError;
+
+/// Why there is no outcome. Data that do not allow a result are none of these: they are an [`Outcome`](crate::Outcome) with the
+/// verdict [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RodlabError {
+    /// The sheet is wrong; the error shows where.
+    #[error("{0}")]
+    Sheet(Box<SheetError>),
+    /// A sheet was given to the command of another job.
+    #[error("{} is a sheet for `{found}`, expected one for `{expected}`: run `rodlab {found}` on it", path.display())]
+    OtherJob {
+        /// The sheet.
+        path: PathBuf,
+        /// The job it is for.
+        found: &'static str,
+        /// The job asked for.
+        expected: &'static str,
+    },
+    /// A pattern of the sheet finds no file.
+    #[error("no file matches `{pattern}` in {}", folder.display())]
+    NoFile {
+        /// The name or pattern in the sheet.
+        pattern: String,
+        /// The folder of the sheet.
+        folder: PathBuf,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file or folder could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// What the sheet asks for cannot be: two statements that do not go together, or a channel that no file has.
+    #[error("{field} is {found}, expected {expected}")]
+    Request {
+        /// Place in the sheet, as `records.channels[1].from`.
+        field: String,
+        /// What it says.
+        found: String,
+        /// What could be done.
+        expected: String,
+    },
+    /// Somebody wanted the job to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// A crate refuses; `what` is the step that failed.
+    #[error("{what}: {source}")]
+    Step {
+        /// The step, as `reading hits.npy`.
+        what: String,
+        /// What the crate says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+impl RodlabError {
+    /// A refusal of one of the crates, in the step `what`.
+    pub fn step(
+        what: impl Into<String>,
+        source: impl std::error::Error + Send + Sync + 'static,
+    ) -> Self {
+        Self::Step {
+            what: what.into(),
+            source: Box::new(source),
+        }
+    }
+
+    /// A statement of the sheet that cannot be met.
+    pub fn request(
+        field: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Request {
+            field: field.into(),
+            found: found.into(),
+            expected: expected.into(),
+        }
+    }
+}
+
+impl From<Box<SheetError>> for RodlabError {
+    fn from(error: Box<SheetError>) -> Self {
+        Self::Sheet(error)
+    }
+}

@@ -1,0 +1,84 @@
+//! What each command does: a sheet in, an [`Outcome`] out.
+
+pub mod force;
+pub mod frf;
+pub mod identify;
+pub mod mobility;
+pub mod modulus;
+pub mod recovery;
+pub mod simulate;
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::sheet::{Job, Sheet};
+use crate::{Outcome, RodlabError};
+
+/// What surrounds a job: where its paths start, who is told how far it is, and whether somebody wants it to stop.
+#[derive(Debug)]
+pub struct Surroundings<'a> {
+    /// The folder that relative paths of the sheet start from.
+    pub folder: &'a Path,
+    /// Told what is being done, and how many of how many steps are.
+    pub progress: &'a dyn Progress,
+    /// Set when the job should stop.
+    pub interrupted: &'a AtomicBool,
+}
+
+impl Surroundings<'_> {
+    /// Fails if somebody wants the job to stop. Long jobs ask between their steps.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Interrupted`].
+    pub fn go_on(&self) -> Result<(), RodlabError> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            Err(RodlabError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Somebody who wants to know how far a job is.
+pub trait Progress: std::fmt::Debug + Sync {
+    /// `step` begins; it has `of` parts, 0 if that is not known.
+    fn begins(&self, step: &str, of: usize);
+    /// One part is done.
+    fn one_more(&self);
+}
+
+/// Nobody.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begins(&self, _step: &str, _of: usize) {}
+    fn one_more(&self) {}
+}
+
+/// Does what `sheet` asks for.
+///
+/// # Errors
+///
+/// [`RodlabError`] where the sheet or a file is wrong. Data that do not allow a result are an outcome that says so.
+pub fn run(
+    sheet: &Sheet,
+    progress: &dyn Progress,
+    interrupted: &AtomicBool,
+) -> Result<Outcome, RodlabError> {
+    let around = Surroundings {
+        folder: sheet.folder(),
+        progress,
+        interrupted,
+    };
+    match &sheet.job {
+        Job::Frf(sheet) => frf::run(sheet, &around),
+        Job::Modulus(sheet) => modulus::run(sheet, &around),
+        Job::Recovery(sheet) => recovery::run(sheet, &around),
+        Job::Identify(sheet) => identify::run(sheet, &around),
+        Job::Mobility(sheet) => mobility::run(sheet, &around),
+        Job::Force(sheet) => force::run(sheet, &around),
+        Job::Simulate(sheet) => simulate::run(sheet, &around),
+    }
+}

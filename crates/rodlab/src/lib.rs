@@ -1,0 +1,29 @@
+//! The command of a laboratory: from recordings of struck rods to a report.
+//!
+//! A *test sheet* in RON says what was measured on what: specimen, sensors, files, processing. A *job* turns a sheet into an
+//! [`Outcome`]: quantities with their errors and validity, tables, figures, and the log of what was accepted and what was not. The
+//! outcome is written as CSV, JSON, SVG and one page of HTML. There are no numerics here: what is computed is computed by
+//! `labio`, `cmod`, `maxwellid`, `impulse` and `rodwave`, and this crate composes them.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`arguments`] | the command line |
+//! | [`sheet`] | test sheets, and what is said of one that is wrong |
+//! | [`records`] | files to calibrated records |
+//! | [`job`] | what each command does |
+//! | [`outcome`], [`figure`] | what a job hands back |
+//! | [`output`] | the files that are written of it, whole or not at all |
+//!
+//! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
+
+pub mod arguments;
+pub mod error;
+pub mod figure;
+pub mod job;
+pub mod outcome;
+pub mod output;
+pub mod records;
+pub mod sheet;
+
+pub use error::RodlabError;
+pub use outcome::Outcome;

@@ -1,0 +1,203 @@
+//! What a job hands back: everything that a report, a table or another program can want of it.
+
+use serde::Serialize;
+
+use crate::figure::Figure;
+
+/// The result of one job on one sheet.
+///
+/// Nothing in it depends on the clock, the machine or the folder: the same sheet and files give the same outcome, byte for byte.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    /// The job, as `modulus`.
+    pub job: &'static str,
+    /// Title of the sheet.
+    pub title: String,
+    /// Whether there is an answer.
+    pub verdict: Verdict,
+    /// What was found, in sentences; the first is the one to read.
+    pub summary: Vec<String>,
+    /// What a reader has to know before believing it, in sentences.
+    pub warnings: Vec<String>,
+    /// The files that were read.
+    pub inputs: Vec<InputFile>,
+    /// Everything that was chosen, by the sheet or by default.
+    pub settings: Vec<Setting>,
+    /// What was accepted and what was rejected, with reasons.
+    pub log: Vec<LogEntry>,
+    /// Single numbers that were found.
+    pub quantities: Vec<Quantity>,
+    /// Tables; each becomes a file of comma-separated values.
+    pub tables: Vec<Table>,
+    /// Figures; each becomes a file of scalable graphics and a part of the report.
+    pub figures: Vec<Figure>,
+    /// Files for other programs, as a frequency response in universal file format.
+    #[serde(skip)]
+    pub attachments: Vec<Attachment>,
+}
+
+impl Outcome {
+    /// An outcome of `job` with nothing in it yet.
+    #[must_use]
+    pub fn of(job: &'static str, title: impl Into<String>) -> Self {
+        Self {
+            job,
+            title: title.into(),
+            verdict: Verdict::Answered,
+            summary: Vec::new(),
+            warnings: Vec::new(),
+            inputs: Vec::new(),
+            settings: Vec::new(),
+            log: Vec::new(),
+            quantities: Vec::new(),
+            tables: Vec::new(),
+            figures: Vec::new(),
+            attachments: Vec::new(),
+        }
+    }
+}
+
+/// Whether the data allow an answer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "verdict")]
+pub enum Verdict {
+    /// They do.
+    Answered,
+    /// They do not; exit status 1.
+    NotAllowed {
+        /// Why, in a sentence.
+        reason: String,
+    },
+}
+
+/// A file that was read.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct InputFile {
+    /// Path as the sheet says it, relative to the sheet.
+    pub path: String,
+    /// Format in which it was recognised.
+    pub format: String,
+    /// Number of bytes.
+    pub bytes: u64,
+    /// SHA-256 of the bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// Something that was chosen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Setting {
+    /// Place in the sheet, as `specimen.length`.
+    pub name: String,
+    /// Value with its unit, as it was understood.
+    pub value: String,
+    /// Whether the sheet says so, or a default does.
+    pub by_default: bool,
+}
+
+/// A decision on a hit, a line or a test.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LogEntry {
+    /// What was judged, as `hits.npy, hit 3 at 1.204 s`.
+    pub what: String,
+    /// The decision.
+    pub accepted: bool,
+    /// Why; may be empty for what was accepted.
+    pub reasons: Vec<String>,
+}
+
+/// A number that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantity {
+    /// Name in the field's words.
+    pub name: String,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// Value in that unit; absent where the data do not give one.
+    pub value: Option<f64>,
+    /// Standard error in that unit, where there is one.
+    pub standard_error: Option<f64>,
+    /// Whether it may be believed.
+    pub valid: bool,
+    /// Why or why not: `identified`, `not identifiable: ...`, `wavelength below five diameters`.
+    pub verdict: String,
+}
+
+/// A table: columns of one length.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table {
+    /// Name of its file without extension, as `modulus`.
+    pub name: String,
+    /// Heading.
+    pub title: String,
+    /// Columns, each with its unit.
+    pub columns: Vec<Column>,
+}
+
+/// A column of a [`Table`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Column {
+    /// Name in the field's words.
+    pub name: String,
+    /// Unit; empty for pure numbers and words.
+    pub unit: String,
+    /// What stands in it.
+    pub cells: Cells,
+}
+
+impl Column {
+    /// A column of numbers; NaN means that there is none.
+    #[must_use]
+    pub fn numbers(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            cells: Cells::Numbers(values),
+        }
+    }
+
+    /// A column of words.
+    #[must_use]
+    pub fn words(name: impl Into<String>, words: Vec<String>) -> Self {
+        Self {
+            name: name.into(),
+            unit: String::new(),
+            cells: Cells::Words(words),
+        }
+    }
+}
+
+/// The cells of a [`Column`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Cells {
+    /// Numbers in the unit of the column; NaN where there is none (empty in CSV, null in JSON).
+    Numbers(Vec<f64>),
+    /// Words.
+    Words(Vec<String>),
+}
+
+impl Cells {
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Words(words) => words.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A file for another program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// Name of the file with extension, as `mobility.uff`.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}

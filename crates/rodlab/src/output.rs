@@ -1,0 +1,128 @@
+//! The files that are written of an outcome, each whole or not at all.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::RodlabError;
+use crate::outcome::{Cells, Outcome, Table};
+
+/// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
+pub const RESULT_VERSION: u32 = 1;
+
+/// Name of the file that is written last: where it is, everything is.
+pub const RESULT: &str = "result.json";
+
+/// The folder that a sheet's files go to if none is asked for: beside the sheet, with its name.
+#[must_use]
+pub fn default_folder(sheet: &Path) -> PathBuf {
+    let stem = sheet.file_stem().unwrap_or_default().to_string_lossy();
+    sheet.with_file_name(format!("{stem}-result"))
+}
+
+/// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
+///
+/// Each file appears whole; `result.json` is the last.
+///
+/// # Errors
+///
+/// [`RodlabError::Write`].
+pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for table in &outcome.tables {
+        files.push((format!("{}.csv", table.name), csv_of(table)?));
+    }
+    for attachment in &outcome.attachments {
+        files.push((attachment.name.clone(), attachment.bytes.clone()));
+    }
+    files.push((RESULT.to_owned(), json_of(outcome)?.into_bytes()));
+    let mut paths = Vec::with_capacity(files.len());
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        write_whole(&path, &bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// Writes `bytes` through a temporary file in the same folder, so that `path` is never half written.
+///
+/// # Errors
+///
+/// [`RodlabError::Write`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
+    let fail = |source: io::Error| RodlabError::Write {
+        path: path.to_path_buf(),
+        source,
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(folder).map_err(fail)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".rodlab-");
+    #[cfg(unix)]
+    {
+        // readable by others, as any file a program writes; the umask still applies
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(fail)?;
+    file.write_all(bytes).map_err(fail)?;
+    file.persist(path).map_err(|error| fail(error.error))?;
+    Ok(())
+}
+
+/// `result.json`: version of its structure and of the software, and the outcome.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] if a number of the outcome cannot be written.
+pub fn json_of(outcome: &Outcome) -> Result<String, RodlabError> {
+    #[derive(serde::Serialize)]
+    struct Result<'a> {
+        result_version: u32,
+        software: &'static str,
+        #[serde(flatten)]
+        outcome: &'a Outcome,
+    }
+    let result = Result {
+        result_version: RESULT_VERSION,
+        software: concat!("rodlab ", env!("CARGO_PKG_VERSION")),
+        outcome,
+    };
+    serde_json::to_string_pretty(&result)
+        .map(|text| text + "\n")
+        .map_err(|error| RodlabError::step("writing result.json", error))
+}
+
+/// A table as comma-separated values: names, units, rows. What is not a number is an empty cell.
+fn csv_of(table: &Table) -> Result<Vec<u8>, RodlabError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let rows = table.columns.iter().map(|c| c.cells.len()).max();
+    let cell = |cells: &Cells, row: usize| match cells {
+        Cells::Numbers(values) => values
+            .get(row)
+            .filter(|value| value.is_finite())
+            .map(ToString::to_string)
+            .unwrap_or_default(),
+        Cells::Words(words) => words.get(row).cloned().unwrap_or_default(),
+    };
+    let refused = |error| RodlabError::step(format!("writing {}.csv", table.name), error);
+    let columns = || table.columns.iter();
+    writer
+        .write_record(columns().map(|c| &c.name))
+        .map_err(refused)?;
+    writer
+        .write_record(columns().map(|c| &c.unit))
+        .map_err(refused)?;
+    for row in 0..rows.unwrap_or(0) {
+        writer
+            .write_record(columns().map(|c| cell(&c.cells, row)))
+            .map_err(refused)?;
+    }
+    writer
+        .into_inner()
+        .map_err(|error| RodlabError::step(format!("writing {}.csv", table.name), error))
+}

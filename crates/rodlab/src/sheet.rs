@@ -1,0 +1,142 @@
+//! Test sheets: what was measured on what, in RON.
+//!
+//! A sheet is one value whose name is the job it is for:
+//!
+//! ```ron
+//! Modulus(
+//!     title: "Polypropylene rod, test 6",
+//!     specimen: (length: "799 mm", diameter: "15.8 mm", density: "912 kg/m3", accelerometer_mass: "2.9 gram"),
+//!     ...
+//! )
+//! ```
+//!
+//! Quantities are texts with a unit and, where it is known, a standard uncertainty ([`Stated`]). Paths are relative to the sheet.
+
+mod diagnostic;
+mod stated;
+
+pub use diagnostic::SheetError;
+pub use stated::{
+    AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
+    Ratio, SpecificImpedance, Stated, Temperature, Time, Velocity, Written,
+};
+pub(crate) use stated::{number_and_unit, value_and_uncertainty};
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::job;
+
+/// A sheet that was understood.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    /// Path as it was given.
+    pub path: PathBuf,
+    /// Text of the file.
+    pub text: String,
+    /// What it asks for.
+    pub job: Job,
+}
+
+/// What a sheet asks for.
+#[derive(Debug, Clone, Deserialize)]
+#[non_exhaustive]
+pub enum Job {
+    /// Frequency responses of hits.
+    Frf(job::frf::FrfSheet),
+    /// Complex modulus of a rod.
+    Modulus(job::modulus::ModulusSheet),
+    /// Loss factor from creep recovery.
+    Recovery(job::recovery::RecoverySheet),
+    /// Constitutive law from two velocity histories.
+    Identify(job::identify::IdentifySheet),
+    /// Mobility of an impact face.
+    Mobility(job::mobility::MobilitySheet),
+    /// Force between two bodies, or from a response.
+    Force(job::force::ForceSheet),
+    /// A virtual test.
+    Simulate(job::simulate::SimulateSheet),
+}
+
+impl Job {
+    /// Name of the job, which is that of its command.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Frf(_) => "frf",
+            Self::Modulus(_) => "modulus",
+            Self::Recovery(_) => "recovery",
+            Self::Identify(_) => "identify",
+            Self::Mobility(_) => "mobility",
+            Self::Force(_) => "force",
+            Self::Simulate(_) => "simulate",
+        }
+    }
+}
+
+impl Sheet {
+    /// Reads the sheet at `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Read`], or [`RodlabError::Sheet`] with the place in the text.
+    pub fn read(path: &Path) -> Result<Self, RodlabError> {
+        let text = fs::read_to_string(path).map_err(|source| RodlabError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let job = parse(path, &text)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            text,
+            job,
+        })
+    }
+
+    /// The folder that relative paths of the sheet start from.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        match self.path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        }
+    }
+}
+
+/// The job that the text of a sheet asks for; `path` is only named in errors.
+///
+/// # Errors
+///
+/// [`SheetError`] with the place, the field, what was found and what was expected.
+pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
+    use ron::extensions::Extensions;
+    // optional fields without Some(..), and Modulus(..) instead of Modulus((..))
+    let options = ron::Options::default().with_default_extension(
+        Extensions::IMPLICIT_SOME
+            | Extensions::UNWRAP_NEWTYPES
+            | Extensions::UNWRAP_VARIANT_NEWTYPES,
+    );
+    let mut reader = ron::Deserializer::from_str_with_options(text, &options)
+        .map_err(|error| boxed(path, text, "", &error))?;
+    let job = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let field = error.path().to_string();
+        let spanned = reader.span_error(error.into_inner());
+        boxed(path, text, &field, &spanned)
+    })?;
+    reader
+        .end()
+        .map_err(|error| boxed(path, text, "", &reader.span_error(error)))?;
+    Ok(job)
+}
+
+fn boxed(
+    path: &Path,
+    text: &str,
+    field: &str,
+    error: &ron::error::SpannedError,
+) -> Box<SheetError> {
+    Box::new(SheetError::of(path, text, field, error))
+}

@@ -1,0 +1,178 @@
+//! What is said of a sheet that is wrong: file, line and column, field, what was found, what was expected, nearest known name.
+
+use std::fmt;
+use std::path::Path;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use ron::error::{Error, Position, SpannedError};
+
+/// A sheet that cannot be understood.
+///
+/// As text it is one line, `sheet.ron:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet.
+#[derive(Debug)]
+pub struct SheetError {
+    source: NamedSource<String>,
+    line: usize,
+    column: usize,
+    start: usize,
+    length: usize,
+    field: String,
+    problem: String,
+    advice: Option<String>,
+}
+
+impl SheetError {
+    /// What the reader of RON says of `text`, at `field`.
+    #[must_use]
+    pub fn of(path: &Path, text: &str, field: &str, error: &SpannedError) -> Self {
+        let (problem, advice) = in_words(&error.code);
+        let start = offset(text, &error.span.start);
+        let end = offset(text, &error.span.end).max(start);
+        let (start, length) = narrowed(text, start, end, &error.code);
+        let (line, column) = line_and_column(text, start);
+        // serde names the place of an enum's content by `?` where it has no name
+        let field = field.trim_matches(['.', '?']).replace(".?", "");
+        Self {
+            source: NamedSource::new(path.display().to_string(), text.to_owned()),
+            line,
+            column,
+            start,
+            length,
+            field,
+            problem,
+            advice,
+        }
+    }
+
+    /// Line of the mistake, from 1.
+    #[must_use]
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Column of the mistake, from 1, in characters.
+    #[must_use]
+    pub fn column(&self) -> usize {
+        self.column
+    }
+}
+
+impl fmt::Display for SheetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: ", self.source.name(), self.line, self.column)?;
+        if !self.field.is_empty() {
+            write!(f, "{}: ", self.field)?;
+        }
+        f.write_str(&self.problem)
+    }
+}
+
+impl std::error::Error for SheetError {}
+
+impl Diagnostic for SheetError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        let advice = self.advice.as_ref()?;
+        Some(Box::new(advice))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let here = LabeledSpan::new(Some("here".to_owned()), self.start, self.length);
+        Some(Box::new(std::iter::once(here)))
+    }
+}
+
+/// What the reader found, and what may help.
+fn in_words(error: &Error) -> (String, Option<String>) {
+    let nearest = |found: &str, expected: &[&str]| {
+        let best = expected
+            .iter()
+            .map(|name| (strsim::damerau_levenshtein(found, name), name))
+            .min()?;
+        // a third of the letters wrong is another word
+        (3 * best.0 <= found.chars().count().max(3)).then(|| format!("did you mean `{}`?", best.1))
+    };
+    match error {
+        Error::NoSuchStructField {
+            expected, found, ..
+        } => (
+            format!("there is no field `{found}`, only {}", quoted(expected)),
+            nearest(found, expected),
+        ),
+        Error::NoSuchEnumVariant {
+            expected, found, ..
+        } => (
+            format!("found `{found}`, expected one of {}", quoted(expected)),
+            nearest(found, expected),
+        ),
+        Error::MissingStructField { field, .. } => (
+            format!("the field `{field}` is missing"),
+            Some(format!("add `{field}: ...,` inside these brackets")),
+        ),
+        Error::DuplicateStructField { field, .. } => {
+            (format!("the field `{field}` stands twice"), None)
+        }
+        Error::InvalidValueForType { expected, found } => {
+            (format!("found {found}, expected {expected}"), None)
+        }
+        Error::Message(text) => (text.clone(), None),
+        Error::ExpectedString => (
+            "expected a text in quotes".to_owned(),
+            Some("quantities are texts with their unit, as \"800 mm\"".to_owned()),
+        ),
+        other => (lower_case(&other.to_string()), None),
+    }
+}
+
+fn quoted(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+fn lower_case(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map(|first| first.to_lowercase().chain(letters).collect())
+        .unwrap_or_default()
+}
+
+/// Where a position of RON (line and column from 1, in characters) lies in the text, in bytes.
+fn offset(text: &str, position: &Position) -> usize {
+    let line_start: usize = text
+        .split_inclusive('\n')
+        .take(position.line.saturating_sub(1))
+        .map(str::len)
+        .sum();
+    let line = &text[line_start..];
+    line_start
+        + line
+            .char_indices()
+            .nth(position.col.saturating_sub(1))
+            .map_or(line.len(), |(at, _)| at)
+}
+
+/// The part of a span that a reader should look at: the word or the quoted text at its end, or for a missing field all of it.
+fn narrowed(text: &str, start: usize, end: usize, error: &Error) -> (usize, usize) {
+    if let Error::NoSuchStructField { found, .. } | Error::NoSuchEnumVariant { found, .. } = error
+        && let Some(at) = text[..end.min(text.len())].rfind(found.as_str())
+    {
+        return (at, found.len());
+    }
+    let span = &text[start..end];
+    let trimmed = span.trim_start_matches([' ', '\n', '\t', '\r', ',']);
+    let start = end - trimmed.len();
+    (start, trimmed.trim_end().len())
+}
+
+fn line_and_column(text: &str, at: usize) -> (usize, usize) {
+    let before = &text[..at];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (
+        before.matches('\n').count() + 1,
+        before[line_start..].chars().count() + 1,
+    )
+}
