@@ -1,4 +1,6 @@
 //! How sure a predicted force is: from the errors of the mobilities, of the impact velocity and of the masses.
+//!
+//! Theory: `docs/theory/force-uncertainty.md`.
 
 mod contact_end;
 mod monte_carlo;

@@ -1,4 +1,6 @@
 //! Frequency responses and their random errors, from averaged spectra.
+//!
+//! Theory: `docs/theory/spectra.md#frequency-response`.
 
 mod bias;
 mod coherence;
