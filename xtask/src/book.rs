@@ -8,6 +8,7 @@ mod math;
 mod page;
 mod preprocessor;
 mod reference;
+mod rustdoc;
 mod source;
 
 use std::fs;
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 pub(crate) use preprocessor::run as preprocess;
+pub(crate) use rustdoc::run as document;
 
 use check::{Book, GENERATED};
 
@@ -29,7 +31,9 @@ enum BookError {
     Faults(Vec<String>),
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    #[error("mdbook is not on this machine: `cargo install mdbook --locked --no-default-features` brings it")]
+    #[error(
+        "mdbook is not on this machine: `cargo install mdbook --locked --no-default-features` brings it"
+    )]
     NoMdbook,
     #[error("mdbook ended with {status}:\n{output}")]
     Mdbook { status: String, output: String },
@@ -76,7 +80,11 @@ fn build(root: &Path) -> Result<PathBuf, BookError> {
     for (name, title) in GENERATED {
         let path = pages.join(name);
         if !path.exists() {
-            fs::write(&path, format!("# {title}\n\nNot generated in this checkout.\n")).map_err(at(&path))?;
+            fs::write(
+                &path,
+                format!("# {title}\n\nNot generated in this checkout.\n"),
+            )
+            .map_err(at(&path))?;
         }
     }
     let this = std::env::current_exe().map_err(at(Path::new("xtask")))?;

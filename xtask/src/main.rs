@@ -59,6 +59,8 @@ enum Task {
         #[arg(long, conflicts_with = "check")]
         if_installed: bool,
     },
+    /// Run cargo doc, set the equations in its pages, and link them to those of the book.
+    Doc,
     /// What mdBook calls to have the equations set.
     #[command(hide = true)]
     BookEquations {
@@ -113,6 +115,7 @@ fn main() -> ExitCode {
             check,
             if_installed,
         } => book::run(check, if_installed, tasks()),
+        Task::Doc => book::document(),
         Task::BookEquations { question } => book::preprocess(
             question
                 .as_ref()

@@ -119,12 +119,7 @@ impl<'a> Book<'a> {
             tally.pages += 1;
             for equation in &page.equations {
                 tally.equations += 1;
-                let converted = if equation.display {
-                    math::display(&equation.tex)
-                } else {
-                    math::inline(&equation.tex)
-                };
-                if let Err(error) = converted {
+                if let Err(error) = math::of(equation) {
                     fault(equation.line, error.to_string());
                 }
             }
@@ -133,6 +128,16 @@ impl<'a> Book<'a> {
             }
             if file.starts_with("docs/theory") {
                 tally.names += self.check_last_sections(page, &mut fault);
+            }
+        }
+        for (file, equation) in self.crates.iter().flat_map(|one| &one.equations) {
+            tally.equations += 1;
+            if let Err(error) = math::of(equation) {
+                faults.push(Fault {
+                    file: file.clone(),
+                    line: equation.line,
+                    what: error.to_string(),
+                });
             }
         }
         tally.mentions = self.check_mentions(&mut faults);
@@ -153,16 +158,25 @@ impl<'a> Book<'a> {
             return fault(1, "does not exist".to_owned());
         };
         for (index, link) in summary.links.iter().enumerate() {
-            if summary.links[..index].iter().any(|other| other.target == link.target) {
+            if summary.links[..index]
+                .iter()
+                .any(|other| other.target == link.target)
+            {
                 fault(link.line, format!("{} is named twice", link.target));
             }
         }
         for name in self.pages.keys().filter(|name| name.starts_with("docs")) {
             let name = name.strip_prefix("docs").unwrap_or(name);
             if name != Path::new("SUMMARY.md")
-                && !summary.links.iter().any(|link| Path::new(&link.target) == name)
+                && !summary
+                    .links
+                    .iter()
+                    .any(|link| Path::new(&link.target) == name)
             {
-                fault(1, format!("{} is in the book and not in the summary", name.display()));
+                fault(
+                    1,
+                    format!("{} is in the book and not in the summary", name.display()),
+                );
             }
         }
     }
@@ -196,8 +210,13 @@ impl<'a> Book<'a> {
         }
         match (anchor, self.pages.get(&file)) {
             (None, _) => Ok(()),
-            (Some(anchor), Some(page)) if page.headings.iter().any(|h| h.anchor == anchor) => Ok(()),
-            (Some(anchor), _) => Err(format!("{target}: {} has no heading #{anchor}", file.display())),
+            (Some(anchor), Some(page)) if page.headings.iter().any(|h| h.anchor == anchor) => {
+                Ok(())
+            }
+            (Some(anchor), _) => Err(format!(
+                "{target}: {} has no heading #{anchor}",
+                file.display()
+            )),
         }
     }
 
@@ -236,7 +255,11 @@ impl<'a> Book<'a> {
                     if !undefined.is_empty() {
                         fault(
                             code.line,
-                            format!("`{}`: no source file defines {}", code.text, undefined.join(", ")),
+                            format!(
+                                "`{}`: no source file defines {}",
+                                code.text,
+                                undefined.join(", ")
+                            ),
                         );
                     }
                 }
@@ -277,7 +300,11 @@ impl<'a> Book<'a> {
                 }
             }
         }
-        for file in self.pages.keys().filter(|file| file.starts_with("docs/theory")) {
+        for file in self
+            .pages
+            .keys()
+            .filter(|file| file.starts_with("docs/theory"))
+        {
             let is_named = self
                 .crates
                 .iter()
@@ -323,13 +350,22 @@ mod tests {
         let theory = "# Rods\n\nAs (A 1), see [there](../conventions.md#signs).\n\n## Validity\n\n## When not to trust it\n\n\
                       ## In the code\n\n`rodwave::chain`\n\n## Checked by\n\n`crates/rodwave/src/lib.rs`, `cargo xtask book`\n\n## References\n";
         let files = [
-            ("docs/SUMMARY.md", "- [C](conventions.md)\n- [R](theory/rods.md)\n- [V](validation.md)\n"),
-            ("docs/conventions.md", "# Conventions\n\n## Signs\n\n$`x`$\n"),
+            (
+                "docs/SUMMARY.md",
+                "- [C](conventions.md)\n- [R](theory/rods.md)\n- [V](validation.md)\n",
+            ),
+            (
+                "docs/conventions.md",
+                "# Conventions\n\n## Signs\n\n$`x`$\n",
+            ),
             ("docs/theory/rods.md", theory),
             ("README.md", "[rods](docs/theory/rods.md#rods)\n"),
             ("CONTRIBUTING.md", "\n"),
             ("CHANGELOG.md", "\n"),
-            ("crates/rodwave/src/lib.rs", "//! Theory: `docs/theory/rods.md`.\npub mod chain;\n"),
+            (
+                "crates/rodwave/src/lib.rs",
+                "//! Theory: `docs/theory/rods.md`.\npub mod chain;\n",
+            ),
         ];
         for (name, text) in files {
             let path = folder.path().join(name);
@@ -355,20 +391,70 @@ mod tests {
     #[test]
     fn each_fault_is_found_where_it_is() {
         for (file, from, to, expected) in [
-            ("docs/SUMMARY.md", "- [R](theory/rods.md)\n", "", "not in the summary"),
-            ("docs/SUMMARY.md", "validation.md", "elsewhere.md", "does not exist"),
-            ("docs/SUMMARY.md", "validation.md", "conventions.md", "named twice"),
+            (
+                "docs/SUMMARY.md",
+                "- [R](theory/rods.md)\n",
+                "",
+                "not in the summary",
+            ),
+            (
+                "docs/SUMMARY.md",
+                "validation.md",
+                "elsewhere.md",
+                "does not exist",
+            ),
+            (
+                "docs/SUMMARY.md",
+                "validation.md",
+                "conventions.md",
+                "named twice",
+            ),
             ("docs/theory/rods.md", "#signs", "#sign", "no heading #sign"),
-            ("docs/theory/rods.md", "../conventions.md", "../../README.md", "leaves the book"),
+            (
+                "docs/theory/rods.md",
+                "../conventions.md",
+                "../../README.md",
+                "leaves the book",
+            ),
             ("docs/theory/rods.md", "(A 1)", "(A 9)", "paper A end at 7"),
-            ("docs/theory/rods.md", "## Validity", "## Limits", "every page ends with"),
-            ("docs/theory/rods.md", "rodwave::chain", "rodwave::horn", "defines horn"),
-            ("docs/theory/rods.md", "`rodwave::chain`", "nowhere", "names nothing"),
-            ("docs/theory/rods.md", "crates/rodwave/src/lib.rs", "crates/rodwave/tests", "does not exist"),
-            ("docs/theory/rods.md", "xtask book", "xtask brook", "no such task"),
+            (
+                "docs/theory/rods.md",
+                "## Validity",
+                "## Limits",
+                "every page ends with",
+            ),
+            (
+                "docs/theory/rods.md",
+                "rodwave::chain",
+                "rodwave::horn",
+                "defines horn",
+            ),
+            (
+                "docs/theory/rods.md",
+                "`rodwave::chain`",
+                "nowhere",
+                "names nothing",
+            ),
+            (
+                "docs/theory/rods.md",
+                "crates/rodwave/src/lib.rs",
+                "crates/rodwave/tests",
+                "does not exist",
+            ),
+            (
+                "docs/theory/rods.md",
+                "xtask book",
+                "xtask brook",
+                "no such task",
+            ),
             ("docs/conventions.md", "$`x`$", "$`\\nonsense`$", "nonsense"),
             ("README.md", "#rods", "#cones", "no heading #cones"),
-            ("crates/rodwave/src/lib.rs", "rods.md", "cones.md", "cones.md does not exist"),
+            (
+                "crates/rodwave/src/lib.rs",
+                "rods.md",
+                "cones.md",
+                "cones.md does not exist",
+            ),
             ("crates/rodwave/src/lib.rs", "Theory: ", "See ", "Theory: "),
         ] {
             let faults = faults_with(Some((file, from, to)));

@@ -6,6 +6,8 @@ use pulldown_latex::config::DisplayMode;
 use pulldown_latex::mathml::push_mathml;
 use pulldown_latex::{Parser, RenderConfig, Storage};
 
+use super::page::Equation;
+
 /// Why an equation has no MathML.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum MathError {
@@ -23,25 +25,30 @@ pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError
         return Ok((tex.to_owned(), None));
     };
     let Some((number, after)) = behind.split_once('}') else {
-        return Err(MathError::OpenTag {
-            tex: one_line(tex),
-        });
+        return Err(MathError::OpenTag { tex: one_line(tex) });
     };
     Ok((format!("{before}{after}"), Some(number.to_owned())))
 }
 
+/// HTML of an equation.
+pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
+    if equation.display {
+        display(&equation.tex)
+    } else {
+        inline(&equation.tex)
+    }
+}
+
 /// A formula within a sentence. What Markdown would read as its own is written as entities.
-pub(super) fn inline(tex: &str) -> Result<String, MathError> {
+fn inline(tex: &str) -> Result<String, MathError> {
     if tex.contains("\\tag") {
-        return Err(MathError::InlineTag {
-            tex: one_line(tex),
-        });
+        return Err(MathError::InlineTag { tex: one_line(tex) });
     }
     Ok(guard_from_markdown(&mathml(tex, DisplayMode::Inline)?))
 }
 
 /// An equation in a paragraph of its own, with its number at the right.
-pub(super) fn display(tex: &str) -> Result<String, MathError> {
+fn display(tex: &str) -> Result<String, MathError> {
     let (tex, number) = split_tag(tex)?;
     let math = mathml(&tex, DisplayMode::Block)?;
     let mut html = String::from("<div class=\"equation\">");
@@ -70,9 +77,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
         display_mode,
         ..RenderConfig::default()
     };
-    let events = events
-        .into_iter()
-        .map(Ok::<_, std::convert::Infallible>);
+    let events = events.into_iter().map(Ok::<_, std::convert::Infallible>);
     push_mathml(&mut html, events, config).map_err(|error| fail(error.to_string()))?;
     Ok(one_line(&set_as_in_tex(&well_formed(&html))))
 }
@@ -112,16 +117,24 @@ fn well_formed(html: &str) -> String {
 
 /// `E''` with one double prime. Primes are raised already in every mathematical font, and two of them would stand apart.
 fn joined_primes(tex: &str) -> String {
-    tex.replace("'''", "\\trprime ")
-        .replace("''", "\\dprime ")
+    tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
 /// What the renderer leaves to a browser, and a browser sets otherwise than TeX: bars and strokes with space around them, and
-/// µ, the prefix, in place of the letter. Blanks are characters, since mdBook takes the name of one for text.
+/// µ, the prefix, in place of the letter. A bar above is as long as what it is above. Blanks are characters, since mdBook takes the name of one for text.
 fn set_as_in_tex(html: &str) -> String {
-    let mut html = html.replace('\u{b5}', "\u{3bc}").replace("&nbsp;", "\u{a0}");
+    let mut html = html
+        .replace('\u{b5}', "\u{3bc}")
+        .replace("&nbsp;", "\u{a0}");
+    html = html
+        .replace("<mi>‾</mi></mover>", "<mo stretchy=\"true\">‾</mo></mover>")
+        .replace("<mi>¯</mi></mover>", "<mo stretchy=\"true\">‾</mo></mover>");
     for tight in ["|", "‖", "/"] {
-        for attributes in ["", " symmetric=\"false\" stretchy=\"false\"", " stretchy=\"false\""] {
+        for attributes in [
+            "",
+            " symmetric=\"false\" stretchy=\"false\"",
+            " stretchy=\"false\"",
+        ] {
             html = html.replace(
                 &format!("<mo{attributes}>{tight}</mo>"),
                 &format!("<mo{attributes} lspace=\"0\" rspace=\"0\">{tight}</mo>"),
@@ -161,17 +174,33 @@ mod tests {
     #[test]
     fn a_number_stands_beside_its_equation_and_not_in_it() {
         let html = display("\\gamma^2 = -\\rho\\omega^2/E .\n\\tag{A 2}\n").unwrap();
-        assert!(html.contains("<span class=\"number\">(A 2)</span>"), "{html}");
+        assert!(
+            html.contains("<span class=\"number\">(A 2)</span>"),
+            "{html}"
+        );
         assert!(!html.contains("tag"), "{html}");
-        assert!(!html.contains('\n'), "a blank line would end the block: {html}");
+        assert!(
+            !html.contains('\n'),
+            "a blank line would end the block: {html}"
+        );
     }
 
     #[test]
     fn primes_bars_and_letters_are_set_as_in_tex() {
+        let over = inline("\\overline{\\lvert x\\rvert^2} + \\bar A").unwrap();
+        assert_eq!(
+            over.matches("<mo stretchy=\"true\">‾</mo></mover>").count(),
+            2,
+            "{over}"
+        );
         assert_eq!(joined_primes("E'' + f'^2"), "E\\dprime  + f'^2");
         let html = inline("E''/\\lvert\\mu\\rvert").unwrap();
         assert!(html.contains("″") && html.contains("μ"), "{html}");
-        assert_eq!(html.matches("lspace=\"0\" rspace=\"0\"").count(), 3, "{html}");
+        assert_eq!(
+            html.matches("lspace=\"0\" rspace=\"0\"").count(),
+            3,
+            "{html}"
+        );
     }
 
     #[test]

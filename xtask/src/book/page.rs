@@ -79,13 +79,13 @@ impl Page {
                         page.push_heading(level, text, line);
                     }
                 }
-                Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
-                    if !dest_url.contains("://") && !dest_url.starts_with("mailto:") {
-                        page.links.push(Link {
-                            target: dest_url.into_string(),
-                            line,
-                        });
-                    }
+                Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. })
+                    if !dest_url.contains("://") && !dest_url.starts_with("mailto:") =>
+                {
+                    page.links.push(Link {
+                        target: dest_url.into_string(),
+                        line,
+                    });
                 }
                 Event::Start(Tag::CodeBlock(kind)) => {
                     in_code_block = true;
@@ -179,9 +179,10 @@ impl Page {
                 section: self.headings.len(),
                 line,
             }),
-            _ => self
-                .faults
-                .push((line, format!("formula `{text}` has a dollar on one side only"))),
+            _ => self.faults.push((
+                line,
+                format!("formula `{text}` has a dollar on one side only"),
+            )),
         }
     }
 
@@ -195,7 +196,9 @@ impl Page {
             if formula.contains('|') {
                 self.faults.push((
                     line,
-                    format!("formula `{formula}` has a bar within a table: write \\lvert and \\rvert"),
+                    format!(
+                        "formula `{formula}` has a bar within a table: write \\lvert and \\rvert"
+                    ),
                 ));
             }
             rest = after;

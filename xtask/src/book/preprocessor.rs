@@ -63,12 +63,13 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
                 .unwrap_or("a chapter without a name")
                 .to_owned();
             if let Some(Value::String(content)) = members.get_mut("content") {
-                *content =
-                    page_with_equations(content).map_err(|(line, source)| PreprocessorError::Math {
+                *content = page_with_equations(content).map_err(|(line, source)| {
+                    PreprocessorError::Math {
                         chapter: name,
                         line,
                         source,
-                    })?;
+                    }
+                })?;
             }
             Value::Object(
                 members
@@ -86,12 +87,7 @@ fn page_with_equations(source: &str) -> Result<String, (usize, MathError)> {
     let mut out = String::with_capacity(2 * source.len());
     let mut done = 0;
     for equation in Page::read(source).equations {
-        let html = if equation.display {
-            math::display(&equation.tex)
-        } else {
-            math::inline(&equation.tex)
-        }
-        .map_err(|error| (equation.line, error))?;
+        let html = math::of(&equation).map_err(|error| (equation.line, error))?;
         out.push_str(&source[done..equation.span.start]);
         if equation.display {
             // a block of HTML goes on to the next blank line

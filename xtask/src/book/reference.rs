@@ -21,7 +21,10 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
         };
         if tag.parse::<u32>().is_ok() {
             if own.contains(&tag) {
-                faults.push((equation.line, format!("a second equation has the number ({tag})")));
+                faults.push((
+                    equation.line,
+                    format!("a second equation has the number ({tag})"),
+                ));
             }
             own.push(tag);
         } else if let Err(fault) = of_a_paper(&tag) {
@@ -34,8 +37,8 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
                 inner.as_bytes(),
                 [b'A'..=b'E', b' ', b'0'..=b'9', ..] | [b'A'..=b'E', b' ', b'A', b'0'..=b'9', ..]
             );
-            let glued = matches!(inner.as_bytes(), [b'A'..=b'E', b'0'..=b'9', ..])
-                && inner.len() <= 3;
+            let glued =
+                matches!(inner.as_bytes(), [b'A'..=b'E', b'0'..=b'9', ..]) && inner.len() <= 3;
             if glued {
                 faults.push((
                     prose.line,
@@ -124,7 +127,9 @@ fn of_a_paper(reference: &str) -> Result<(), String> {
 /// Other abbreviations of "equation" than `eq. 5` and `eqs. 5-7`.
 fn in_words(text: &str) -> Vec<String> {
     let mut faults = Vec::new();
-    for other in ["Eq.", "Eqs.", "eqn", "Eqn", "eq.(", "eq. (", "eqs. (", "eqs.("] {
+    for other in [
+        "Eq.", "Eqs.", "eqn", "Eqn", "eq.(", "eq. (", "eqs. (", "eqs.(",
+    ] {
         if text.contains(other) {
             faults.push(format!("`{other}`: written `eq. 5` or `eqs. 5-7`"));
         }
@@ -135,7 +140,9 @@ fn in_words(text: &str) -> Vec<String> {
             .take_while(|c| c.is_ascii_digit() || matches!(c, 'A' | '-'))
             .collect();
         if number.contains('-') {
-            faults.push(format!("`eq. {number}`: several equations are `eqs. {number}`"));
+            faults.push(format!(
+                "`eq. {number}`: several equations are `eqs. {number}`"
+            ));
         }
     }
     faults

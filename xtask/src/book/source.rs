@@ -5,6 +5,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::page::{Equation, Page};
+
 /// A library crate as far as the book is concerned.
 #[derive(Debug)]
 pub(super) struct Crate {
@@ -12,6 +14,8 @@ pub(super) struct Crate {
     /// Everything that its source defines: modules, types, traits, functions, constants.
     definitions: HashSet<String>,
     pub(super) mentions: Vec<Mention>,
+    /// Equations in comments, each with its file.
+    pub(super) equations: Vec<(PathBuf, Equation)>,
     /// Whether the page of the crate itself says where its theory is.
     pub(super) front_page_has_theory: bool,
 }
@@ -36,7 +40,10 @@ pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;
     folders.sort();
-    folders.iter().map(|folder| Crate::read(root, folder)).collect()
+    folders
+        .iter()
+        .map(|folder| Crate::read(root, folder))
+        .collect()
 }
 
 impl Crate {
@@ -49,6 +56,7 @@ impl Crate {
                 .into_owned(),
             definitions: HashSet::new(),
             mentions: Vec::new(),
+            equations: Vec::new(),
             front_page_has_theory: false,
         };
         for file in files_below(&folder.join("src"), "rs")? {
@@ -60,6 +68,13 @@ impl Crate {
     }
 
     fn take(&mut self, text: &str, file: &Path) {
+        let comments = Page::read(&comments_of(text));
+        self.equations.extend(
+            comments
+                .equations
+                .into_iter()
+                .map(|equation| (file.to_path_buf(), equation)),
+        );
         for (index, line) in text.lines().enumerate() {
             if !line.trim_start().starts_with("//") {
                 self.take_definitions(line);
@@ -104,6 +119,19 @@ pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a s
             .filter(|segment| !segment.is_empty() && !of.definitions.contains(*segment))
             .collect(),
     )
+}
+
+/// The documentation of a source file as Markdown, with an empty line for each line of code: line numbers stay.
+fn comments_of(text: &str) -> String {
+    let mut markdown = String::new();
+    for line in text.lines() {
+        let line = line.trim_start();
+        if let Some(comment) = line.strip_prefix("//!").or(line.strip_prefix("///")) {
+            markdown.push_str(comment.strip_prefix(' ').unwrap_or(comment));
+        }
+        markdown.push('\n');
+    }
+    markdown
 }
 
 /// `docs/….md`, with its anchor, as often as the line has it.
@@ -153,9 +181,10 @@ mod tests {
             name: "rodwave".to_owned(),
             definitions: HashSet::new(),
             mentions: Vec::new(),
+            equations: Vec::new(),
             front_page_has_theory: false,
         };
-        let text = "//! Theory: `docs/theory/chains.md#elements`.\npub mod chain;\npub struct Chain<'a>;\n// fn gone() {}\n";
+        let text = "//! Theory: `docs/theory/chains.md#elements`.\n//!\n//! ```math\n//! x^2\n//! ```\npub mod chain;\npub struct Chain<'a>;\n// fn gone() {}\n";
         example.take(text, Path::new("crates/rodwave/src/lib.rs"));
         example
     }
@@ -164,8 +193,15 @@ mod tests {
     fn names_are_found_segment_by_segment() {
         let crates = [example()];
         assert_eq!(undefined("rodwave::chain::Chain", &crates), Some(vec![]));
-        assert_eq!(undefined("rodwave::{chain, horn}", &crates), Some(vec!["horn"]));
-        assert_eq!(undefined("rodwave::gone", &crates), Some(vec!["gone"]), "a comment defines nothing");
+        assert_eq!(
+            undefined("rodwave::{chain, horn}", &crates),
+            Some(vec!["horn"])
+        );
+        assert_eq!(
+            undefined("rodwave::gone", &crates),
+            Some(vec!["gone"]),
+            "a comment defines nothing"
+        );
         assert_eq!(undefined("other::chain", &crates), None);
     }
 
@@ -173,6 +209,14 @@ mod tests {
     fn mentions_have_page_and_anchor() {
         let example = example();
         assert!(example.front_page_has_theory);
+        assert_eq!(example.equations.len(), 1);
+        assert_eq!(
+            (
+                example.equations[0].1.tex.as_str(),
+                example.equations[0].1.line
+            ),
+            ("x^2\n", 3)
+        );
         assert_eq!(example.mentions.len(), 1);
         assert_eq!(example.mentions[0].page, "docs/theory/chains.md");
         assert_eq!(example.mentions[0].anchor.as_deref(), Some("elements"));
