@@ -79,7 +79,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
     };
     let events = events.into_iter().map(Ok::<_, std::convert::Infallible>);
     push_mathml(&mut html, events, config).map_err(|error| fail(error.to_string()))?;
-    Ok(one_line(&set_as_in_tex(&well_formed(&html))))
+    Ok(set_as_in_tex(&one_line(&well_formed(&html))))
 }
 
 /// The renderer leaves `<` and `&` as they are and joins some attributes without a blank; both are repaired.
@@ -120,26 +120,48 @@ fn joined_primes(tex: &str) -> String {
     tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
-/// What the renderer leaves to a browser, and a browser sets otherwise than TeX: bars and strokes with space around them, and
-/// µ, the prefix, in place of the letter. A bar above is as long as what it is above. Blanks are characters, since mdBook takes the name of one for text.
+/// What the renderer leaves to a browser, and a browser sets otherwise than TeX: strokes with space around them, text without it,
+/// µ, the prefix, in place of the letter, bars above that are no longer than a letter.
 fn set_as_in_tex(html: &str) -> String {
+    const BLANK: &str = "\u{a0}"; // the character, since mdBook takes its name for text
     let mut html = html
         .replace('\u{b5}', "\u{3bc}")
-        .replace("&nbsp;", "\u{a0}");
-    html = html
-        .replace("<mi>‾</mi></mover>", "<mo stretchy=\"true\">‾</mo></mover>")
-        .replace("<mi>¯</mi></mover>", "<mo stretchy=\"true\">‾</mo></mover>");
+        .replace("&amp;nbsp;", BLANK)
+        .replace("&nbsp;", BLANK)
+        .replace("<mtext> ", &format!("<mtext>{BLANK}"))
+        .replace(" </mtext>", &format!("{BLANK}</mtext>"));
     for tight in ["|", "‖", "/"] {
-        for attributes in [
-            "",
-            " symmetric=\"false\" stretchy=\"false\"",
-            " stretchy=\"false\"",
-        ] {
+        for attributes in ["", " symmetric=\"false\" stretchy=\"false\""] {
             html = html.replace(
                 &format!("<mo{attributes}>{tight}</mo>"),
                 &format!("<mo{attributes} lspace=\"0\" rspace=\"0\">{tight}</mo>"),
             );
         }
+    }
+    with_bars(html)
+}
+
+/// Bars above as a border, which is as long as what it is above; a character is so in few fonts.
+fn with_bars(mut html: String) -> String {
+    const BAR: &str = "<mi>‾</mi></mover>";
+    const OPEN: &str = "<mover>";
+    while let Some(end) = html.find(BAR) {
+        // the beginning is the last one that has not ended before
+        let mut begin = end;
+        let mut ended = 0_usize;
+        loop {
+            let Some(open) = html[..begin].rfind(OPEN) else {
+                return html;
+            };
+            ended += html[open..begin].matches("</mover>").count();
+            begin = open;
+            if ended == 0 {
+                break;
+            }
+            ended -= 1;
+        }
+        html.replace_range(end..end + BAR.len(), "</mrow>");
+        html.replace_range(begin..begin + OPEN.len(), "<mrow class=\"bar\">");
     }
     html
 }
@@ -187,12 +209,13 @@ mod tests {
 
     #[test]
     fn primes_bars_and_letters_are_set_as_in_tex() {
-        let over = inline("\\overline{\\lvert x\\rvert^2} + \\bar A").unwrap();
-        assert_eq!(
-            over.matches("<mo stretchy=\"true\">‾</mo></mover>").count(),
-            2,
-            "{over}"
-        );
+        let over =
+            inline("\\overline{\\hat H\\,\\overline{\\hat X}} + \\hat Y \\text{ if } \\bar A")
+                .unwrap();
+        assert_eq!(over.matches("<mrow class=\"bar\">").count(), 3, "{over}");
+        assert_eq!(over.matches("<mover>").count(), 3, "{over}");
+        assert_eq!(over.matches("</mover>").count(), 3, "{over}");
+        assert!(over.contains("<mtext>\u{a0}if\u{a0}</mtext>"), "{over}");
         assert_eq!(joined_primes("E'' + f'^2"), "E\\dprime  + f'^2");
         let html = inline("E''/\\lvert\\mu\\rvert").unwrap();
         assert!(html.contains("″") && html.contains("μ"), "{html}");
