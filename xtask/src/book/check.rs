@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
-use super::page::Page;
+use super::page::{Link, Page, normal};
 use super::source::{self, Crate};
 use super::{BookError, math, reference};
 
@@ -101,7 +101,7 @@ impl<'a> Book<'a> {
             }
             for link in &page.links {
                 tally.links += 1;
-                if let Err(what) = self.check_link(file, &link.target) {
+                if let Err(what) = self.check_link(file, link) {
                     fault(link.line, what);
                 }
             }
@@ -181,8 +181,10 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// A target is a file of the repository, for pages of the book one below `docs`, and has the anchor.
-    fn check_link(&self, from: &Path, target: &str) -> Result<(), String> {
+    /// A target is a file of the repository and has the anchor. A picture of the book lies in the book; a link may lead out of
+    /// it, since the preprocessor takes such links off.
+    fn check_link(&self, from: &Path, link: &Link) -> Result<(), String> {
+        let target = link.target.as_str();
         let (path, anchor) = match target.split_once('#') {
             Some((path, anchor)) => (path, Some(anchor)),
             None => (target, None),
@@ -193,10 +195,8 @@ impl<'a> Book<'a> {
             let folder = from.parent().unwrap_or(Path::new(""));
             normal(&folder.join(path)).ok_or(format!("{target} leaves the repository"))?
         };
-        if from.starts_with("docs") && !file.starts_with("docs") {
-            return Err(format!(
-                "{target} leaves the book, where readers of it cannot follow: name the file in code instead"
-            ));
+        if link.picture && from.starts_with("docs") && !file.starts_with("docs") {
+            return Err(format!("{target}: a picture outside of the book"));
         }
         let generated = GENERATED
             .iter()
@@ -210,6 +210,10 @@ impl<'a> Book<'a> {
         }
         match (anchor, self.pages.get(&file)) {
             (None, _) => Ok(()),
+            // a line of a source file
+            (Some(_), None) if file.extension().is_some_and(|extension| extension != "md") => {
+                Ok(())
+            }
             (Some(anchor), Some(page)) if page.headings.iter().any(|h| h.anchor == anchor) => {
                 Ok(())
             }
@@ -287,11 +291,16 @@ impl<'a> Book<'a> {
             }
             for mention in &one.mentions {
                 named += 1;
-                let target = match &mention.anchor {
-                    Some(anchor) => format!("{}#{anchor}", mention.page),
-                    None => mention.page.clone(),
+                let link = Link {
+                    target: match &mention.anchor {
+                        Some(anchor) => format!("{}#{anchor}", mention.page),
+                        None => mention.page.clone(),
+                    },
+                    picture: false,
+                    span: 0..0,
+                    line: mention.line,
                 };
-                if let Err(what) = self.check_link(Path::new("README.md"), &target) {
+                if let Err(what) = self.check_link(Path::new("README.md"), &link) {
                     faults.push(Fault {
                         file: mention.file.clone(),
                         line: mention.line,
@@ -320,24 +329,6 @@ impl<'a> Book<'a> {
         }
         named
     }
-}
-
-/// A path without `.` and `..`, or nothing if it leads above the root.
-fn normal(path: &Path) -> Option<PathBuf> {
-    let mut out = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                if !out.pop() {
-                    return None;
-                }
-            }
-            Component::Normal(name) => out.push(name),
-            Component::RootDir | Component::Prefix(_) => return None,
-        }
-    }
-    Some(out)
 }
 
 #[cfg(test)]
@@ -412,9 +403,9 @@ mod tests {
             ("docs/theory/rods.md", "#signs", "#sign", "no heading #sign"),
             (
                 "docs/theory/rods.md",
-                "../conventions.md",
-                "../../README.md",
-                "leaves the book",
+                "[there](../conventions.md#signs)",
+                "![there](../../README.md)",
+                "outside of the book",
             ),
             ("docs/theory/rods.md", "(A 1)", "(A 9)", "paper A end at 7"),
             (

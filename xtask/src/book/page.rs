@@ -1,6 +1,7 @@
 //! What the checks need to know of a page: its headings, links, pictures, equations and code spans, each with its line.
 
 use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
@@ -31,6 +32,9 @@ pub(super) struct Heading {
 #[derive(Debug)]
 pub(super) struct Link {
     pub(super) target: String,
+    pub(super) picture: bool,
+    /// Where it stands in the source, with its brackets.
+    pub(super) span: Range<usize>,
     pub(super) line: usize,
 }
 
@@ -79,13 +83,11 @@ impl Page {
                         page.push_heading(level, text, line);
                     }
                 }
-                Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. })
-                    if !dest_url.contains("://") && !dest_url.starts_with("mailto:") =>
-                {
-                    page.links.push(Link {
-                        target: dest_url.into_string(),
-                        line,
-                    });
+                Event::Start(Tag::Link { dest_url, .. }) => {
+                    page.push_link(&dest_url, false, span, line);
+                }
+                Event::Start(Tag::Image { dest_url, .. }) => {
+                    page.push_link(&dest_url, true, span, line);
                 }
                 Event::Start(Tag::CodeBlock(kind)) => {
                     in_code_block = true;
@@ -164,6 +166,17 @@ impl Page {
         });
     }
 
+    fn push_link(&mut self, target: &str, picture: bool, span: Range<usize>, line: usize) {
+        if !target.contains("://") && !target.starts_with("mailto:") {
+            self.links.push(Link {
+                target: target.to_owned(),
+                picture,
+                span,
+                line,
+            });
+        }
+    }
+
     fn push_code(&mut self, source: &str, text: &str, span: Range<usize>, line: usize) {
         let before = source[..span.start].ends_with('$');
         let after = source[span.end..].starts_with('$');
@@ -213,6 +226,24 @@ impl Page {
             });
         }
     }
+}
+
+/// A path without `.` and `..`, or nothing if it leads above the root.
+pub(super) fn normal(path: &Path) -> Option<PathBuf> {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                if !out.pop() {
+                    return None;
+                }
+            }
+            Component::Normal(name) => out.push(name),
+            Component::RootDir | Component::Prefix(_) => return None,
+        }
+    }
+    Some(out)
 }
 
 /// The Markdown that mdBook and Git hosts have in common here.

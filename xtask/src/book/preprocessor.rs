@@ -1,14 +1,16 @@
-//! The program that mdBook calls between reading the pages and writing them: equations become MathML.
+//! The program that mdBook calls between reading the pages and writing them: equations become MathML, and links
+//! that lead out of the book, to source files, become their text.
 //!
 //! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as JSON, of which the book comes
 //! back. Only `content` of the chapters is touched, so that other members may come and go.
 
 use std::io::{self, Read, Write};
+use std::path::Path;
 
 use serde_json::Value;
 
 use super::math::{self, MathError};
-use super::page::Page;
+use super::page::{Page, normal};
 use crate::Outcome;
 
 /// Why mdBook gets no book back.
@@ -62,7 +64,13 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
                 .and_then(Value::as_str)
                 .unwrap_or("a chapter without a name")
                 .to_owned();
+            let path = members
+                .get("path")
+                .and_then(Value::as_str)
+                .unwrap_or_default()
+                .to_owned();
             if let Some(Value::String(content)) = members.get_mut("content") {
+                *content = page_within_the_book(content, Path::new(&path));
                 *content = page_with_equations(content).map_err(|(line, source)| {
                     PreprocessorError::Math {
                         chapter: name,
@@ -80,6 +88,25 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
         }
         other => other,
     })
+}
+
+/// The source of a page at `path` with the text of every link that leads out of the book in place of the link.
+fn page_within_the_book(source: &str, path: &Path) -> String {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut out = String::with_capacity(source.len());
+    let mut done = 0;
+    for link in Page::read(source).links {
+        let target = link.target.split('#').next().unwrap_or_default();
+        let text = &source[link.span.clone()];
+        let leads_out = !link.picture && normal(&folder.join(target)).is_none();
+        if let (true, Some(end)) = (leads_out && text.starts_with('['), text.rfind("](")) {
+            out.push_str(&source[done..link.span.start]);
+            out.push_str(&text[1..end]);
+            done = link.span.end;
+        }
+    }
+    out.push_str(&source[done..]);
+    out
 }
 
 /// The source of a page with MathML in place of formulas.
@@ -125,6 +152,17 @@ mod tests {
         assert!(cones.contains("class=\"equation\"") && !cones.contains("```"));
         assert_eq!(book["items"][0]["PartTitle"], "Forward $`x`$");
         assert_eq!(book["other"], 1);
+    }
+
+    #[test]
+    fn a_link_out_of_the_book_becomes_its_text() {
+        let page =
+            "[`Rod`](../../src/rod.rs#L3), [stays](../a.md), [web](https://a.b), ![p](../../p.svg)";
+        assert_eq!(
+            page_within_the_book(page, Path::new("theory/rods.md")),
+            "`Rod`, [stays](../a.md), [web](https://a.b), ![p](../../p.svg)"
+        );
+        assert_eq!(page_within_the_book("[x](../y)", Path::new("page.md")), "x");
     }
 
     #[test]

@@ -67,13 +67,16 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     faults
 }
 
-/// What stands between parentheses that have no others within.
+/// What stands between parentheses that have no others within and do not belong to a function, as in G(0).
 fn parenthesised(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut open = None;
     for (at, c) in text.char_indices() {
         match c {
-            '(' => open = Some(at + 1),
+            '(' => {
+                let of_a_function = text[..at].ends_with(|before: char| before.is_alphanumeric());
+                open = (!of_a_function).then_some(at + 1);
+            }
             ')' => {
                 if let Some(start) = open.take() {
                     found.push(&text[start..at]);
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn references_that_exist_pass() {
-        let page = "As (E A10), (A 2, B 3), (A 3-4, Table 1), (B 8-9), paper A, eq. 5, and eqs. 6-7.\n\n```math\nx\n\\tag{1}\n```\n\nBy (1).\n";
+        let page = "G(0) as (E A10), (A 2, B 3), (A 3-4, Table 1), (B 8-9), paper A, eq. 5, and eqs. 6-7.\n\n```math\nx\n\\tag{1}\n```\n\nBy (1).\n";
         assert_eq!(faults_of(page), Vec::<String>::new());
     }
 
