@@ -40,7 +40,9 @@ pub(crate) fn run() -> Outcome {
     for one in crates(root).map_err(at(root))? {
         // of libraries of others there may be pages too, and formulas in another notation
         let pages = folder.join(&one.name);
-        files.extend(files_below(&pages, "html").map_err(at(&pages))?);
+        if pages.exists() {
+            files.extend(files_below(&pages, "html").map_err(at(&pages))?);
+        }
     }
     for file in files {
         let html = fs::read_to_string(&file).map_err(at(&file))?;
