@@ -8,6 +8,7 @@
     reason = "a command-line program talks to its user"
 )]
 
+mod book;
 mod fixtures;
 mod generated;
 mod reproduce;
@@ -17,7 +18,7 @@ mod validate;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use reproduce::{Keep, Paper};
 
@@ -49,12 +50,36 @@ enum Task {
     ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
+    /// Check the pages of docs and make a book of them in target/book.
+    Book {
+        /// Only check: every page in the summary, no dead link or anchor, equations that can be set, names that exist.
+        #[arg(long)]
+        check: bool,
+        /// Build where mdbook is installed, and say so where it is not.
+        #[arg(long, conflicts_with = "check")]
+        if_installed: bool,
+    },
+    /// Run cargo doc, set the equations in its pages, and link them to those of the book.
+    Doc,
+    /// What mdBook calls to have the equations set.
+    #[command(hide = true)]
+    BookEquations {
+        #[command(subcommand)]
+        question: Option<Question>,
+    },
     /// Run the software on measured records and print its figures next to what is known of them.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
     },
+}
+
+/// What mdBook asks a preprocessor first.
+#[derive(Subcommand)]
+enum Question {
+    /// Whether a renderer is supported, as exit status.
+    Supports { renderer: String },
 }
 
 #[derive(clap::Args)]
@@ -86,6 +111,16 @@ fn main() -> ExitCode {
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
         Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
         Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
+        Task::Book {
+            check,
+            if_installed,
+        } => book::run(check, if_installed, tasks()),
+        Task::Doc => book::document(),
+        Task::BookEquations { question } => book::preprocess(
+            question
+                .as_ref()
+                .map(|Question::Supports { renderer }| renderer.as_str()),
+        ),
         Task::Validate { data } => validate::run(data.as_deref()),
     };
     match outcome {
@@ -100,6 +135,14 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The words that may stand behind `cargo xtask`.
+fn tasks() -> Vec<String> {
+    Arguments::command()
+        .get_subcommands()
+        .map(|task| task.get_name().to_owned())
+        .collect()
 }
 
 /// What every task returns: nothing, or an error that says what, where, found and expected.

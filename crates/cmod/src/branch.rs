@@ -44,6 +44,8 @@
 //!
 //! [`resolve`] serves one record of a free end; [`BranchTracker`] serves any [`PhaseObservation`], among them a specimen
 //! with a mass at its end and a wave that has travelled some way.
+//!
+//! Theory: `docs/theory/branches.md`.
 
 mod anchor;
 mod doubt;

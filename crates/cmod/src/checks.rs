@@ -15,6 +15,8 @@
 //! A check that fails is conclusive within its level. One that passes only says that noise hides what may be wrong: its
 //! [noise floor](CheckOutcome::noise_floor) says how much. Of several checks at the level p one fails by chance in about
 //! p times their number of records.
+//!
+//! Theory: `docs/theory/checks-without-truth.md`.
 
 mod arrivals;
 mod free_end_null;

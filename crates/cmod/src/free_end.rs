@@ -23,6 +23,8 @@
 //!
 //! # Singular lines
 //! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large and marked.
+//!
+//! Theory: `docs/theory/neighbouring-methods.md`.
 
 mod rod;
 

@@ -19,6 +19,8 @@
 //! What the theory itself leaves is [`LineCorrection::remaining_error`], which is no part of the standard errors: without a
 //! correction above 10 D up to 1.2 % of E', with Love's below 0.2 % from 5 D on and about 1 % at 3 D. Between 10.1 D and 9.9 D
 //! the modulus rises by the correction that sets in there.
+//!
+//! Theory: `docs/theory/slenderness.md#in-an-estimate`.
 
 use std::f64::consts::TAU;
 

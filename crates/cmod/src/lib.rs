@@ -104,6 +104,10 @@
 //! - Calibration is not part of the errors, and positions are not with three gauges and more.
 //! - Waves are counted where a smooth wave number explains the lines. What cannot be counted is marked, not guessed: see
 //!   [`branch`] for what helps.
+//!
+//! Theory: `docs/theory/two-point-method.md`, `docs/theory/branches.md`, `docs/theory/multi-point-method.md`,
+//! `docs/theory/neighbouring-methods.md`, `docs/theory/checks-without-truth.md`, `docs/theory/slenderness.md`,
+//! `docs/theory/rheological-fits.md`, `docs/theory/creep-recovery.md`.
 
 pub mod branch;
 pub mod checks;

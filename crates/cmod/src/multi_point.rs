@@ -14,6 +14,8 @@
 //! Gauges that all lie on a grid of spacing a see both waves alike where ka = nπ. Three gauges determine nothing, either,
 //! where a node lies at the middle one. Unequal distances, without a large common measure, and more gauges remove both;
 //! [`advice`] predicts the errors of a set of positions. Near 0 Hz nothing but a wider aperture helps.
+//!
+//! Theory: `docs/theory/multi-point-method.md`.
 
 pub mod advice;
 mod follow;

@@ -21,6 +21,8 @@
 //!
 //! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the same section, as second
 //! record they need not be: see [`FreeEnd`](crate::FreeEnd).
+//!
+//! Theory: `docs/theory/neighbouring-methods.md`.
 
 use num_complex::Complex64;
 

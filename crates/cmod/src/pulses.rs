@@ -23,6 +23,8 @@
 //! A window that cuts a tail off, or begins on the tail of another pulse, errs by about the value at the cut by ω, the first term
 //! of the integral over what is missing. [`noise_of_cut_pulse`] adds this to the noise of a spectrum; it is the larger part at low
 //! frequency in materials with losses, whose pulses have long tails.
+//!
+//! Theory: `docs/theory/neighbouring-methods.md`.
 
 use std::f64::consts::TAU;
 

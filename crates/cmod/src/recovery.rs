@@ -36,6 +36,8 @@
 //! # Validity
 //! The model is qualitative: E₂ = 13100 Pa of the paper means strains of hundreds, which no rod had, and its change of |E| is
 //! far below the measured one. The paper says both. It describes the loss factor at one frequency and nothing else.
+//!
+//! Theory: `docs/theory/creep-recovery.md`.
 
 mod dashpot;
 pub mod fit;

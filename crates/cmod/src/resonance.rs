@@ -13,6 +13,8 @@
 //! Here the crossings of Re Ψ are numbered by [`crate::branch`] and read off a polynomial of third degree through the
 //! lines within 0.3 rad of kL. It averages their noise; what it cannot follow, less than 5e-5/n of E, is the model error of the
 //! method. Between the resonances nothing is said of the material: that is the two-point method.
+//!
+//! Theory: `docs/theory/neighbouring-methods.md#resonances`.
 
 mod local_polynomial;
 

@@ -52,6 +52,8 @@
 //! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, and χ² says so.
 //! - No continuous relaxation spectrum: an ill-posed question, of which a Prony series with few branches is the answer that the data
 //!   support.
+//!
+//! Theory: `docs/theory/rheological-fits.md`.
 
 pub mod card;
 mod comparison;

@@ -17,6 +17,8 @@
 //! circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is marked where this
 //! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections
 //! is the systematic part, [`SectionUncertainty`].
+//!
+//! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
 mod expectation;
 mod jet;

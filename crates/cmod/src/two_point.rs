@@ -9,6 +9,8 @@
 //!
 //! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end of which the boundary condition is known
 //! is in the denominator. A heavy accelerometer at the impacted end changes the impact, not the ratio.
+//!
+//! Theory: `docs/theory/two-point-method.md`.
 
 mod averages;
 mod end_mass;

@@ -1,5 +1,7 @@
 //! When a line may be believed: the conditions (i)-(iii) of paper A, section 4, what the solution itself reports, and the
 //! errors that are accepted.
+//!
+//! Theory: `docs/theory/two-point-method.md#validity`.
 
 mod acceptance;
 

@@ -1,4 +1,6 @@
 //! Where momentum and energy have gone.
+//!
+//! Theory: `docs/theory/contact.md#balance`.
 
 use std::f64::consts::TAU;
 

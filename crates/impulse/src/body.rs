@@ -1,4 +1,6 @@
 //! What is known of a body: the mobility of its impact face.
+//!
+//! Theory: `docs/theory/stick-force.md#measured-bodies`.
 
 mod chain;
 mod law;

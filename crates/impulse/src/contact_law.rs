@@ -1,4 +1,6 @@
 //! What lies between the faces: nothing, or something soft.
+//!
+//! Theory: `docs/theory/contact.md#a-step`.
 
 mod tabulated;
 

@@ -1,4 +1,6 @@
 //! The error of a force history: how large it is, how it hangs together over time, and bands from it.
+//!
+//! Theory: `docs/theory/force-uncertainty.md#to-first-order`.
 
 use std::ops::Range;
 

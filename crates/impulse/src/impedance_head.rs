@@ -1,4 +1,6 @@
 //! What an impedance head measures of a body, and what the body is without it.
+//!
+//! Theory: `docs/theory/force-uncertainty.md#virtual-measurement-of-an-impulse-response`.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,6 @@
 //! What a face does in each time step after a force in one: the mobility in discrete time.
+//!
+//! Theory: `docs/theory/stick-force.md#by-marching-in-time`.
 
 mod cell_averages;
 mod convolution_quadrature;

@@ -115,6 +115,9 @@
 //! - What a body keeps as vibration and what it turns into heat cannot be told apart by its mobility.
 //! - The errors of mobilities, velocity and masses are followed to the stick force and the end of the first contact
 //!   ([`StickUncertainty`]), not to contacts that close again.
+//!
+//! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`, `docs/theory/force-uncertainty.md`,
+//! `docs/theory/force-reconstruction.md`.
 
 mod balance;
 mod body;

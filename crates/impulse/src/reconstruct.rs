@@ -1,4 +1,6 @@
 //! The force that made a known body move as was measured.
+//!
+//! Theory: `docs/theory/force-reconstruction.md`.
 
 mod calibration_scatter;
 mod choice;

@@ -1,4 +1,6 @@
 //! The force between faces that stick, by the Fourier transform.
+//!
+//! Theory: `docs/theory/stick-force.md`.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;

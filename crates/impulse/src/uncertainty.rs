@@ -1,4 +1,6 @@
 //! How sure a predicted force is: from the errors of the mobilities, of the impact velocity and of the masses.
+//!
+//! Theory: `docs/theory/force-uncertainty.md`.
 
 mod contact_end;
 mod monte_carlo;
@@ -43,7 +45,7 @@ impl StickProblem<'_> {
     /// ```
     ///
     /// Circular errors of independent lines give a force error that is as large before the contact as after it, with the
-    /// covariance $`\Delta f^2\sum_k\mathrm E\lvert\delta\hat F_k\rvert^2 e^{i\omega_k\tau}`$. Scales, velocity and mass act on all times at
+    /// covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Scales, velocity and mass act on all times at
     /// once.
     ///
     /// # Validity

@@ -1,4 +1,6 @@
 //! March of the contact force: faces that press, part and meet again.
+//!
+//! Theory: `docs/theory/contact.md#a-step`.
 
 use crate::contact_law::Memory;
 use crate::convolution::OnlineConvolution;

@@ -1,4 +1,6 @@
 //! From the volts of a channel to what its sensor felt.
+//!
+//! Theory: `docs/theory/hits.md#from-volts-to-strain`.
 
 mod blocks;
 mod bridge;

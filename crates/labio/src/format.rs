@@ -16,6 +16,8 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! Theory: `docs/formats.md`.
 
 use std::fmt::Debug;
 use std::fs;

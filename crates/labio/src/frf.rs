@@ -1,4 +1,6 @@
 //! Frequency responses and their random errors, from averaged spectra.
+//!
+//! Theory: `docs/theory/spectra.md#frequency-response`.
 
 mod bias;
 mod coherence;
@@ -102,7 +104,7 @@ pub struct FrequencyResponse {
     /// Ordinary coherence, NaN on invalid lines and on lines that were not measured but completed; none for a single average,
     /// where it would be 1 whatever was measured, and for values that are combined of several tests.
     pub coherence: Option<Vec<f64>>,
-    /// $`\mathrm E\lvert\delta H\rvert^2 = \lvert H\rvert^2(1-\gamma^2)/(n_e\gamma^2)`$, the variance of the complex line: *twice*
+    /// `E|δH|² = |H|² (1 - γ²)/(n_e γ²)`, the variance of the complex line: *twice*
     /// that of its real or of its imaginary part. To first order in 1/n: from few hits it is too small by about (n-1)/n. NaN on
     /// invalid lines; none for a single average.
     pub variance: Option<Vec<f64>>,

@@ -2,6 +2,8 @@
 //!
 //! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] judge each of them; the [`HitLog`] keeps what was found,
 //! with the reason of every rejection and the user's last word. Only [`HitLog::accepted`] goes on to the spectra.
+//!
+//! Theory: `docs/theory/hits.md`.
 
 mod criteria;
 mod double_hit;

@@ -1,4 +1,6 @@
 //! The impulse response of a measured frequency response, and how much of it comes before its cause.
+//!
+//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
 use num_complex::Complex64;
 

@@ -26,6 +26,8 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! Theory: `docs/theory/hits.md#instruments-of-virtual-experiments`.
 
 mod anti_alias;
 mod converter;

@@ -56,6 +56,8 @@
 //! No repair of double hits or of clipped samples. Time must be uniform; nothing is resampled. Hits are assumed independent; of
 //! overlapped segments the effective number is taken. The bias by noise on one of the channels is bounded from the
 //! coherence ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
+//!
+//! Theory: `docs/theory/hits.md`, `docs/theory/spectra.md`.
 
 pub mod format;
 pub mod hits;

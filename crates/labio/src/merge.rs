@@ -1,4 +1,6 @@
 //! One frequency response of several tests, with the share that every test has in every line.
+//!
+//! Theory: `docs/theory/spectra.md#two-hammers`.
 
 use ndarray::Array2;
 use num_complex::Complex64;

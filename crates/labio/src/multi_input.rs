@@ -1,4 +1,6 @@
 //! Responses to several inputs at once, with multiple and partial coherence.
+//!
+//! Theory: `docs/theory/spectra.md#frequency-response`.
 
 use ndarray::Array2;
 use num_complex::Complex64;

@@ -1,4 +1,6 @@
 //! Whether a driving point takes energy, line by line.
+//!
+//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 

@@ -1,4 +1,6 @@
 //! The low lines of a free body, from its weighed mass.
+//!
+//! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,6 @@
 //! Auto- and cross-spectra, averaged over hits or over segments of a long record.
+//!
+//! Theory: `docs/theory/spectra.md`.
 
 mod averager;
 mod detrend;

@@ -1,4 +1,6 @@
 //! Windows in time and what they do to levels and to resolution.
+//!
+//! Theory: `docs/theory/spectra.md#accumulation`.
 
 mod added_damping;
 mod force;

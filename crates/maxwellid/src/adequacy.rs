@@ -22,6 +22,8 @@
 //! # What this does not do
 //! It decides nothing: with sixty samples a law such a classifier is right in about half of the cases, without noise. Decisions come from
 //! [`crate::selection`].
+//!
+//! Theory: `docs/theory/adequacy.md#stochastic-approximation`.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;

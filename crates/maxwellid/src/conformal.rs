@@ -12,6 +12,8 @@
 //! probabilities of laws; those come from [`crate::selection`].
 //!
 //! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise reject every noisy measurement.
+//!
+//! Theory: `docs/theory/adequacy.md#conformal-p-values`.
 
 use crate::error::MaxwellidError;
 

@@ -12,6 +12,8 @@
 //!
 //! # Validity
 //! Expectations at the present estimates, by the linearised problem, without the difference of Occam's factors (of order one).
+//!
+//! Theory: `docs/theory/model-identification.md#what-to-measure-next`.
 
 use rodwave::InelasticRod;
 use rodwave::experiment::Acquisition;

@@ -1,4 +1,6 @@
 //! A test whose histories are displacements, as the transducers of paper D give them.
+//!
+//! Theory: `docs/theory/identification.md#velocities-from-displacements`.
 
 use crate::error::MaxwellidError;
 use crate::noise::{HistoryNoise, QUIET_SAMPLES, TestNoise, quiet_standard_deviation};

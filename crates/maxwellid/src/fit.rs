@@ -1,4 +1,6 @@
 //! Identification of a law from one or several rod tests.
+//!
+//! Theory: `docs/theory/identification.md`.
 
 use rodwave::RodwaveError;
 use rodwave::characteristics::GENERATOR;

@@ -5,6 +5,8 @@
 //! span 33 decades. Here it runs in the coordinates of [`crate::least_squares`], each over the largest change it may make, and
 //! its gain is a/m with a such that the first step is half of that change. So it can be run at all and be compared; it is slower
 //! than damped least squares because it takes a gradient where that takes a Jacobian.
+//!
+//! Theory: `docs/theory/identification.md#minimisation`.
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{

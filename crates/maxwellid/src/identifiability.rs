@@ -1,4 +1,6 @@
 //! What the data can tell: covariance, standard errors, and a verdict for each parameter.
+//!
+//! Theory: `docs/theory/identification.md#verdicts`.
 
 use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};

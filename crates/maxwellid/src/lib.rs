@@ -28,6 +28,8 @@
 //!   fitted well by a nonlinear law, because amplitude and frequency content fall together along the rod. From one impact velocity
 //!   the nonlinearity of a law is not proved by a fit.
 //! * Errors are those of the linearised problem at the minimum.
+//!
+//! Theory: `docs/theory/identification.md`, `docs/theory/model-identification.md`, `docs/theory/adequacy.md`.
 
 pub mod adequacy;
 mod agreement;

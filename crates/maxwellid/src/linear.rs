@@ -32,6 +32,8 @@
 //! | one's own | [`LinearLaw`] | |
 //!
 //! The one-branch law is the Maxwell law of paper D: that it agrees with [`rodwave::characteristics`] is a test of both.
+//!
+//! Theory: `docs/theory/model-identification.md#linear-competitors`.
 
 mod constant_q;
 mod laplace_line;

@@ -5,6 +5,8 @@
 //! with the other sign, since nothing but the difference of the two clocks can be seen. g and b enter linearly and are eliminated
 //! at every θ (variable projection: Golub and Pereyra 1973, with Kaufman's derivatives); the others are parameters of the iteration.
 //! For a linear rod g_e cannot be told from g.
+//!
+//! Theory: `docs/theory/identification.md#unknown-transducers`.
 
 use crate::error::MaxwellidError;
 

@@ -11,6 +11,8 @@
 //! # Validity
 //! χ² is that of [`crate::selection`]: known noise of both histories, the excitation as the response suggests it, which is held
 //! at its most probable course along the profile.
+//!
+//! Theory: `docs/theory/model-identification.md#profiles`.
 
 use crate::error::MaxwellidError;
 use crate::identifiability::Verdict;

@@ -8,6 +8,8 @@
 //! The paper fixes neither the ranges, nor how they are filled, nor the instants t_k, nor a projection. Here: ranges are those of the
 //! [`Candidate`]; they are filled by a Halton sequence, so that sixty samples lie evenly; all samples of the window are taken; the
 //! projection is that of Karhunen and Loève on the largest principal components, scaled to unit variance.
+//!
+//! Theory: `docs/theory/adequacy.md#patterns-and-standard-samples`.
 
 use faer::Mat;
 

@@ -28,6 +28,8 @@
 //!
 //! # What this does not do
 //! Laplace's method takes a posterior for normal about one maximum. Errors of E from L, ρ or the sensors are not in C.
+//!
+//! Theory: `docs/theory/model-identification.md`.
 
 mod candidate;
 mod decision;

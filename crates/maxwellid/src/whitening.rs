@@ -16,6 +16,8 @@
 //! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
 //! renewed when they move by more than five standard errors. The discretisation error of the solver counts as white noise of the requested
 //! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
+//!
+//! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 
 use faer::{Mat, Side};
 use rodwave::band_limited::SampledHistory;

@@ -2,6 +2,8 @@
 //!
 //! The kernel is the sinc function under an exponential-of-semicircle window (Barnett, Magland and af Klinteberg,
 //! SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as Kaiser's and needs no special function.
+//!
+//! Theory: `docs/theory/direct-problem.md#excitation-between-samples`.
 
 use crate::RodwaveError;
 use crate::error::{check_positive, check_samples};

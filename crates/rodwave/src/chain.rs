@@ -50,6 +50,8 @@
 //! # What this does not do
 //! Bodies branch nowhere, and the theory is one-dimensional: see the limits in [`element`](crate::element). A chain copies
 //! the media it is built from.
+//!
+//! Theory: `docs/theory/chains.md`.
 
 mod argument;
 mod builder;

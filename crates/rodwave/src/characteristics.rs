@@ -16,6 +16,8 @@
 //! # Sensitivities
 //! The tangent-linear model marches along in the same sweep. It is written in the dimensionless time t c/L, in which the grid
 //! does not depend on E; the derivative at constant time adds (t/2) ∂v/∂t at the end.
+//!
+//! Theory: `docs/theory/direct-problem.md`.
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;

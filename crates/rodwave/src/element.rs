@@ -27,6 +27,8 @@
 //! Plane sections stay plane and the stress is uniaxial: lateral inertia and the spreading of waves behind a sudden change
 //! of cross-section are left out, so the wavelength must be long against the diameter. Where a cone is short against its
 //! diameter, or a joint wide against the thinner part, the local compliance that is missing can be put in as a spring.
+//!
+//! Theory: `docs/theory/chains.md#elements`.
 
 mod lumped;
 mod scaled;

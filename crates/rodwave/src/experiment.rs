@@ -1,4 +1,6 @@
 //! Virtual experiments: what the instruments of a test would have recorded.
+//!
+//! Theory: `docs/theory/virtual-experiments.md`.
 
 pub mod displacement_pair;
 pub mod end_accelerations;

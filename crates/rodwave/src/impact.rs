@@ -4,6 +4,8 @@
 //! condition 0 <= F, 0 <= gap, F gap = 0: at each step the force is the smallest that keeps the faces from passing through each
 //! other. No contact stiffness is invented. Closing a gap costs the relative kinetic energy of two half cells, which vanishes
 //! with the grid; energy is never created.
+//!
+//! Theory: `docs/theory/direct-problem.md#striker`.
 
 use std::f64::consts::PI;
 

@@ -17,6 +17,8 @@
 //! by a dimensionless shape. The printed parameters (η, B, m) are accepted and returned by constructors and getters,
 //! but they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is
 //! 0.9999, between κ and ln r it is of order 0.5.
+//!
+//! Theory: `docs/theory/inelastic-laws.md`.
 
 /// An array with one entry for each of the cells that are relaxed together. Unlike `std::array::from_fn` it is a plain loop,
 /// which the compiler turns into vector instructions.

@@ -58,6 +58,8 @@
 //! # What this does not do
 //! A causal material that resonates is not a relaxing one and is reported as not causal: no polymer rod is of that kind
 //! in its own right. Over a narrow band almost everything belongs to some causal material, and noise hides what remains.
+//!
+//! Theory: `docs/theory/kramers-kronig.md`.
 
 mod non_negative;
 

@@ -46,6 +46,10 @@
 //! * Two dimensions: lateral inertia is in [`slenderness`] alone, as a correction for uniform round rods.
 //! * Plasticity with memory, damage, heat: the inelastic strain rate depends on the present stress only.
 //! * In the time domain areas are piecewise constant and laws have a finite number of branches; cones, horns and fractional laws are for [`chain`].
+//!
+//! Theory: `docs/theory/moduli.md`, `docs/theory/kramers-kronig.md`, `docs/theory/transition-matrices.md`,
+//! `docs/theory/chains.md`, `docs/theory/slenderness.md`, `docs/theory/inelastic-laws.md`,
+//! `docs/theory/direct-problem.md`, `docs/theory/lines.md`, `docs/theory/virtual-experiments.md`.
 
 pub mod band_limited;
 pub mod chain;

@@ -37,6 +37,8 @@
 //! assert!(ledger.momentum_residual().abs() < 1e-12 * ledger.initial_momentum);
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
+//!
+//! Theory: `docs/theory/lines.md`.
 
 mod bar;
 mod branch;

@@ -5,6 +5,8 @@
 //! neither the travelling waves nor the exact flows of the laws. At Courant number 1 and F = 0 the two schemes would be
 //! the same recursion in disguise; the chain therefore runs well below it. It is second order,
 //! slightly dispersive, and rings at the grid scale behind a jump.
+//!
+//! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
 use crate::band_limited::VelocityHistory;
 use crate::error::RodwaveError;

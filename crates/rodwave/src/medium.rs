@@ -14,6 +14,8 @@
 //! ```text
 //! dγ/dω = (γ/ω) (1 - (dE/d ln ω)/(2E)) ,    c_g = 1/Im(dγ/dω)
 //! ```
+//!
+//! Theory: `docs/theory/moduli.md#waves`.
 
 use num_complex::Complex64;
 

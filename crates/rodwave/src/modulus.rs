@@ -32,6 +32,8 @@
 //! # What this does not do
 //! Temperature, large strain and ageing are not here; moduli that grow with the rate faster than a dashpot, or that
 //! resonate, are not relaxations. Any type can implement the traits.
+//!
+//! Theory: `docs/theory/moduli.md`.
 
 mod constant_q;
 mod differentiable;

@@ -52,6 +52,8 @@
 //!   E''/E'.
 //! - Rods are round, but for [`LoveRayleigh::rectangular`], and far longer than their diameter: no end effects.
 //! - First branch only. Above the cut-off of the second a rod that is struck carries more than one wave.
+//!
+//! Theory: `docs/theory/slenderness.md`.
 
 mod conditions;
 mod frequency_equation;

@@ -22,6 +22,8 @@
 //! assert!((history.samples[3000] - 6.0_f64.sin()).abs() < 2e-6);
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
+//!
+//! Theory: `docs/theory/chains.md#histories`.
 
 mod damped;
 mod fourier;

@@ -40,6 +40,8 @@
 //! assert!(mobility.re > 0.0); // a passive body takes energy
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
+//!
+//! Theory: `docs/theory/transition-matrices.md`.
 
 use std::ops::Mul;
 

@@ -27,6 +27,8 @@
 //! q(x) tells P + N (or P - N) and nothing more. At zero frequency this is so for any sections. With damping the
 //! problem stays solvable but magnifies errors, by the condition number that comes with every result. Sections at unequal
 //! distances move the singular frequencies apart.
+//!
+//! Theory: `docs/theory/chains.md#waves`.
 
 use num_complex::Complex64;
 

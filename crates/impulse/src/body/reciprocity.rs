@@ -12,7 +12,7 @@ const COVERAGE: f64 = 4.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Reciprocity {
-    /// $`\sum\lvert G_{12}-G_{21}\rvert^2/\sum\lvert G_{12}\rvert\lvert G_{21}\rvert`$ over the lines above 0 Hz.
+    /// `Σ|G₁₂ - G₂₁|² / Σ|G₁₂||G₂₁|` over the lines above 0 Hz.
     pub relative_difference: f64,
     /// Lines that differ by more than four standard errors.
     pub contradicting_lines: usize,

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::{Front, Quadrature, TimeGrid};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
-/// $`w_j = \frac{r^{-j}}{M}\sum_l G(\delta(re^{2\pi il/M})/h)\,e^{-2\pi ijl/M}`$, $`M = 2N`$, $`r = \epsilon^{1/(2M)}`$: the coefficients of
+/// `wⱼ = (r⁻ʲ/M) Σₗ G(δ(r e^{2πil/M})/h) e^{-2πijl/M}`, `M = 2N`, `r = ε^{1/(2M)}`: the coefficients of
 /// $`G(\delta(z)/h)`$ to about $`\sqrt\epsilon`$ of the largest (Lubich, Numer. Math. 52 (1988) 129 and 413).
 pub(super) fn weights<B: ImpactBody + ?Sized>(
     body: &B,

@@ -7,7 +7,7 @@ pub enum Regularisation {
     /// Least squares as they are; of one sensor, $`\hat F = \hat x/H`$. Noise of the response is amplified by $`1/|H|`$ without limit.
     #[default]
     None,
-    /// The minimum of $`\sum w\lvert\hat x - H\hat F\rvert^2 + \lambda\sum\omega^{2p}\lvert\hat F\rvert^2`$ over all lines, of both
+    /// The minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both
     /// signs of the frequency. A line keeps the part $`\varphi = \mu/(\mu+\lambda)`$ of its force,
     /// $`\mu = \sum_r w_r|H_r|^2/\omega^{2p}`$.
     Tikhonov {

@@ -1,0 +1,259 @@
+//! Equations of a page, TeX to MathML, so that a browser needs no script and no network to show them.
+
+use std::fmt::Write as _;
+
+use pulldown_latex::config::DisplayMode;
+use pulldown_latex::mathml::push_mathml;
+use pulldown_latex::{Parser, RenderConfig, Storage};
+
+use super::page::Equation;
+
+/// Why an equation has no MathML.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub(super) enum MathError {
+    #[error("`{tex}`: {reason}")]
+    Tex { tex: String, reason: String },
+    #[error("\\tag without a closing brace in `{tex}`")]
+    OpenTag { tex: String },
+    #[error("`{tex}` has \\tag in an inline formula, which has no margin to stand in")]
+    InlineTag { tex: String },
+}
+
+/// Splits `\tag{number}` off an equation: what is left, and the number.
+pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError> {
+    let Some((before, behind)) = tex.split_once("\\tag{") else {
+        return Ok((tex.to_owned(), None));
+    };
+    let Some((number, after)) = behind.split_once('}') else {
+        return Err(MathError::OpenTag { tex: one_line(tex) });
+    };
+    Ok((format!("{before}{after}"), Some(number.to_owned())))
+}
+
+/// HTML of an equation.
+pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
+    if equation.display {
+        display(&equation.tex)
+    } else {
+        inline(&equation.tex)
+    }
+}
+
+/// A formula within a sentence. What Markdown would read as its own is written as entities.
+fn inline(tex: &str) -> Result<String, MathError> {
+    if tex.contains("\\tag") {
+        return Err(MathError::InlineTag { tex: one_line(tex) });
+    }
+    Ok(guard_from_markdown(&mathml(tex, DisplayMode::Inline)?))
+}
+
+/// An equation in a paragraph of its own, with its number at the right.
+fn display(tex: &str) -> Result<String, MathError> {
+    let (tex, number) = split_tag(tex)?;
+    let math = mathml(&tex, DisplayMode::Block)?;
+    let mut html = String::from("<div class=\"equation\">");
+    // a long equation scrolls by itself, and leaves its number where it is
+    let _ = write!(html, "<div class=\"formula\">{math}</div>");
+    if let Some(number) = number {
+        let _ = write!(html, "<span class=\"number\">({number})</span>");
+    }
+    html.push_str("</div>");
+    Ok(html)
+}
+
+fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
+    let source = joined_primes(tex);
+    let fail = |reason: String| MathError::Tex {
+        tex: one_line(tex),
+        reason: one_line(&reason),
+    };
+    let storage = Storage::new();
+    // the renderer would print an error into the page in red: errors are taken out before it sees them
+    let events = Parser::new(&source, &storage)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| fail(error.to_string()))?;
+    let mut html = String::new();
+    let config = RenderConfig {
+        display_mode,
+        ..RenderConfig::default()
+    };
+    let events = events.into_iter().map(Ok::<_, std::convert::Infallible>);
+    push_mathml(&mut html, events, config).map_err(|error| fail(error.to_string()))?;
+    Ok(set_as_in_tex(&one_line(&well_formed(&html))))
+}
+
+/// The renderer leaves `<` and `&` as they are and joins some attributes without a blank; both are repaired.
+fn well_formed(html: &str) -> String {
+    let mut out = String::with_capacity(html.len());
+    let mut in_tag = false;
+    let mut in_value = false;
+    let mut characters = html.chars().peekable();
+    while let Some(c) = characters.next() {
+        let next = characters.peek().copied();
+        match c {
+            '<' if next.is_some_and(|n| n.is_ascii_alphabetic() || n == '/') => in_tag = true,
+            '<' if !in_tag => {
+                out.push_str("&lt;");
+                continue;
+            }
+            '&' if next.is_none_or(|n| !n.is_ascii_alphabetic() && n != '#') => {
+                out.push_str("&amp;");
+                continue;
+            }
+            '>' => in_tag = false,
+            '"' if in_tag => {
+                in_value = !in_value;
+                if !in_value && next.is_some_and(|n| n.is_ascii_alphabetic()) {
+                    out.push_str("\" ");
+                    continue;
+                }
+            }
+            _ => {}
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// `E''` with one double prime. Primes are raised already in every mathematical font, and two of them would stand apart.
+fn joined_primes(tex: &str) -> String {
+    tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
+}
+
+/// What the renderer leaves to a browser, and a browser sets otherwise than TeX: strokes with space around them, text without it,
+/// µ, the prefix, in place of the letter, bars above that are no longer than a letter.
+fn set_as_in_tex(html: &str) -> String {
+    const BLANK: &str = "\u{a0}"; // the character, since mdBook takes its name for text
+    let mut html = html
+        .replace('\u{b5}', "\u{3bc}")
+        .replace("&amp;nbsp;", BLANK)
+        .replace("&nbsp;", BLANK)
+        .replace("<mtext> ", &format!("<mtext>{BLANK}"))
+        .replace(" </mtext>", &format!("{BLANK}</mtext>"));
+    for tight in ["|", "‖", "/"] {
+        for attributes in ["", " symmetric=\"false\" stretchy=\"false\""] {
+            html = html.replace(
+                &format!("<mo{attributes}>{tight}</mo>"),
+                &format!("<mo{attributes} lspace=\"0\" rspace=\"0\">{tight}</mo>"),
+            );
+        }
+    }
+    with_bars(html)
+}
+
+/// Bars above as a border, which is as long as what it is above; a character is so in few fonts.
+fn with_bars(mut html: String) -> String {
+    const BAR: &str = "<mi>‾</mi></mover>";
+    const OPEN: &str = "<mover>";
+    while let Some(end) = html.find(BAR) {
+        // the beginning is the last one that has not ended before
+        let mut begin = end;
+        let mut ended = 0_usize;
+        loop {
+            let Some(open) = html[..begin].rfind(OPEN) else {
+                return html;
+            };
+            ended += html[open..begin].matches("</mover>").count();
+            begin = open;
+            if ended == 0 {
+                break;
+            }
+            ended -= 1;
+        }
+        html.replace_range(end..end + BAR.len(), "</mrow>");
+        html.replace_range(begin..begin + OPEN.len(), "<mrow class=\"bar\">");
+    }
+    html
+}
+
+/// Text between tags with the characters that Markdown gives a meaning as entities.
+fn guard_from_markdown(html: &str) -> String {
+    let mut out = String::with_capacity(html.len());
+    let mut in_tag = false;
+    for c in html.chars() {
+        match c {
+            '<' => in_tag = true,
+            '>' => in_tag = false,
+            '*' | '_' | '|' | '[' | ']' | '~' | '`' | '\\' | '$' | '"' | '\'' if !in_tag => {
+                let _ = write!(out, "&#{};", u32::from(c));
+                continue;
+            }
+            _ => {}
+        }
+        out.push(c);
+    }
+    out
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_stands_beside_its_equation_and_not_in_it() {
+        let html = display("\\gamma^2 = -\\rho\\omega^2/E .\n\\tag{A 2}\n").unwrap();
+        assert!(
+            html.contains("<span class=\"number\">(A 2)</span>"),
+            "{html}"
+        );
+        assert!(!html.contains("tag"), "{html}");
+        assert!(
+            !html.contains('\n'),
+            "a blank line would end the block: {html}"
+        );
+    }
+
+    #[test]
+    fn primes_bars_and_letters_are_set_as_in_tex() {
+        let over =
+            inline("\\overline{\\hat H\\,\\overline{\\hat X}} + \\hat Y \\text{ if } \\bar A")
+                .unwrap();
+        assert_eq!(over.matches("<mrow class=\"bar\">").count(), 3, "{over}");
+        assert_eq!(over.matches("<mover>").count(), 3, "{over}");
+        assert_eq!(over.matches("</mover>").count(), 3, "{over}");
+        assert!(over.contains("<mtext>\u{a0}if\u{a0}</mtext>"), "{over}");
+        assert_eq!(joined_primes("E'' + f'^2"), "E\\dprime  + f'^2");
+        let html = inline("E''/\\lvert\\mu\\rvert").unwrap();
+        assert!(html.contains("″") && html.contains("μ"), "{html}");
+        assert_eq!(
+            html.matches("lspace=\"0\" rspace=\"0\"").count(),
+            3,
+            "{html}"
+        );
+    }
+
+    #[test]
+    fn markdown_finds_nothing_in_a_formula() {
+        let html = inline("a*b_{[c]} \\lvert d\\rvert").unwrap();
+        let mut text = String::new();
+        let mut in_tag = false;
+        for c in html.chars() {
+            match c {
+                '<' => in_tag = true,
+                '>' => in_tag = false,
+                _ if !in_tag => text.push(c),
+                _ => {}
+            }
+        }
+        assert!(!text.contains(['*', '_', '|', '[', ']']), "{html}");
+    }
+
+    #[test]
+    fn comparisons_and_sizes_make_no_broken_tags() {
+        let html = inline("\\sum_{j<n} \\Bigl( a < b > c").unwrap();
+        assert_eq!(html.matches("&lt;").count(), 2, "{html}");
+        assert!(!html.contains("\"minsize"), "{html}");
+    }
+
+    #[test]
+    fn what_is_no_tex_is_an_error_with_the_formula() {
+        let error = display("\\frac{1}{2} \\nosuchcommand").unwrap_err();
+        assert!(error.to_string().contains("\\nosuchcommand"), "{error}");
+        assert!(display("\\frac{1}{").is_err());
+        assert!(inline("x \\tag{1}").is_err());
+    }
+}

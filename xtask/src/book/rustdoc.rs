@@ -1,0 +1,184 @@
+//! `cargo xtask doc`: the pages of rustdoc with equations as MathML, and with links into the book.
+//!
+//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in code. rustdoc takes both for
+//! code. Here they are replaced in what it has written; a second run finds nothing left to do.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use super::math;
+use super::page::Equation;
+use super::source::{crates, files_below};
+use super::{BookError, at};
+use crate::Outcome;
+use crate::generated::{workspace_root, write_whole};
+
+const FENCE: (&str, &str) = (
+    "<div class=\"example-wrap\"><pre class=\"language-math\"><code>",
+    "</code></pre></div>",
+);
+const INLINE: (&str, &str) = ("$<code>", "</code>$");
+const PAGE: (&str, &str) = ("<code>docs/", "</code>");
+
+/// Runs `cargo doc` and rewrites its pages.
+pub(crate) fn run() -> Outcome {
+    let root = workspace_root();
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["doc", "--locked", "--workspace", "--no-deps"])
+        .current_dir(root)
+        .status()?;
+    if !status.success() {
+        return Err(format!("cargo doc ended with {status}").into());
+    }
+    let folder = root.join("target").join("doc");
+    let book = root.join("target").join("book");
+    let style = style(root)?;
+    let mut changed = 0;
+    let mut files = Vec::new();
+    for one in crates(root).map_err(at(root))? {
+        // of libraries of others there may be pages too, and formulas in another notation
+        let pages = folder.join(&one.name);
+        if pages.exists() {
+            files.extend(files_below(&pages, "html").map_err(at(&pages))?);
+        }
+    }
+    for file in files {
+        let html = fs::read_to_string(&file).map_err(at(&file))?;
+        let depth = file
+            .strip_prefix(&folder)
+            .unwrap_or(&file)
+            .components()
+            .count();
+        let set =
+            set(&html, depth, &book).map_err(|reason| format!("{}: {reason}", file.display()))?;
+        if set != html {
+            write_whole(
+                &file,
+                &set.replacen("</head>", &format!("{style}</head>"), 1),
+            )?;
+            changed += 1;
+        }
+    }
+    println!("{changed} pages of {} set", folder.display());
+    Ok(())
+}
+
+/// What the book says of equations, for a page of rustdoc.
+fn style(root: &Path) -> Result<String, BookError> {
+    let path = root.join("docs").join("book.css");
+    let css = fs::read_to_string(&path).map_err(at(&path))?;
+    // the rules behind it are for the tables of the book
+    let equations = css.split("/* Tables").next().unwrap_or_default();
+    Ok(format!("<style>{equations}</style>"))
+}
+
+/// A page with its equations set, and with links to the pages that `book` has; `depth` folders lead down to it from beside the
+/// book.
+fn set(html: &str, depth: usize, book: &Path) -> Result<String, String> {
+    let fences = replaced(html, FENCE, |tex| equation(tex, true))?;
+    let formulas = replaced(&fences, INLINE, |tex| equation(tex, false))?;
+    replaced(&formulas, PAGE, |name| {
+        let (page, anchor) = name.split_once('#').unwrap_or((name, ""));
+        let target = page.strip_suffix(".md").map(|page| format!("{page}.html"));
+        Ok(match target {
+            Some(target) if book.join(&target).exists() => {
+                let up = "../".repeat(depth);
+                let anchor = if anchor.is_empty() {
+                    String::new()
+                } else {
+                    format!("#{anchor}")
+                };
+                Some(format!(
+                    "<a href=\"{up}book/{target}{anchor}\"><code>docs/{name}</code></a>"
+                ))
+            }
+            _ => None,
+        })
+    })
+}
+
+fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
+    let equation = Equation {
+        tex: tex
+            .replace("&lt;", "<")
+            .replace("&gt;", ">")
+            .replace("&quot;", "\"")
+            .replace("&#39;", "'")
+            .replace("&amp;", "&"),
+        display,
+        span: 0..0,
+        line: 0,
+    };
+    math::of(&equation)
+        .map(Some)
+        .map_err(|error| error.to_string())
+}
+
+/// Replaces what stands between the pairs of `marks`, marks included, unless `by` has nothing to put there.
+fn replaced(
+    html: &str,
+    (open, close): (&str, &str),
+    by: impl Fn(&str) -> Result<Option<String>, String>,
+) -> Result<String, String> {
+    let mut out = String::with_capacity(html.len());
+    let mut rest = html;
+    while let Some((before, behind)) = rest.split_once(open) {
+        let Some((inner, after)) = behind.split_once(close) else {
+            break;
+        };
+        out.push_str(before);
+        // directly behind a tag with attributes stands what a run before this one has made a link
+        let new = if inner.contains('<') || (open == PAGE.0 && before.ends_with("\">")) {
+            None
+        } else {
+            by(inner)?
+        };
+        match new {
+            Some(new) => {
+                out.push_str(&new);
+                rest = after;
+            }
+            None => {
+                out.push_str(open);
+                rest = behind;
+            }
+        }
+    }
+    out.push_str(rest);
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equations_are_set_once_and_pages_of_the_book_become_links() {
+        let book = tempfile::tempdir().unwrap();
+        fs::create_dir(book.path().join("theory")).unwrap();
+        fs::write(book.path().join("theory/rods.html"), "").unwrap();
+        let html = "<p>With $<code>a &lt; b</code>$, <code>x</code>; Theory: <code>docs/theory/rods.md#ends</code>, \
+                    <code>docs/theory/none.md</code>.</p><div class=\"example-wrap\"><pre class=\"language-math\"><code>x^2 = 1\n\
+                    </code></pre></div>";
+        let once = set(html, 2, book.path()).unwrap();
+        assert_eq!(once.matches("<math").count(), 2, "{once}");
+        assert!(
+            once.contains("&lt;") && once.contains("<code>x</code>"),
+            "{once}"
+        );
+        assert!(
+            once.contains("href=\"../../book/theory/rods.html#ends\""),
+            "{once}"
+        );
+        assert!(!once.contains("none.html"), "{once}");
+        assert_eq!(set(&once, 2, book.path()).unwrap(), once);
+    }
+
+    #[test]
+    fn a_formula_that_cannot_be_set_is_named() {
+        let error = set("$<code>\\nonsense</code>$", 1, Path::new("nowhere")).unwrap_err();
+        assert!(error.contains("nonsense"), "{error}");
+    }
+}

@@ -1,0 +1,224 @@
+//! Names of the source code that pages mention, and pages that the source code mentions.
+
+use std::collections::HashSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::page::{Equation, Page};
+
+/// A library crate as far as the book is concerned.
+#[derive(Debug)]
+pub(super) struct Crate {
+    pub(super) name: String,
+    /// Everything that its source defines: modules, types, traits, functions, constants.
+    definitions: HashSet<String>,
+    pub(super) mentions: Vec<Mention>,
+    /// Equations in comments, each with its file.
+    pub(super) equations: Vec<(PathBuf, Equation)>,
+    /// Whether the page of the crate itself says where its theory is.
+    pub(super) front_page_has_theory: bool,
+}
+
+/// A page of the book named in a comment.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Mention {
+    pub(super) file: PathBuf,
+    pub(super) line: usize,
+    /// Path from the root of the repository, and anchor.
+    pub(super) page: String,
+    pub(super) anchor: Option<String>,
+}
+
+const KEYWORDS: [&str; 8] = [
+    "mod ", "struct ", "enum ", "trait ", "fn ", "type ", "const ", "static ",
+];
+
+/// Reads all crates of `root/crates`, in the order of their names.
+pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
+    let mut folders: Vec<_> = fs::read_dir(root.join("crates"))?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    folders.sort();
+    folders
+        .iter()
+        .map(|folder| Crate::read(root, folder))
+        .collect()
+}
+
+impl Crate {
+    fn read(root: &Path, folder: &Path) -> io::Result<Self> {
+        let mut found = Self {
+            name: folder
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            definitions: HashSet::new(),
+            mentions: Vec::new(),
+            equations: Vec::new(),
+            front_page_has_theory: false,
+        };
+        for file in files_below(&folder.join("src"), "rs")? {
+            let text = fs::read_to_string(&file)?;
+            let file = file.strip_prefix(root).unwrap_or(&file).to_path_buf();
+            found.take(&text, &file);
+        }
+        Ok(found)
+    }
+
+    fn take(&mut self, text: &str, file: &Path) {
+        let comments = Page::read(&comments_of(text));
+        self.equations.extend(
+            comments
+                .equations
+                .into_iter()
+                .map(|equation| (file.to_path_buf(), equation)),
+        );
+        for (index, line) in text.lines().enumerate() {
+            if !line.trim_start().starts_with("//") {
+                self.take_definitions(line);
+                continue;
+            }
+            if file.ends_with("src/lib.rs") && line.starts_with("//! Theory: ") {
+                self.front_page_has_theory = true;
+            }
+            for (page, anchor) in pages_named_in(line) {
+                self.mentions.push(Mention {
+                    file: file.to_path_buf(),
+                    line: index + 1,
+                    page,
+                    anchor,
+                });
+            }
+        }
+    }
+
+    fn take_definitions(&mut self, line: &str) {
+        for keyword in KEYWORDS {
+            if let Some(at) = line.find(keyword) {
+                let name: String = line[at + keyword.len()..]
+                    .trim_start_matches("r#")
+                    .chars()
+                    .take_while(|c| c.is_alphanumeric() || *c == '_')
+                    .collect();
+                if !name.is_empty() {
+                    self.definitions.insert(name);
+                }
+            }
+        }
+    }
+}
+
+/// Whether `code` begins with the name of a crate, and then which of its segments no source file defines.
+pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a str>> {
+    let (name, rest) = code.split_once("::").unwrap_or((code, ""));
+    let of = crates.iter().find(|one| one.name == name)?;
+    Some(
+        rest.split(|c: char| !c.is_alphanumeric() && c != '_')
+            .filter(|segment| !segment.is_empty() && !of.definitions.contains(*segment))
+            .collect(),
+    )
+}
+
+/// The documentation of a source file as Markdown, with an empty line for each line of code: line numbers stay.
+fn comments_of(text: &str) -> String {
+    let mut markdown = String::new();
+    for line in text.lines() {
+        let line = line.trim_start();
+        if let Some(comment) = line.strip_prefix("//!").or(line.strip_prefix("///")) {
+            markdown.push_str(comment.strip_prefix(' ').unwrap_or(comment));
+        }
+        markdown.push('\n');
+    }
+    markdown
+}
+
+/// `docs/….md`, with its anchor, as often as the line has it.
+fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
+    let mut found = Vec::new();
+    for (at, _) in line.match_indices("docs/") {
+        let name: String = line[at..]
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || matches!(c, '/' | '-' | '_' | '.' | '#'))
+            .collect();
+        let (page, anchor) = match name.split_once('#') {
+            Some((page, anchor)) => (page, Some(anchor.trim_end_matches('.').to_owned())),
+            None => (name.as_str(), None),
+        };
+        let page = page.trim_end_matches('.');
+        if page.ends_with(".md") {
+            found.push((page.to_owned(), anchor));
+        }
+    }
+    found
+}
+
+/// Files with an extension in a folder and below, in the order of their paths.
+pub(super) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|found| found == extension) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Crate {
+        let mut example = Crate {
+            name: "rodwave".to_owned(),
+            definitions: HashSet::new(),
+            mentions: Vec::new(),
+            equations: Vec::new(),
+            front_page_has_theory: false,
+        };
+        let text = "//! Theory: `docs/theory/chains.md#elements`.\n//!\n//! ```math\n//! x^2\n//! ```\npub mod chain;\npub struct Chain<'a>;\n// fn gone() {}\n";
+        example.take(text, Path::new("crates/rodwave/src/lib.rs"));
+        example
+    }
+
+    #[test]
+    fn names_are_found_segment_by_segment() {
+        let crates = [example()];
+        assert_eq!(undefined("rodwave::chain::Chain", &crates), Some(vec![]));
+        assert_eq!(
+            undefined("rodwave::{chain, horn}", &crates),
+            Some(vec!["horn"])
+        );
+        assert_eq!(
+            undefined("rodwave::gone", &crates),
+            Some(vec!["gone"]),
+            "a comment defines nothing"
+        );
+        assert_eq!(undefined("other::chain", &crates), None);
+    }
+
+    #[test]
+    fn mentions_have_page_and_anchor() {
+        let example = example();
+        assert!(example.front_page_has_theory);
+        assert_eq!(example.equations.len(), 1);
+        assert_eq!(
+            (
+                example.equations[0].1.tex.as_str(),
+                example.equations[0].1.line
+            ),
+            ("x^2\n", 3)
+        );
+        assert_eq!(example.mentions.len(), 1);
+        assert_eq!(example.mentions[0].page, "docs/theory/chains.md");
+        assert_eq!(example.mentions[0].anchor.as_deref(), Some("elements"));
+    }
+}
