@@ -8,10 +8,12 @@
 //! makes the task fail. With `--check` the page is compared and not written.
 
 mod check;
+mod difference;
 mod drift;
 mod files;
 mod hammer;
 mod page;
+mod rodwave;
 mod shock;
 
 use std::collections::BTreeMap;
@@ -55,14 +57,17 @@ struct Section {
 /// In the order of the page.
 fn sections(data: Option<&Path>) -> Vec<Section> {
     type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
-    let sections: Vec<(&'static str, Claims<'_>)> = vec![(
-        "measured records",
-        Box::new(|| {
-            hammer::report(data)
-                .and(shock::report(data))
-                .and(files::report(data))
-        }),
-    )];
+    let sections: Vec<(&'static str, Claims<'_>)> = vec![
+        ("rodwave", Box::new(rodwave::report)),
+        (
+            "measured records",
+            Box::new(|| {
+                hammer::report(data)
+                    .and(shock::report(data))
+                    .and(files::report(data))
+            }),
+        ),
+    ];
     sections
         .par_iter()
         .map(|(name, claims)| Section {
