@@ -12,6 +12,7 @@ mod difference;
 mod drift;
 mod files;
 mod hammer;
+mod labio;
 mod page;
 mod rodwave;
 mod shock;
@@ -59,6 +60,7 @@ fn sections(data: Option<&Path>) -> Vec<Section> {
     type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
     let sections: Vec<(&'static str, Claims<'_>)> = vec![
         ("rodwave", Box::new(rodwave::report)),
+        ("labio", Box::new(labio::report)),
         (
             "measured records",
             Box::new(|| {
