@@ -22,7 +22,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use reproduce::{Keep, Paper};
 
-/// Fixtures, reproductions of the papers, and validation on measured records.
+/// Fixtures, reproductions of the papers, and validation.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Arguments {
@@ -67,11 +67,14 @@ enum Task {
         #[command(subcommand)]
         question: Option<Question>,
     },
-    /// Run the software on measured records and print its figures next to what is known of them.
+    /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
+        /// Change nothing in the repository; fail, naming the claims, where docs/validation.md is not what would be written.
+        #[arg(long)]
+        check: bool,
     },
 }
 
@@ -121,7 +124,7 @@ fn main() -> ExitCode {
                 .as_ref()
                 .map(|Question::Supports { renderer }| renderer.as_str()),
         ),
-        Task::Validate { data } => validate::run(data.as_deref()),
+        Task::Validate { data, check } => validate::run(data.as_deref(), check),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
