@@ -12,6 +12,7 @@ mod fixtures;
 mod generated;
 mod reproduce;
 mod snapshot;
+mod traceability;
 mod validate;
 
 use std::path::PathBuf;
@@ -49,6 +50,12 @@ enum Task {
     ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
+    /// Write docs/traceability.md: every numbered item of the thesis, its code and its proof.
+    Traceability {
+        /// Change nothing; fail where the page is not what would be written.
+        #[arg(long)]
+        check: bool,
+    },
     /// Run the software on measured records and print its figures next to what is known of them.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
@@ -86,6 +93,7 @@ fn main() -> ExitCode {
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
         Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
         Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
+        Task::Traceability { check } => traceability::run(check),
         Task::Validate { data } => validate::run(data.as_deref()),
     };
     match outcome {
