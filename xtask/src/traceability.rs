@@ -2,7 +2,7 @@
 //!
 //! docs/traceability.ron says where an item is implemented and which test proves it. Here every such reference is looked up in
 //! the parsed sources, the rows are compared with the list of what the thesis numbers, and citations of equations in the
-//! sources are compared with the same list.
+//! sources are compared with the same list. What implements an equation has to cite it, so that the way back is open too.
 
 mod citation;
 mod error;
@@ -18,8 +18,9 @@ use std::path::Path;
 use crate::Outcome;
 use crate::generated::{ensure_file_contents, workspace_root};
 
+use citation::Citation;
 use error::{Fault, Faults};
-use numbered::Numbered;
+use numbered::{Kind, Numbered, Part};
 use reproduction::Reproductions;
 use row::Row;
 use workspace::{Unresolved, Workspace};
@@ -42,8 +43,9 @@ pub(crate) fn run(check: bool) -> Outcome {
         faults.extend(faults_of(row, root, &workspace, &reproductions));
     }
     let citations = citation::of_workspace(root)?;
+    faults.extend(rows.iter().filter_map(|row| not_cited(row, &citations)));
     let equations = citations.len();
-    faults.extend(citations.into_iter().filter_map(citation::Citation::fault));
+    faults.extend(citations.into_iter().filter_map(Citation::fault));
     if !faults.is_empty() {
         return Err(Box::new(Faults(faults)));
     }
@@ -92,6 +94,27 @@ fn complete(rows: &[Row], expected: &[Numbered]) -> Vec<Fault> {
         });
     }
     faults
+}
+
+/// The fault of an equation of a paper that no file of its implementation cites. The survey repeats the papers.
+fn not_cited(row: &Row, citations: &[Citation]) -> Option<Fault> {
+    let item = row.item();
+    if item.part == Part::Survey || item.kind != Kind::Equation || !item.has_number() {
+        return None;
+    }
+    let files: Vec<&str> = row
+        .implemented
+        .iter()
+        .filter_map(|reference| workspace::split(reference).map(|(file, _)| file))
+        .collect();
+    let cited = citations
+        .iter()
+        .map(Citation::of)
+        .any(|(cited, file)| *cited == item && files.contains(&file));
+    (!cited).then(|| Fault::NotCited {
+        item,
+        files: files.join(", "),
+    })
 }
 
 /// What is wrong with one row by itself.

@@ -30,6 +30,11 @@ pub(crate) struct Citation {
 }
 
 impl Citation {
+    /// What is cited, and in which file.
+    pub(crate) fn of(&self) -> (&Numbered, &str) {
+        (&self.cited, &self.file)
+    }
+
     /// The fault of citing what the thesis does not have.
     pub(crate) fn fault(self) -> Option<Fault> {
         let known = numbers(self.cited.part, self.cited.kind);
@@ -227,10 +232,9 @@ fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
             break;
         };
         numbers.extend(
-            [Some(first), last]
+            between(first, last)
                 .into_iter()
-                .flatten()
-                .map(|number| (word.line, number.to_owned())),
+                .map(|number| (word.line, number)),
         );
         end = after;
         used = at + 1;
@@ -267,6 +271,26 @@ fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> {
     match range.and_then(number) {
         Some((last, after)) => Some((first, Some(last), after)),
         None => Some((first, None, after)),
+    }
+}
+
+/// All numbers of a range, or its ends where these do not count up from one to the other.
+fn between(first: &str, last: Option<&str>) -> Vec<String> {
+    let Some(last) = last else {
+        return vec![first.to_owned()];
+    };
+    let counted = |number: &str| -> Option<(String, u32)> {
+        let before = number.trim_end_matches(|c: char| c.is_ascii_digit());
+        let count = number.get(before.len()..)?.parse().ok()?;
+        Some((before.to_owned(), count))
+    };
+    match (counted(first), counted(last)) {
+        (Some((before, from)), Some((same, to))) if before == same && from < to && to < 100 => {
+            (from..=to)
+                .map(|count| format!("{before}{count}"))
+                .collect()
+        }
+        _ => vec![first.to_owned(), last.to_owned()],
     }
 }
 
@@ -323,7 +347,17 @@ mod tests {
                 "P D, eqs. 1, 2, 7 m",
                 vec!["D, eq. 1", "D, eq. 2", "D, eq. 7"],
             ),
-            ("P D, eqs. 1-8:", vec!["D, eq. 1", "D, eq. 8"]),
+            ("P D, eqs. 6-8:", vec!["D, eq. 6", "D, eq. 7", "D, eq. 8"]),
+            (
+                "P E, eqs. A8-A10 and 3-2",
+                vec![
+                    "E, eq. A8",
+                    "E, eq. A9",
+                    "E, eq. A10",
+                    "E, eq. 3",
+                    "E, eq. 2",
+                ],
+            ),
             ("P E (eq. 10), without", vec!["E, eq. 10"]),
             ("P E's Equation (7)", vec!["E, eq. 7"]),
             ("P E, eq. 7, 1572 lines", vec!["E, eq. 7"]),
@@ -344,7 +378,10 @@ mod tests {
             assert_eq!(names(text), expected, "{text}");
         }
         let survey = ["(the sur", "vey, eqs. 2.1-2.3)"].concat();
-        assert_eq!(names(&survey), ["survey, eq. 2.1", "survey, eq. 2.3"]);
+        assert_eq!(
+            names(&survey),
+            ["survey, eq. 2.1", "survey, eq. 2.2", "survey, eq. 2.3"]
+        );
     }
 
     #[test]

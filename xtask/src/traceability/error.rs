@@ -75,6 +75,11 @@ pub(crate) enum Fault {
     /// A link of the text leads nowhere.
     #[error("{item}: link `{link}` leads nowhere, expected a file seen from docs")]
     DeadLink { item: Numbered, link: String },
+    /// Code that does not say which equation it is.
+    #[error(
+        "{item}: cited in none of {files}, expected `(Ödeen 1993, {item})` where it is implemented"
+    )]
+    NotCited { item: Numbered, files: String },
     /// A citation of something that the thesis does not have.
     #[error("{file}, line {line}: `{cited}` is cited, expected {expected}")]
     Citation {

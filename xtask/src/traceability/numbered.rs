@@ -92,6 +92,13 @@ pub(crate) struct Numbered {
     pub(crate) number: String,
 }
 
+impl Numbered {
+    /// Whether it can be cited by a number.
+    pub(crate) fn has_number(&self) -> bool {
+        self.number != UNNUMBERED
+    }
+}
+
 impl fmt::Display for Numbered {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, {} {}", self.part, self.kind, self.number)

@@ -16,7 +16,7 @@ pub(crate) fn markdown(rows: &[Row]) -> String {
          # From the thesis to code and proof\n\n\
          Every equation, table and figure that S. Ödeen numbers in his thesis (Luleå 1993), where it is implemented, and the \
          tests that prove it. `{COMMAND} --check` fails where an item has no row, where code or test are not there any more, \
-         and where a source cites an equation that does not exist. Figures and tables are drawn and recomputed by the tasks \
+         where a source cites an equation that does not exist, and where code does not cite the equation that it implements. Figures and tables are drawn and recomputed by the tasks \
          named; what they hold is compared with snapshots. How to add a row stands in \
          [CONTRIBUTING.md](../CONTRIBUTING.md#traceability).\n\n"
     );

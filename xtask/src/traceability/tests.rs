@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::numbered::{Kind, Part};
 use super::*;
 
 const LIBRARY: &str = "
@@ -139,6 +138,26 @@ fn nothing_far_away_is_proposed() {
         [
             "paper A, eq. 3, implemented: `crates/cmod/src/branch.rs` does not define `Resonances::estimate`"
         ]
+    );
+}
+
+#[test]
+fn what_implements_an_equation_cites_it() {
+    let row = &rows(ROW)[0];
+    let citing = |file: &str, text: &str| {
+        not_cited(row, &citation::of_text(file, text)).map(|fault| fault.to_string())
+    };
+    let here = "crates/cmod/src/branch.rs";
+    assert_eq!(citing(here, "(paper A, eqs. 2-4)"), None);
+    let expected = Some(
+        "paper A, eq. 3: cited in none of crates/cmod/src/branch.rs, expected `(Ödeen 1993, paper A, eq. 3)` where it is \
+         implemented"
+            .to_owned(),
+    );
+    assert_eq!(citing(here, "(paper B, eq. 3)"), expected);
+    assert_eq!(
+        citing("crates/cmod/src/lib.rs", "(paper A, eq. 3)"),
+        expected
     );
 }
 
