@@ -234,3 +234,68 @@ pub(crate) fn entries(root: &Path, folder: &str) -> Result<Vec<String>, Traceabi
     names.sort();
     Ok(names)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generated::write_whole;
+
+    fn written(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            write_whole(&folder.path().join(name), text).unwrap();
+        }
+        folder
+    }
+
+    /// Modules beside their file, in its folder, in `mod.rs` and by attribute; and a file that nobody declares.
+    #[test]
+    fn only_what_a_crate_compiles_is_found() {
+        let folder = written(&[
+            ("xtask/src/main.rs", "mod task;"),
+            ("xtask/src/task.rs", ""),
+            ("crates/a/src/lib.rs", "mod rod;"),
+            ("crates/a/src/rod.rs", "mod end;"),
+            ("crates/a/src/rod/end.rs", "pub struct End;"),
+            ("crates/a/src/rod/forgotten.rs", "pub struct Forgotten;"),
+            (
+                "crates/a/tests/one.rs",
+                "mod rig; #[path = \"two/part.rs\"] mod part;",
+            ),
+            ("crates/a/tests/rig/mod.rs", "mod hammer;"),
+            ("crates/a/tests/rig/hammer.rs", "fn swing() {}"),
+            ("crates/a/tests/two/part.rs", "#[test] fn by_attribute() {}"),
+            ("crates/a/tests/three/main.rs", "mod whole;"),
+            (
+                "crates/a/tests/three/whole.rs",
+                "#[test] fn in_the_folder() {}",
+            ),
+            ("crates/a/tests/data/readme.md", "no crate"),
+            ("crates/b/src/lib.rs", ""),
+        ]);
+        let workspace = Workspace::read(folder.path()).unwrap();
+        for reference in [
+            "crates/a/src/rod/end.rs::End",
+            "crates/a/tests/rig/hammer.rs::swing",
+            "crates/a/tests/two/part.rs::by_attribute",
+            "crates/a/tests/three/whole.rs::in_the_folder",
+        ] {
+            assert!(workspace.resolve(reference).is_ok(), "{reference}");
+        }
+        let forgotten = workspace.resolve("crates/a/src/rod/forgotten.rs::Forgotten");
+        assert!(matches!(forgotten, Err(Unresolved::File { .. })));
+    }
+
+    #[test]
+    fn a_module_without_a_file_and_a_file_that_is_no_rust_are_named() {
+        let error = |text: &str| {
+            let folder = written(&[("xtask/src/main.rs", text)]);
+            Workspace::read(folder.path()).unwrap_err().to_string()
+        };
+        assert_eq!(
+            error("mod task;"),
+            "xtask/src/main.rs declares module `task`, expected xtask/src/task.rs or xtask/src/task/mod.rs"
+        );
+        assert!(error("fn fn").starts_with("xtask/src/main.rs: line 1, column 4: "));
+    }
+}
