@@ -1,4 +1,5 @@
-//! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5 and 6 of paper E`.
+//! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5 and 6 of paper E`, and in
+//! short `(A 5)`.
 //!
 //! A citation is read word by word, across the line breaks of comments. What names no paper, as `eq. 5` alone, is not looked at:
 //! its paper is not known.
@@ -89,7 +90,11 @@ pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
     let mut citations = Vec::new();
     for at in 0..words.len() {
         let rest = words.get(at..).unwrap_or_default();
-        for (line, cited) in after_part(rest).into_iter().chain(before_part(rest)) {
+        let found = after_part(rest)
+            .into_iter()
+            .chain(before_part(rest))
+            .chain(in_short(rest));
+        for (line, cited) in found {
             citations.push(Citation {
                 file: file.to_owned(),
                 line,
@@ -160,6 +165,47 @@ fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
         _ => rest,
     };
     part(rest).map_or_else(Vec::new, |(part, _, _)| run.items(part))
+}
+
+/// `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a section.
+fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
+    let letter = |text: &str| match text.as_bytes() {
+        [letter] => Part::of_letter(char::from(*letter)),
+        _ => None,
+    };
+    let mut found = Vec::new();
+    let Some((first, mut rest)) = words.split_first() else {
+        return found;
+    };
+    let Some(mut part) = first.text.strip_prefix('(').and_then(letter) else {
+        return found;
+    };
+    while let Some((word, others)) = rest.split_first() {
+        let end = if let Some(run) = run(rest) {
+            found.extend(run.items(part));
+            rest = rest.get(run.used..).unwrap_or_default();
+            run.end
+        } else if let Some((first, last, end)) =
+            number_or_range(word.text).filter(|(first, ..)| !first.contains('.'))
+        {
+            found.extend(between(first, last).into_iter().map(|number| {
+                let kind = Kind::Equation;
+                (word.line, Numbered { part, kind, number })
+            }));
+            rest = others;
+            end
+        } else if let Some(next) = letter(word.text).filter(|_| !found.is_empty()) {
+            part = next;
+            rest = others;
+            ","
+        } else {
+            break;
+        };
+        if end != "," {
+            break;
+        }
+    }
+    found
 }
 
 /// A part, what follows it in its last word, and the number of words.
@@ -296,6 +342,15 @@ mod tests {
             ("P E, eq. 7, 1572 lines", vec!["E, eq. 7"]),
             ("P A, Figure 3a, virtual", vec!["A, Figure 3"]),
             (
+                "law (A 2, B 3, E 4-5)",
+                vec!["A, eq. 2", "B, eq. 3", "E, eq. 4", "E, eq. 5"],
+            ),
+            (
+                "(A 3, Table 1) and (E A10, section 3).",
+                vec!["A, eq. 3", "A, Table 1", "E, eq. A10"],
+            ),
+            ("(D eq. 14)", vec!["D, eq. 14"]),
+            (
                 "Figures 5 and 6 of P E on",
                 vec!["E, Figure 5", "E, Figure 6"],
             ),
@@ -326,6 +381,9 @@ mod tests {
             "P Ab, eq. 3",
             "eq. 5 from zero",
             "P F, eq. 2",
+            "hammers (E 3.1), bodies",
+            "(A wave 3 m long)",
+            "(AB 3)",
         ] {
             assert!(names(text).is_empty(), "{text}: {:?}", names(text));
         }
