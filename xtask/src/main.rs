@@ -13,6 +13,7 @@ mod fixtures;
 mod generated;
 mod reproduce;
 mod snapshot;
+mod traceability;
 mod validate;
 
 use std::path::PathBuf;
@@ -66,6 +67,12 @@ enum Task {
     BookEquations {
         #[command(subcommand)]
         question: Option<Question>,
+    },
+    /// Write docs/traceability.md: every numbered item of the thesis, its code and its proof.
+    Traceability {
+        /// Change nothing; fail where the page is not what would be written.
+        #[arg(long)]
+        check: bool,
     },
     /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
@@ -125,6 +132,7 @@ fn main() -> ExitCode {
                 .map(|Question::Supports { renderer }| renderer.as_str()),
         ),
         Task::Validate { data, check } => validate::run(data.as_deref(), check),
+        Task::Traceability { check } => traceability::run(check),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

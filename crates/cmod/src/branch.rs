@@ -70,7 +70,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use num_complex::Complex64;
 
-/// Closed-form solution of cosh(γL) = Ψ, but for the integers s and n (paper A, eqs. 3-4).
+/// Closed-form solution of cosh(γL) = Ψ, but for the integers s and n (paper A, eqs. 3-4; paper B, eqs. 8-9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeEndRoot {
     damping_length: f64,
@@ -144,7 +144,7 @@ impl FreeEndRoot {
     }
 }
 
-/// The integers s and n of kL = sβ + nπ (paper A, eq. 3 and Table 1).
+/// The integers s and n of kL = sβ + nπ (paper A, eq. 3 and Table 1; paper B, Table 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Branch {
     sign: i8,

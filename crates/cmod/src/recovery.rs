@@ -114,7 +114,7 @@ impl ThreeElement {
         self.parameters
     }
 
-    /// Strain rate of the dashpot \[1/s\] at `dashpot_stress` \[Pa\] (eq. 1).
+    /// Strain rate of the dashpot \[1/s\] at `dashpot_stress` \[Pa\] (paper C, eq. 1).
     #[must_use]
     pub fn dashpot_strain_rate(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -136,7 +136,7 @@ impl ThreeElement {
         coefficient * (exponent + 1.0) * dashpot_stress.abs().powf(exponent)
     }
 
-    /// Differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (eq. 2); infinite at 0 if m > 0.
+    /// Differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (paper C, eq. 2); infinite at 0 if m > 0.
     #[must_use]
     pub fn differential_viscosity(&self, dashpot_stress: f64) -> f64 {
         1.0 / self.differential_fluidity(dashpot_stress)
@@ -161,7 +161,7 @@ impl ThreeElement {
         e1 * (fluidity / omega) / (1.0 + (e2 * fluidity / omega) * ((e1 + e2) * fluidity / omega))
     }
 
-    /// Δtan δ = E₁/(ωη), the loss factor at high frequency (eq. 3). `omega` \[rad/s\], `dashpot_stress` \[Pa\].
+    /// Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega` \[rad/s\], `dashpot_stress` \[Pa\].
     ///
     /// It exceeds [`loss_factor`](Self::loss_factor) by the share E₂(E₁+E₂)/(ωη)².
     #[must_use]

@@ -30,7 +30,7 @@ pub struct DrivenRod<'a> {
 /// Velocity of the free end and its derivatives by the parameters of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearisedResponse {
-    /// v_r [m/s], one entry for each time.
+    /// v_r [m/s], one entry for each time (paper D, eq. 11).
     pub velocity: Vec<f64>,
     /// ∂v_r/∂θ [m/s], one column for each parameter, each as long as `velocity`.
     pub by_parameter: Vec<Vec<f64>>,

@@ -23,7 +23,7 @@ use crate::test::RodTest;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Pattern {
-    /// |v_e - v_r|/V0, eq. (9).
+    /// |v_e - v_r|/V0 (paper D, eq. 9).
     Absolute,
     /// (v_e - v_r)/V0.
     Signed,

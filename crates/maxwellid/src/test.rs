@@ -220,7 +220,7 @@ impl RodTest {
         &self.name
     }
 
-    /// The samples of the response within the window [m/s].
+    /// The samples of the response within the window [m/s] (paper D, eq. 10).
     #[must_use]
     pub fn response(&self) -> &[f64] {
         &self.response[..self.window]

@@ -170,7 +170,8 @@ impl<V: Argument> Chain<V> {
     }
 
     /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses on the face, v̂ is the
-    /// velocity of the face along F̂ (paper E, eqs. A5 and A11).
+    /// velocity of the face along F̂ (paper E, eqs. A5 and A11). For the truncated cone and the compound cylinder it is what the paper
+    /// writes out (paper E, eqs. 8, 9, A7, A13 and A14), for a rod without end 1/Z (paper E, eqs. 10 and A16).
     ///
     /// At ω = 0 it is the static limit: 0 for a fixed body, 1/q for a dashpot q at the end.
     ///

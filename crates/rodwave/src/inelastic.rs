@@ -1,6 +1,6 @@
 //! Inelastic laws: the part F(σ) of the strain rate that is not elastic.
 //!
-//! The rod of paper D obeys (Ödeen 1993, paper D, eq. 7)
+//! The rod of paper D obeys (Ödeen 1993, paper D, eqs. 3 and 7)
 //!
 //! ```text
 //! ∂ε/∂t = (1/E) ∂σ/∂t + F(σ)

@@ -3,7 +3,7 @@
 //! ```text
 //! γ = α + ik = iω (E/ρ)^{-1/2}          (Ödeen 1993, paper E, eq. 4)
 //! Z/A = (E ρ)^{1/2} = iωρ/γ             (paper E, eqs. 5-6)
-//! E = -ρω²/γ²                           (paper A, eq. 2; paper B, eq. 3)
+//! E = -ρω²/γ²                           (paper B, eq. 2; in real form: paper A, eq. 2; paper B, eq. 3)
 //! ```
 //!
 //! Of the two roots for γ it is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and

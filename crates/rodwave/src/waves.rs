@@ -1,6 +1,6 @@
 //! The two waves of which the motion of a uniform rod consists.
 //!
-//! Strain, velocity, normal force, any quantity that obeys the wave equation, is (Ödeen 1993, paper B, eq. 4)
+//! Strain, velocity, normal force, any quantity that obeys q'' = γ²q, is (Ödeen 1993, paper B, eqs. 1 and 4)
 //!
 //! ```text
 //! q(x) = P e^{-γx} + N e^{γx}

@@ -73,6 +73,39 @@ proptest! {
     }
 }
 
+/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E, the second derivative by five strains a step h apart with |γ|h = 1/20. Its
+/// error is (γh)⁴/90 = 7e-8 of γ²ε.
+#[test]
+fn strain_obeys_the_wave_equation() {
+    let density = 919.0;
+    let bar = Medium::new(density, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
+    let beam = EndSupport::PAPER_B_BEAM;
+    let pulse = HalfSine::new(50.0, 2e-4).unwrap();
+    for right in [beam, beam.with_lump(0.5)] {
+        for frequency_hz in [500.0, 1400.0, 3000.0, 9000.0] {
+            let omega = TAU * frequency_hz;
+            let square = -density * omega * omega / bar.modulus(omega);
+            let step = 0.05 / square.norm().sqrt();
+            let positions = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|n| MIDDLE + n * step);
+            let strains =
+                FrameMember::new(&bar, section(), LENGTH, &positions, right.termination())
+                    .unwrap()
+                    .with_left_structure(beam.termination())
+                    .unwrap()
+                    .strain_spectra(&Excitation::Force(&pulse), &[omega])
+                    .unwrap();
+            let [a, b, middle, c, d] = [0, 1, 2, 3, 4].map(|n: usize| strains[n][0]);
+            let second = (16.0 * (b + c) - (a + d) - 30.0 * middle) / (12.0 * step * step);
+            let size = square.norm() * a.norm().max(middle.norm()).max(d.norm());
+            assert!(
+                (second - square * middle).norm() < 1e-7 * size,
+                "{frequency_hz} Hz: {second} {}",
+                square * middle
+            );
+        }
+    }
+}
+
 /// The single strains do depend on the ends: structures I and II differ, and so do their histories.
 #[test]
 fn structures_one_and_two() {

@@ -44,20 +44,20 @@ impl Recovery {
         self.initial_dashpot_stress
     }
 
-    /// t_r \[s\], in which the change of the loss factor falls to one half (eq. 5); infinite for m = 0 or without load.
+    /// t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5, corrected); infinite for m = 0 or without load.
     #[must_use]
     pub fn recovery_time(&self) -> f64 {
         1.0 / (self.model.parameters.exponent * self.initial_rate())
     }
 
-    /// Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (eq. 5).
+    /// Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (paper C, eq. 5).
     #[must_use]
     pub fn initial_loss_factor_change(&self, omega: f64) -> f64 {
         self.model
             .loss_factor_change(omega, self.initial_dashpot_stress)
     }
 
-    /// Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (eq. 4).
+    /// Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (paper C, eq. 4).
     #[must_use]
     pub fn loss_factor_change(&self, omega: f64, t: f64) -> f64 {
         self.initial_loss_factor_change(omega)

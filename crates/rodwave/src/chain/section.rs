@@ -46,7 +46,7 @@ impl<'a, V: Argument> Section<'a, V> {
     }
 
     /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact face, F̂ = 1: the transfer
-    /// functions N̂/F̂ and v̂/F̂ \[s/kg\].
+    /// functions N̂/F̂ and v̂/F̂ \[s/kg\]. Within a cone they are (paper E, eq. A4).
     ///
     /// Quotients of two such states are the transfer functions between two sections, whatever the excitation. Where the
     /// waves have died out, below 1e-308, the state is 0.

@@ -313,7 +313,8 @@ impl<V: Argument> FrameMember<V> {
         self.positions.len()
     }
 
-    /// Strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation`; `(n_sections)(n_frequencies)`.
+    /// Strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation` (paper B, eq. 5);
+    /// `(n_sections)(n_frequencies)`.
     ///
     /// # Errors
     /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] at ω = 0, where the strain of a law that creeps is infinite.

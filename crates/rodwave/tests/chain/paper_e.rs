@@ -4,6 +4,7 @@ use super::bodies::{aluminium, circle, cone, cylinder, nylon, relative};
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
+use rodwave::element::Segment;
 use rodwave::{Chain, Termination};
 
 /// Real and imaginary part each to 1e-10 of itself, lest the small one hide behind the large.
@@ -167,5 +168,71 @@ fn printed_rule_for_the_far_face() {
         let found = cone(Termination::Free).far_face_mobility(omega).unwrap();
         let printed = printed_cone(omega, 0.075, 0.030, 0.0);
         assert!(relative(found, printed) < 1e-10, "{frequency_hz}"); // as above
+    }
+}
+
+/// Printed (A4) inside the cone, its two functions C and D taken from the state of the near face, and the impedance (A3) that it carries.
+#[test]
+fn printed_solution_inside_the_cone() {
+    let segment = Segment::cone(circle(0.030), circle(0.075), 0.400).unwrap();
+    let apex = 0.400 / (75.0 / 30.0 - 1.0);
+    for resistance in [0.0, 1e3] {
+        let cone = cone(Termination::Dashpot(resistance));
+        for frequency_hz in [200.0, 1700.0, 9700.0] {
+            let omega = TAU * frequency_hz;
+            let gamma = nylon().propagation_coefficient(omega);
+            let z_a = nylon().specific_characteristic_impedance(omega) * (PI / 4.0 * 0.030 * 0.030);
+            let face = cone.section(0, 0.0).unwrap().state(omega).unwrap();
+            // C e^{-γx} + D e^{γx} = vx and -C(γx + 1) e^{-γx} + D(γx - 1) e^{γx} = N γ x_A²/Z_A at x = x_A
+            let (g, sum) = (gamma * apex, face.velocity * apex);
+            let backward =
+                (face.normal_force * gamma * apex * apex / z_a + sum * (g + 1.0)) / (2.0 * g);
+            let (c, d) = ((sum - backward) * g.exp(), backward * (-g).exp());
+            for distance in [0.1, 0.25, 0.4] {
+                let x = apex + distance;
+                let (forward, backward) = (c * (-gamma * x).exp(), d * (gamma * x).exp());
+                let force = z_a / (gamma * apex * apex)
+                    * (-forward * (gamma * x + 1.0) + backward * (gamma * x - 1.0));
+                let velocity = (forward + backward) / x;
+                let found = cone.section(0, distance).unwrap().state(omega).unwrap();
+                let what = format!("q = {resistance}, {frequency_hz} Hz, {distance} m");
+                // The forces of the two waves cancel at a free end; at 200 Hz, where |γx| is 0.2 at the face, (γx + 1)e^{-γx} and
+                // (γx - 1)e^{γx} cancel to a hundredth besides. Hence the force at the face as the scale, and two digits for rounding.
+                let scale = face.normal_force.norm();
+                assert!(
+                    (force - found.normal_force).norm() < 1e-12 * scale,
+                    "N {what}"
+                );
+                assert!(relative(velocity, found.velocity) < 1e-11, "v {what}");
+                let growth = segment.area_at(distance).unwrap() / segment.area_at(0.0).unwrap();
+                assert!(
+                    (growth / (x / apex).powi(2) - 1.0).abs() < 1e-14,
+                    "Z {what}"
+                );
+            }
+        }
+    }
+}
+
+/// Printed (A6) and (A12): what the far end gives to its dashpot.
+#[test]
+fn dashpot_behind_the_far_end() {
+    for resistance in [0.0, 30.0, 1e3, 1e5] {
+        let (cone, cylinder) = (
+            cone(Termination::Dashpot(resistance)),
+            cylinder(Termination::Dashpot(resistance)),
+        );
+        for frequency_hz in [200.0, 1700.0, 9700.0] {
+            let omega = TAU * frequency_hz;
+            for end in [cone.section(0, 0.4), cylinder.section(3, 0.125)] {
+                let end = end.unwrap().state(omega).unwrap();
+                let left = end.normal_force + resistance * end.velocity;
+                // the pair is carried from this end to the face and back by one factor: rounding of q v, or of nothing
+                assert!(
+                    left.norm() <= 1e-14 * resistance * end.velocity.norm(),
+                    "q = {resistance}, {frequency_hz} Hz: {left}"
+                );
+            }
+        }
     }
 }

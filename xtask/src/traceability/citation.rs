@@ -1,0 +1,419 @@
+//! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5 and 6 of paper E`, and in
+//! short `(A 5)`.
+//!
+//! A citation is read word by word, across the line breaks of comments. What names no paper, as `eq. 5` alone, is not looked at:
+//! its paper is not known.
+
+mod number;
+
+use std::fs;
+use std::path::Path;
+
+use self::number::{between, kind, number_or_range};
+use super::error::{Fault, TraceabilityError};
+use super::numbered::{Kind, Numbered, Part, in_words, numbers};
+use super::workspace::entries;
+
+/// Where citations are looked for, from the root of the workspace.
+const PLACES: [&str; 7] = [
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "README.md",
+    "crates",
+    "docs",
+    "fixtures",
+    "xtask/src",
+];
+
+/// A numbered item, named in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Citation {
+    file: String,
+    line: usize,
+    cited: Numbered,
+}
+
+impl Citation {
+    /// What is cited, and in which file.
+    pub(crate) fn of(&self) -> (&Numbered, &str) {
+        (&self.cited, &self.file)
+    }
+
+    /// The fault of citing what the thesis does not have.
+    pub(crate) fn fault(self) -> Option<Fault> {
+        let known = numbers(self.cited.part, self.cited.kind);
+        (!known.contains(&self.cited.number)).then(|| Fault::Citation {
+            file: self.file,
+            line: self.line,
+            expected: in_words(self.cited.part, self.cited.kind),
+            cited: self.cited,
+        })
+    }
+}
+
+/// Every citation in the files of the workspace at `root`.
+pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, TraceabilityError> {
+    let mut citations = Vec::new();
+    let mut paths: Vec<String> = PLACES.map(str::to_owned).into();
+    while let Some(path) = paths.pop() {
+        if root.join(&path).is_dir() {
+            paths.extend(entries(root, &path)?);
+        } else if [".rs", ".md", ".ron"]
+            .iter()
+            .any(|ending| path.ends_with(ending))
+        {
+            let text =
+                fs::read_to_string(root.join(&path)).map_err(|source| TraceabilityError::Io {
+                    path: root.join(&path),
+                    source,
+                })?;
+            citations.extend(of_text(&path, &text));
+        }
+    }
+    citations.sort_by(|a, b| (&a.file, a.line).cmp(&(&b.file, b.line)));
+    Ok(citations)
+}
+
+/// Every citation in `text`.
+pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
+    let words: Vec<Word<'_>> = text
+        .lines()
+        .zip(1..)
+        .flat_map(|(line, number)| {
+            without_comment_mark(line)
+                .split_whitespace()
+                // a string that goes on in the next line
+                .filter(|word| *word != "\\")
+                .map(move |text| Word { text, line: number })
+        })
+        .collect();
+    let mut citations = Vec::new();
+    for at in 0..words.len() {
+        let rest = words.get(at..).unwrap_or_default();
+        let found = after_part(rest)
+            .into_iter()
+            .chain(before_part(rest))
+            .chain(in_short(rest));
+        for (line, cited) in found {
+            citations.push(Citation {
+                file: file.to_owned(),
+                line,
+                cited,
+            });
+        }
+    }
+    citations
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Word<'a> {
+    text: &'a str,
+    line: usize,
+}
+
+fn without_comment_mark(line: &str) -> &str {
+    let line = line.trim_start();
+    ["//!", "///", "//", "> "]
+        .iter()
+        .find_map(|mark| line.strip_prefix(mark))
+        .unwrap_or(line)
+}
+
+/// `paper A, eqs. 3-4 and Table 1`, from its first word on.
+fn after_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
+    let mut found = Vec::new();
+    let Some((part, mut end, used)) = part(words) else {
+        return found;
+    };
+    if !["", ",", "'s", "’s"].contains(&end) {
+        return found;
+    }
+    let mut rest = words.get(used..).unwrap_or_default();
+    loop {
+        let joined = rest
+            .first()
+            .is_some_and(|word| ["and", "or"].contains(&word.text));
+        if joined && !found.is_empty() {
+            rest = rest.get(1..).unwrap_or_default();
+        } else if !found.is_empty() && end != "," {
+            return found;
+        }
+        let Some(run) = run(rest) else {
+            return found;
+        };
+        found.extend(run.items(part));
+        end = run.end;
+        if !["", ","].contains(&end) {
+            return found;
+        }
+        rest = rest.get(run.used..).unwrap_or_default();
+    }
+}
+
+/// `Figures 5 and 6 of paper E`, from its first word on.
+fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
+    let Some(run) = run(words).filter(|run| run.end.is_empty()) else {
+        return Vec::new();
+    };
+    let rest = words.get(run.used..).unwrap_or_default();
+    let Some(("of", rest)) = rest.split_first().map(|(word, rest)| (word.text, rest)) else {
+        return Vec::new();
+    };
+    // `of the survey`
+    let rest = match rest.split_first() {
+        Some((word, rest)) if word.text == "the" => rest,
+        _ => rest,
+    };
+    part(rest).map_or_else(Vec::new, |(part, _, _)| run.items(part))
+}
+
+/// `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a section.
+fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
+    let letter = |text: &str| match text.as_bytes() {
+        [letter] => Part::of_letter(char::from(*letter)),
+        _ => None,
+    };
+    let mut found = Vec::new();
+    let Some((first, mut rest)) = words.split_first() else {
+        return found;
+    };
+    let Some(mut part) = first.text.strip_prefix('(').and_then(letter) else {
+        return found;
+    };
+    while let Some((word, others)) = rest.split_first() {
+        let end = if let Some(run) = run(rest) {
+            found.extend(run.items(part));
+            rest = rest.get(run.used..).unwrap_or_default();
+            run.end
+        } else if let Some((first, last, end)) =
+            number_or_range(word.text).filter(|(first, ..)| !first.contains('.'))
+        {
+            found.extend(between(first, last).into_iter().map(|number| {
+                let kind = Kind::Equation;
+                (word.line, Numbered { part, kind, number })
+            }));
+            rest = others;
+            end
+        } else if let Some(next) = letter(word.text).filter(|_| !found.is_empty()) {
+            part = next;
+            rest = others;
+            ","
+        } else {
+            break;
+        };
+        if end != "," {
+            break;
+        }
+    }
+    found
+}
+
+/// A part, what follows it in its last word, and the number of words.
+fn part<'a>(words: &[Word<'a>]) -> Option<(Part, &'a str, usize)> {
+    let first = words
+        .first()?
+        .text
+        .trim_start_matches(|c: char| !c.is_alphanumeric());
+    if let Some(end) = first
+        .strip_prefix("survey")
+        .or_else(|| first.strip_prefix("Survey"))
+    {
+        return Some((Part::Survey, end, 1));
+    }
+    if !first.eq_ignore_ascii_case("paper") {
+        return None;
+    }
+    let name = words.get(1)?.text;
+    let part = Part::of_letter(name.chars().next()?)?;
+    let end = name.get(1..)?;
+    (!end.starts_with(char::is_alphanumeric)).then_some((part, end, 2))
+}
+
+/// A kind and its numbers.
+#[derive(Debug)]
+struct Run<'a> {
+    kind: Kind,
+    numbers: Vec<(usize, String)>,
+    /// What follows the last number in its word.
+    end: &'a str,
+    used: usize,
+}
+
+impl Run<'_> {
+    fn items(&self, part: Part) -> Vec<(usize, Numbered)> {
+        self.numbers
+            .iter()
+            .map(|(line, number)| {
+                (
+                    *line,
+                    Numbered {
+                        part,
+                        kind: self.kind,
+                        number: number.clone(),
+                    },
+                )
+            })
+            .collect()
+    }
+}
+
+/// `eq. 5`, `eqs. 3-4`, `Figures 3, 4 and 5`, from its first word on.
+fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
+    let first = words.first()?.text.trim_start_matches('(');
+    let (kind, several) = kind(first)?;
+    let mut numbers = Vec::new();
+    let mut used = 1;
+    let mut end = "";
+    loop {
+        // before a further number a comma, or a word
+        let joined = used > 1
+            && words
+                .get(used)
+                .is_some_and(|word| ["and", "or", "to"].contains(&word.text));
+        if used > 1 && !joined && end != "," {
+            break;
+        }
+        let at = used + usize::from(joined);
+        let Some((word, (first, last, after))) = words
+            .get(at)
+            .and_then(|word| Some((word, number_or_range(word.text)?)))
+        else {
+            break;
+        };
+        numbers.extend(
+            between(first, last)
+                .into_iter()
+                .map(|number| (word.line, number)),
+        );
+        end = after;
+        used = at + 1;
+        if !several || !["", ","].contains(&end) {
+            break;
+        }
+    }
+    (!numbers.is_empty()).then_some(Run {
+        kind,
+        numbers,
+        end,
+        used,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Line and name of each citation; `P` stands for the word before the letter, so that the text of this test cites nothing.
+    fn cited(text: &str) -> Vec<(usize, String)> {
+        of_text("a.rs", &text.replace("P ", "paper "))
+            .into_iter()
+            .map(|citation| (citation.line, citation.cited.to_string()))
+            .collect()
+    }
+
+    fn names(text: &str) -> Vec<String> {
+        cited(text).into_iter().map(|(_, name)| name).collect()
+    }
+
+    #[test]
+    fn every_way_of_citing_is_read() {
+        for (text, expected) in [
+            ("(Ödeen 1993, P A, eq. 5)", vec!["A, eq. 5"]),
+            ("P E, eqs. A6 and A12).", vec!["E, eq. A6", "E, eq. A12"]),
+            ("P A, eq. 3 and Table 1).", vec!["A, eq. 3", "A, Table 1"]),
+            ("P A, eq. 2; P B, eq. 3", vec!["A, eq. 2", "B, eq. 3"]),
+            (
+                "P D, eqs. 1, 2, 7 m",
+                vec!["D, eq. 1", "D, eq. 2", "D, eq. 7"],
+            ),
+            ("P D, eqs. 6-8:", vec!["D, eq. 6", "D, eq. 7", "D, eq. 8"]),
+            (
+                "P E, eqs. A8-A10 and 3-2",
+                vec![
+                    "E, eq. A8",
+                    "E, eq. A9",
+                    "E, eq. A10",
+                    "E, eq. 3",
+                    "E, eq. 2",
+                ],
+            ),
+            ("P E (eq. 10), without", vec!["E, eq. 10"]),
+            ("P E's Equation (7)", vec!["E, eq. 7"]),
+            ("P E, eq. 7, 1572 lines", vec!["E, eq. 7"]),
+            ("P A, Figure 3a, virtual", vec!["A, Figure 3"]),
+            (
+                "law (A 2, B 3, E 4-5)",
+                vec!["A, eq. 2", "B, eq. 3", "E, eq. 4", "E, eq. 5"],
+            ),
+            (
+                "(A 3, Table 1) and (E A10, section 3).",
+                vec!["A, eq. 3", "A, Table 1", "E, eq. A10"],
+            ),
+            ("(D eq. 14)", vec!["D, eq. 14"]),
+            (
+                "Figures 5 and 6 of P E on",
+                vec!["E, Figure 5", "E, Figure 6"],
+            ),
+            (
+                "Tables A1, 3 and 4 of P D.",
+                vec!["D, Table A1", "D, Table 3", "D, Table 4"],
+            ),
+        ] {
+            let expected: Vec<String> = expected
+                .into_iter()
+                .map(|name| format!("paper {name}"))
+                .collect();
+            assert_eq!(names(text), expected, "{text}");
+        }
+        let survey = ["(the sur", "vey, eqs. 2.1-2.3)"].concat();
+        assert_eq!(
+            names(&survey),
+            ["survey, eq. 2.1", "survey, eq. 2.2", "survey, eq. 2.3"]
+        );
+    }
+
+    #[test]
+    fn what_names_no_item_is_no_citation() {
+        for text in [
+            "P A, section 3, eq.",
+            "P A. Figure 3 is ours",
+            "Paperback, eq. 3",
+            "P Ab, eq. 3",
+            "eq. 5 from zero",
+            "P F, eq. 2",
+            "hammers (E 3.1), bodies",
+            "(A wave 3 m long)",
+            "(AB 3)",
+        ] {
+            assert!(names(text).is_empty(), "{text}: {:?}", names(text));
+        }
+    }
+
+    #[test]
+    fn line_breaks_of_comments_and_strings_are_passed() {
+        assert_eq!(
+            cited("fn a() {}\n    /// by (Ödeen 1993, P D,\n    /// eq. 13)"),
+            [(3, "paper D, eq. 13".to_owned())]
+        );
+        assert_eq!(
+            cited("\"as P C, \\\n   Table 1\""),
+            [(2, "paper C, Table 1".to_owned())]
+        );
+    }
+
+    #[test]
+    fn an_equation_that_is_not_there_is_a_fault_with_its_place() {
+        let faults: Vec<String> = of_text("a.rs", &"\nP D, eqs. 14-15".replace('P', "paper"))
+            .into_iter()
+            .filter_map(Citation::fault)
+            .map(|fault| fault.to_string())
+            .collect();
+        assert_eq!(
+            faults,
+            [
+                "a.rs, line 2: `P D, eq. 15` is cited, expected eq. 1 to 14, δ"
+                    .replace("P ", "paper ")
+            ]
+        );
+    }
+}

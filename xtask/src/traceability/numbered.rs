@@ -1,0 +1,212 @@
+//! What the thesis numbers: every equation, table and figure of the survey and of papers A to E.
+//!
+//! The list was counted in the text of the thesis and is kept apart from the rows, so that a row that is missing is noticed.
+
+use std::fmt;
+
+use serde::Deserialize;
+
+/// The survey or a paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+pub(crate) enum Part {
+    Survey,
+    A,
+    B,
+    C,
+    D,
+    E,
+}
+
+impl Part {
+    pub(crate) const ALL: [Self; 6] = [Self::Survey, Self::A, Self::B, Self::C, Self::D, Self::E];
+
+    /// The paper of this letter.
+    pub(crate) fn of_letter(letter: char) -> Option<Self> {
+        match letter {
+            'A' => Some(Self::A),
+            'B' => Some(Self::B),
+            'C' => Some(Self::C),
+            'D' => Some(Self::D),
+            'E' => Some(Self::E),
+            _ => None,
+        }
+    }
+
+    /// Its title in the thesis.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Survey => "Survey",
+            Self::A => {
+                "Determination of complex modulus from measured end-point accelerations of an impacted rod specimen"
+            }
+            Self::B => {
+                "In-situ determination of complex modulus from strain measurements on an impacted structure"
+            }
+            Self::C => {
+                "Effects of load and recovery time on the complex modulus of polyoximethylene"
+            }
+            Self::D => {
+                "Identification of viscoelastic materials from two-point electro-optical displacement measurements on an impacted rod"
+            }
+            Self::E => "Prediction of impact force by impulse response method",
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Survey => write!(f, "survey"),
+            paper => write!(f, "paper {paper:?}"),
+        }
+    }
+}
+
+/// What carries a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+pub(crate) enum Kind {
+    Equation,
+    Table,
+    Figure,
+}
+
+impl Kind {
+    pub(crate) const ALL: [Self; 3] = [Self::Equation, Self::Table, Self::Figure];
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Equation => "eq.",
+            Self::Table => "Table",
+            Self::Figure => "Figure",
+        })
+    }
+}
+
+/// An equation, table or figure of the thesis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Numbered {
+    pub(crate) part: Part,
+    pub(crate) kind: Kind,
+    pub(crate) number: String,
+}
+
+impl Numbered {
+    /// Whether it can be cited by a number.
+    pub(crate) fn has_number(&self) -> bool {
+        self.number != UNNUMBERED
+    }
+}
+
+impl fmt::Display for Numbered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {} {}", self.part, self.kind, self.number)
+    }
+}
+
+/// Runs of numbers: what stands before the number, and the last one; the first is 1.
+const RUNS: [(Part, Kind, &str, u32); 24] = [
+    (Part::Survey, Kind::Equation, "2.", 5),
+    (Part::Survey, Kind::Equation, "3.", 3),
+    (Part::Survey, Kind::Equation, "4.", 1),
+    (Part::Survey, Kind::Equation, "5.", 3),
+    (Part::Survey, Kind::Figure, "3.", 4),
+    (Part::Survey, Kind::Figure, "4.", 1),
+    (Part::Survey, Kind::Figure, "5.", 2),
+    (Part::A, Kind::Equation, "", 7),
+    (Part::A, Kind::Table, "", 2),
+    (Part::A, Kind::Figure, "", 6),
+    (Part::B, Kind::Equation, "", 9),
+    (Part::B, Kind::Table, "", 1),
+    (Part::B, Kind::Figure, "", 4),
+    (Part::C, Kind::Equation, "", 5),
+    (Part::C, Kind::Table, "", 1),
+    (Part::C, Kind::Figure, "", 3),
+    (Part::D, Kind::Equation, "", 14),
+    (Part::D, Kind::Equation, UNNUMBERED, 0),
+    (Part::D, Kind::Table, "", 5),
+    (Part::D, Kind::Table, "A", 1),
+    (Part::D, Kind::Figure, "", 2),
+    (Part::E, Kind::Equation, "", 10),
+    (Part::E, Kind::Equation, "A", 16),
+    (Part::E, Kind::Figure, "", 6),
+];
+
+/// The error of Table 5 stands in the text of paper D, section 4, displayed but without a number.
+const UNNUMBERED: &str = "δ";
+
+/// Everything that has a number, in the order of the thesis.
+pub(crate) fn all() -> Vec<Numbered> {
+    Part::ALL
+        .into_iter()
+        .flat_map(|part| Kind::ALL.into_iter().map(move |kind| (part, kind)))
+        .flat_map(|(part, kind)| {
+            numbers(part, kind)
+                .into_iter()
+                .map(move |number| Numbered { part, kind, number })
+        })
+        .collect()
+}
+
+/// The numbers of one kind in one part.
+pub(crate) fn numbers(part: Part, kind: Kind) -> Vec<String> {
+    RUNS.iter()
+        .filter(|run| (run.0, run.1) == (part, kind))
+        .flat_map(|(_, _, before, last)| match last {
+            0 => vec![(*before).to_owned()],
+            last => (1..=*last)
+                .map(|number| format!("{before}{number}"))
+                .collect(),
+        })
+        .collect()
+}
+
+/// The numbers of one kind in one part, for messages.
+pub(crate) fn in_words(part: Part, kind: Kind) -> String {
+    let runs: Vec<String> = RUNS
+        .iter()
+        .filter(|run| (run.0, run.1) == (part, kind))
+        .map(|(_, _, before, last)| match last {
+            0 => (*before).to_owned(),
+            1 => format!("{before}1"),
+            last => format!("{before}1 to {before}{last}"),
+        })
+        .collect();
+    match runs.as_slice() {
+        [] => format!("no {kind}"),
+        runs => format!("{kind} {}", runs.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The counts of each part, made apart from the runs above.
+    #[test]
+    fn counts_are_those_of_the_thesis() {
+        let counts = |part| Kind::ALL.map(|kind| numbers(part, kind).len());
+        assert_eq!(counts(Part::Survey), [12, 0, 7]);
+        assert_eq!(counts(Part::A), [7, 2, 6]);
+        assert_eq!(counts(Part::B), [9, 1, 4]);
+        assert_eq!(counts(Part::C), [5, 1, 3]);
+        assert_eq!(counts(Part::D), [15, 6, 2]);
+        assert_eq!(counts(Part::E), [26, 0, 6]);
+        assert_eq!(all().len(), 112);
+        assert!(
+            RUNS.iter()
+                .all(|run| Part::ALL.contains(&run.0) && Kind::ALL.contains(&run.1))
+        );
+    }
+
+    #[test]
+    fn numbers_are_written_as_printed() {
+        let last = |part, kind| numbers(part, kind).pop().unwrap();
+        assert_eq!(last(Part::Survey, Kind::Equation), "5.3");
+        assert_eq!(last(Part::D, Kind::Table), "A1");
+        assert_eq!(last(Part::E, Kind::Equation), "A16");
+        assert_eq!(in_words(Part::D, Kind::Equation), "eq. 1 to 14, δ");
+        assert_eq!(in_words(Part::E, Kind::Table), "no Table");
+    }
+}
