@@ -4,8 +4,10 @@
 //! table is printed and written to `target/validate`.
 
 mod check;
+mod claims;
 mod files;
 mod hammer;
+mod impulse;
 mod shock;
 
 use std::path::Path;
@@ -29,7 +31,8 @@ enum ValidationError {
 pub(crate) fn run(data: Option<&Path>) -> Outcome {
     let report = hammer::report(data)
         .and(shock::report(data))
-        .and(files::report(data));
+        .and(files::report(data))
+        .and(impulse::report());
     let folder = workspace_root().join("target").join("validate");
     let markdown = folder.join("validation.md");
     write_whole(&markdown, &report.to_markdown())?;
