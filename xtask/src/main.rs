@@ -21,7 +21,7 @@ use clap::{Parser, Subcommand};
 
 use reproduce::{Keep, Paper};
 
-/// Fixtures, reproductions of the papers, and validation on measured records.
+/// Fixtures, reproductions of the papers, and validation.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Arguments {
@@ -49,11 +49,14 @@ enum Task {
     ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
-    /// Run the software on measured records and print its figures next to what is known of them.
+    /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
+        /// Change nothing in the repository; fail, naming the claims, where docs/validation.md is not what would be written.
+        #[arg(long)]
+        check: bool,
     },
 }
 
@@ -86,7 +89,7 @@ fn main() -> ExitCode {
         Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
         Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
         Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
-        Task::Validate { data } => validate::run(data.as_deref()),
+        Task::Validate { data, check } => validate::run(data.as_deref(), check),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,17 +1,17 @@
-//! A claim about a measured record, what we find, and the verdict.
+//! A claim, what we find, and the verdict.
 
-use std::fmt::Write as _;
+use std::error::Error;
 use std::io;
 
 use labio::LabioError;
 use serde::Serialize;
 
-/// What is known of a record, as a number with a tolerance.
+/// A number that is known otherwise than by our computing it, with a tolerance.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Claim {
-    /// In words, without the number.
+    /// In words, without the number. With the crate it names the claim: no two are alike.
     pub(crate) what: String,
-    /// Who says so.
+    /// Who says so: an equation, a table, a closed form, other software, a record, a law of conservation.
     pub(crate) source: &'static str,
     pub(crate) unit: &'static str,
     pub(crate) expected: f64,
@@ -20,14 +20,49 @@ pub(crate) struct Claim {
     pub(crate) tolerance_from: &'static str,
 }
 
+impl Claim {
+    /// A claim that expects zero exactly, until it is told otherwise.
+    pub(crate) fn new(what: impl Into<String>, source: &'static str) -> Self {
+        Self {
+            what: what.into(),
+            source,
+            unit: "1",
+            expected: 0.0,
+            tolerance: 0.0,
+            tolerance_from: "",
+        }
+    }
+
+    pub(crate) fn expects(mut self, expected: f64, unit: &'static str) -> Self {
+        self.expected = expected;
+        self.unit = unit;
+        self
+    }
+
+    pub(crate) fn within(mut self, tolerance: f64, because: &'static str) -> Self {
+        self.tolerance = tolerance;
+        self.tolerance_from = because;
+        self
+    }
+
+    /// The tolerance as a part of what is expected, which is called before.
+    pub(crate) fn within_part(self, part: f64, because: &'static str) -> Self {
+        let tolerance = part * self.expected.abs();
+        self.within(tolerance, because)
+    }
+}
+
 /// Why there is no number of ours.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) enum NotMeasured {
     /// The record is not there.
     Absent(String),
-    /// The record is there, but the software could not get the number out of it.
+    /// Everything is there, but the software could not get the number out of it.
     Refused(String),
 }
+
+/// A number of ours, or any error of a crate.
+pub(crate) type Found = Result<f64, Box<dyn Error + Send + Sync>>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -41,11 +76,11 @@ pub(crate) enum Verdict {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Check {
     #[serde(flatten)]
-    claim: Claim,
-    ours: Option<f64>,
-    tolerance_used: Option<f64>,
-    verdict: Verdict,
-    reason: Option<String>,
+    pub(crate) claim: Claim,
+    pub(crate) ours: Option<f64>,
+    pub(crate) tolerance_used: Option<f64>,
+    pub(crate) verdict: Verdict,
+    pub(crate) reason: Option<String>,
 }
 
 /// A number that nobody has made a claim about.
@@ -63,21 +98,23 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// Adds the checks of another record.
+    /// Adds the checks of another topic.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.checks.extend(other.checks);
         self.observations.extend(other.observations);
         self
     }
-}
 
-/// How many checks came out how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Tally {
-    pub(crate) total: usize,
-    pub(crate) passed: usize,
-    pub(crate) failed: usize,
-    pub(crate) skipped: usize,
+    /// Adds a claim and what `ours` finds; an error is a claim that failed.
+    pub(crate) fn check(&mut self, claim: Claim, ours: impl FnOnce() -> Found) {
+        let ours = ours().map_err(|error| refused(error.as_ref()));
+        self.checks.push(Check::of(claim, ours));
+    }
+
+    #[cfg(test)]
+    pub(crate) fn count(&self, verdict: Verdict) -> usize {
+        self.checks.iter().filter(|c| c.verdict == verdict).count()
+    }
 }
 
 impl Check {
@@ -87,7 +124,7 @@ impl Check {
             Err(NotMeasured::Absent(reason)) => (None, Some(reason), true),
             Err(NotMeasured::Refused(reason)) => (None, Some(reason), false),
         };
-        let tolerance_used = ours.map(|ours| (ours - claim.expected).abs() / claim.tolerance);
+        let tolerance_used = ours.map(|ours| part(ours - claim.expected, claim.tolerance));
         let verdict = match tolerance_used {
             _ if absent => Verdict::Skipped,
             Some(used) if used <= 1.0 => Verdict::Pass,
@@ -101,135 +138,15 @@ impl Check {
             reason,
         }
     }
-
-    /// The cells of the table, in the order of [`HEADINGS`].
-    fn cells(&self) -> [String; 7] {
-        let percent = |used: f64| format!("{:.0} %", 100.0 * used);
-        let verdict = match (self.verdict, &self.reason) {
-            (Verdict::Pass, _) => "pass".to_owned(),
-            (Verdict::Fail, None) => "FAIL".to_owned(),
-            (Verdict::Fail, Some(reason)) => format!("FAIL: {reason}"),
-            (Verdict::Skipped, reason) => {
-                format!("skipped: {}", reason.as_deref().unwrap_or("no record"))
-            }
-        };
-        [
-            self.claim.what.clone(),
-            self.claim.unit.to_owned(),
-            rounded(self.claim.expected),
-            self.ours.map_or_else(|| "-".to_owned(), rounded),
-            rounded(self.claim.tolerance),
-            self.tolerance_used.map_or_else(|| "-".to_owned(), percent),
-            verdict,
-        ]
-    }
 }
 
-const HEADINGS: [&str; 7] = [
-    "claim",
-    "unit",
-    "expected",
-    "ours",
-    "tolerance",
-    "used",
-    "verdict",
-];
-
-impl Report {
-    pub(crate) fn tally(&self) -> Tally {
-        let count = |verdict| self.checks.iter().filter(|c| c.verdict == verdict).count();
-        Tally {
-            total: self.checks.len(),
-            passed: count(Verdict::Pass),
-            failed: count(Verdict::Fail),
-            skipped: count(Verdict::Skipped),
-        }
-    }
-
-    /// One sentence.
-    fn summary(&self) -> String {
-        let Tally {
-            total,
-            passed,
-            failed,
-            skipped,
-        } = self.tally();
-        format!("{total} checks: {passed} passed, {failed} failed, {skipped} skipped")
-    }
-
-    /// For the terminal: aligned columns.
-    pub(crate) fn to_text(&self) -> String {
-        let rows: Vec<[String; 7]> = std::iter::once(HEADINGS.map(str::to_owned))
-            .chain(self.checks.iter().map(Check::cells))
-            .collect();
-        let mut widths = [0; 7];
-        for row in &rows {
-            for (width, cell) in widths.iter_mut().zip(row) {
-                *width = cell.chars().count().max(*width);
-            }
-        }
-        let mut text = String::new();
-        for row in &rows {
-            let mut line = String::new();
-            for (column, (cell, width)) in row.iter().zip(widths).enumerate() {
-                // words to the left, numbers to the right
-                let _ = if (2..6).contains(&column) {
-                    write!(line, "{cell:>width$}  ")
-                } else {
-                    write!(line, "{cell:<width$}  ")
-                };
-            }
-            let _ = writeln!(text, "{}", line.trim_end());
-        }
-        if !self.observations.is_empty() {
-            let _ = writeln!(text, "\nmeasured besides");
-        }
-        for observation in &self.observations {
-            let Observation { what, unit, ours } = observation;
-            let _ = writeln!(text, "  {what}: {} {unit}", rounded(*ours));
-        }
-        let _ = writeln!(text, "\n{}", self.summary());
-        text
-    }
-
-    /// For reading: every column, with sources.
-    pub(crate) fn to_markdown(&self) -> String {
-        let mut text = String::from("# Validation on measured records\n\n");
-        let _ = writeln!(text, "{}.\n", self.summary());
-        let _ = writeln!(
-            text,
-            "| {} | source | tolerance from |",
-            HEADINGS.join(" | ")
-        );
-        let _ = writeln!(text, "|---|---|--:|--:|--:|--:|---|---|---|");
-        for check in &self.checks {
-            let _ = writeln!(
-                text,
-                "| {} | {} | {} |",
-                check
-                    .cells()
-                    .map(|cell| cell.replace('|', "\\|"))
-                    .join(" | "),
-                check.claim.source,
-                check.claim.tolerance_from
-            );
-        }
-        if !self.observations.is_empty() {
-            let _ = writeln!(
-                text,
-                "\nMeasured besides, without a claim to compare with:\n"
-            );
-            let _ = writeln!(text, "| what | unit | ours |\n|---|---|--:|");
-        }
-        for Observation { what, unit, ours } in &self.observations {
-            let _ = writeln!(text, "| {what} | {unit} | {} |", rounded(*ours));
-        }
-        text
-    }
-
-    /// For programs: every digit.
-    pub(crate) fn to_json(&self) -> Result<String, serde_json::Error> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
+/// Part of the tolerance that a difference uses. No difference uses none of a tolerance of zero.
+fn part(difference: f64, tolerance: f64) -> f64 {
+    let difference = difference.abs();
+    if difference > 0.0 || difference.is_nan() {
+        difference / tolerance
+    } else {
+        0.0
     }
 }
 
@@ -243,7 +160,7 @@ pub(crate) fn is_absent(error: &LabioError) -> bool {
 }
 
 /// An error with its causes in one line.
-pub(crate) fn refused(error: &dyn std::error::Error) -> NotMeasured {
+pub(crate) fn refused(error: &dyn Error) -> NotMeasured {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
@@ -253,27 +170,14 @@ pub(crate) fn refused(error: &dyn std::error::Error) -> NotMeasured {
     NotMeasured::Refused(text)
 }
 
-/// Five significant digits, without trailing zeros.
-fn rounded(value: f64) -> String {
-    match format!("{value:.4e}").parse::<f64>() {
-        Ok(short) => short.to_string(),
-        Err(_) => value.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn claim() -> Claim {
-        Claim {
-            what: "length".to_owned(),
-            source: "ruler",
-            unit: "m",
-            expected: 2.0,
-            tolerance: 0.5,
-            tolerance_from: "its scale",
-        }
+        Claim::new("length", "ruler")
+            .expects(2.0, "m")
+            .within(0.5, "its scale")
     }
 
     #[test]
@@ -289,32 +193,17 @@ mod tests {
     }
 
     #[test]
-    fn a_report_lists_every_check_and_counts_them() {
-        let report = Report {
-            checks: vec![
-                Check::of(claim(), Ok(2.25)),
-                Check::of(claim(), Ok(3.0)),
-                Check::of(claim(), Err(NotMeasured::Absent("lost".to_owned()))),
-            ],
-            observations: vec![Observation {
-                what: "width".to_owned(),
-                unit: "m",
-                ours: 1.0 / 3.0,
-            }],
-        };
-        assert_eq!(
-            report.to_text(),
-            "\
-claim   unit  expected  ours  tolerance   used  verdict
-length  m            2  2.25        0.5   50 %  pass
-length  m            2     3        0.5  200 %  FAIL
-length  m            2     -        0.5      -  skipped: lost
+    fn a_claim_without_tolerance_wants_the_number_itself() {
+        let claim = Claim::new("items", "count").expects(3.0, "1");
+        assert_eq!(Check::of(claim.clone(), Ok(3.0)).verdict, Verdict::Pass);
+        assert_eq!(Check::of(claim, Ok(3.1)).verdict, Verdict::Fail);
+    }
 
-measured besides
-  width: 0.33333 m
-
-3 checks: 1 passed, 1 failed, 1 skipped
-"
-        );
+    #[test]
+    fn an_error_is_a_claim_that_failed_with_its_causes() {
+        let mut report = Report::default();
+        report.check(claim(), || Err("the ruler broke".into()));
+        assert_eq!(report.count(Verdict::Fail), 1);
+        assert_eq!(report.checks[0].reason.as_deref(), Some("the ruler broke"));
     }
 }

@@ -1,0 +1,153 @@
+//! What differs between the page in the repository and the one that would be written.
+//!
+//! Claims, what they expect and why are compared to the letter. Our numbers are not: their last digits differ between processors.
+//! The part of the tolerance that they use may move by ten points.
+
+use std::fmt;
+
+use super::page::{Page, Row};
+
+/// In points of percent.
+const USED: f64 = 10.0;
+
+/// A row that is not current.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Drift {
+    table: String,
+    claim: String,
+    how: String,
+}
+
+impl fmt::Display for Drift {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "not current: {}: {}: {}",
+            self.table, self.claim, self.how
+        )
+    }
+}
+
+pub(super) fn between(committed: &Page, current: &Page) -> Vec<Drift> {
+    let mut drifts = Vec::new();
+    let mut drift = |table: &str, row: &Row, how: String| {
+        drifts.push(Drift {
+            table: table.to_owned(),
+            claim: row.claim.clone(),
+            how,
+        });
+    };
+    for table in &current.tables {
+        for row in &table.rows {
+            match committed.row(&table.name, &row.claim) {
+                None => drift(&table.name, row, "missing from the page".to_owned()),
+                Some(old) => {
+                    if let Some(how) = moved(old, row) {
+                        drift(&table.name, row, how);
+                    }
+                }
+            }
+        }
+    }
+    for table in &committed.tables {
+        for row in &table.rows {
+            if current.row(&table.name, &row.claim).is_none() {
+                drift(&table.name, row, "no longer claimed".to_owned());
+            }
+        }
+    }
+    drifts
+}
+
+/// What of the row a reader would find changed.
+pub(super) fn moved(old: &Row, new: &Row) -> Option<String> {
+    let said = [
+        ("source", &old.source, &new.source),
+        ("unit", &old.unit, &new.unit),
+        ("expected", &old.expected, &new.expected),
+        ("tolerance", &old.tolerance, &new.tolerance),
+        ("why", &old.tolerance_from, &new.tolerance_from),
+    ];
+    if let Some((name, old, new)) = said.into_iter().find(|(_, old, new)| old != new) {
+        return Some(format!("{name} was \"{old}\", is \"{new}\""));
+    }
+    if new.is_skipped() {
+        return None;
+    }
+    match (old.used_percent(), new.used_percent()) {
+        (Some(before), Some(now)) if (before - now).abs() <= USED => None,
+        _ => Some(format!("used was {}, is {}", old.used, new.used)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::page::Table;
+    use super::*;
+
+    fn row(claim: &str, used: &str, verdict: &str) -> Row {
+        Row {
+            claim: claim.to_owned(),
+            used: used.to_owned(),
+            verdict: verdict.to_owned(),
+            ..Row::default()
+        }
+    }
+
+    fn page(rows: Vec<Row>) -> Page {
+        Page {
+            tables: vec![Table {
+                name: "rods".to_owned(),
+                rows,
+            }],
+        }
+    }
+
+    fn told(old: Vec<Row>, new: Vec<Row>) -> Vec<String> {
+        let drifts = between(&page(old), &page(new));
+        drifts.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn ours_may_move_within_ten_points_of_the_tolerance() {
+        let was = || vec![row("length", "12 %", "pass")];
+        assert!(told(was(), vec![row("length", "< 1 %", "pass")]).len() == 1);
+        assert!(told(was(), vec![row("length", "22 %", "pass")]).is_empty());
+        assert_eq!(
+            told(was(), vec![row("length", "23 %", "pass")]),
+            ["not current: rods: length: used was 12 %, is 23 %"]
+        );
+    }
+
+    #[test]
+    fn what_is_skipped_has_to_be_on_the_page_and_is_not_compared() {
+        let skipped = || vec![row("length", "-", "skipped: lost")];
+        assert!(told(vec![row("length", "12 %", "pass")], skipped()).is_empty());
+        assert_eq!(told(Vec::new(), skipped()).len(), 1);
+        // a page written without the records is not current where they are
+        assert_eq!(
+            told(skipped(), vec![row("length", "12 %", "pass")]).len(),
+            1
+        );
+    }
+
+    #[test]
+    fn words_and_rows_are_compared_to_the_letter() {
+        let mut other = row("length", "12 %", "pass");
+        other.expected = "2".to_owned();
+        assert_eq!(
+            told(vec![row("length", "12 %", "pass")], vec![other]),
+            ["not current: rods: length: expected was \"\", is \"2\""]
+        );
+        assert_eq!(
+            told(
+                vec![row("length", "12 %", "pass")],
+                vec![row("width", "12 %", "pass")]
+            ),
+            [
+                "not current: rods: width: missing from the page",
+                "not current: rods: length: no longer claimed"
+            ]
+        );
+    }
+}

@@ -1,0 +1,331 @@
+//! The page of validation: a table of each crate, written and read back.
+
+use std::fmt::Write as _;
+
+use super::check::{Check, Verdict};
+use super::{COMMAND, Section, drift};
+
+const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
+                        |---|---|---|--:|--:|--:|---|--:|---|\n";
+/// Below this, a difference from zero is one of rounding, of which only the order of magnitude is worth telling.
+const ROUNDING: f64 = 1e-8;
+
+/// A check as the cells of its row.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Row {
+    pub(super) claim: String,
+    pub(super) source: String,
+    pub(super) unit: String,
+    pub(super) expected: String,
+    pub(super) ours: String,
+    pub(super) tolerance: String,
+    pub(super) tolerance_from: String,
+    pub(super) used: String,
+    pub(super) verdict: String,
+}
+
+impl Row {
+    pub(super) fn of(check: &Check) -> Self {
+        let claim = &check.claim;
+        let near_rounding = claim.expected.abs() == 0.0 && claim.tolerance < ROUNDING;
+        let ours = match check.ours {
+            Some(ours) if near_rounding => digits(ours, 1),
+            Some(ours) => number(ours),
+            None => "-".to_owned(),
+        };
+        let used = match check.tolerance_used {
+            Some(used) if used < 0.01 => "< 1 %".to_owned(),
+            Some(used) => format!("{:.0} %", 100.0 * used),
+            None => "-".to_owned(),
+        };
+        let verdict = match (check.verdict, &check.reason) {
+            (Verdict::Pass, _) => "pass".to_owned(),
+            (Verdict::Fail, None) => "FAIL".to_owned(),
+            (Verdict::Fail, Some(reason)) => format!("FAIL: {reason}"),
+            (Verdict::Skipped, reason) => {
+                format!("skipped: {}", reason.as_deref().unwrap_or("no record"))
+            }
+        };
+        let mut row = Self {
+            claim: claim.what.clone(),
+            source: claim.source.to_owned(),
+            unit: claim.unit.to_owned(),
+            expected: number(claim.expected),
+            ours,
+            tolerance: number(claim.tolerance),
+            tolerance_from: claim.tolerance_from.to_owned(),
+            used,
+            verdict,
+        };
+        for cell in row.cells_mut() {
+            *cell = cell.trim().replace('\n', " ").replace('|', "\\|");
+        }
+        row
+    }
+
+    pub(super) fn is_skipped(&self) -> bool {
+        self.verdict.starts_with("skipped")
+    }
+
+    /// In percent; none if there is no number of ours.
+    pub(super) fn used_percent(&self) -> Option<f64> {
+        match self.used.as_str() {
+            "< 1 %" => Some(0.0),
+            used => used.strip_suffix(" %")?.parse().ok(),
+        }
+    }
+
+    fn cells_mut(&mut self) -> [&mut String; 9] {
+        [
+            &mut self.claim,
+            &mut self.source,
+            &mut self.unit,
+            &mut self.expected,
+            &mut self.ours,
+            &mut self.tolerance,
+            &mut self.tolerance_from,
+            &mut self.used,
+            &mut self.verdict,
+        ]
+    }
+
+    fn to_line(&self) -> String {
+        let mut row = self.clone();
+        row.cells_mut().map(|cell| cell.clone()).join(" | ")
+    }
+
+    /// A line of a table, if it is one of ours and not its heading.
+    fn read(line: &str) -> Option<Self> {
+        let inner = line.strip_prefix("| ")?.strip_suffix(" |")?;
+        let mut row = Self::default();
+        let mut cells = inner.split(" | ");
+        for slot in row.cells_mut() {
+            *slot = cells.next()?.to_owned();
+        }
+        (cells.next().is_none() && row.claim != "claim").then_some(row)
+    }
+}
+
+/// The rows of a crate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Table {
+    pub(super) name: String,
+    pub(super) rows: Vec<Row>,
+}
+
+impl Table {
+    fn count(&self, verdict: &str) -> usize {
+        let rows = self.rows.iter();
+        rows.filter(|row| row.verdict.starts_with(verdict)).count()
+    }
+}
+
+/// All tables, in their order.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Page {
+    pub(super) tables: Vec<Table>,
+}
+
+impl Page {
+    pub(super) fn of(sections: &[Section]) -> Self {
+        let table = |section: &Section| Table {
+            name: section.name.to_owned(),
+            rows: section.report.checks.iter().map(Row::of).collect(),
+        };
+        Self {
+            tables: sections.iter().map(table).collect(),
+        }
+    }
+
+    /// The row of a claim.
+    pub(super) fn row(&self, table: &str, claim: &str) -> Option<&Row> {
+        let table = self.tables.iter().find(|t| t.name == table)?;
+        table.rows.iter().find(|row| row.claim == claim)
+    }
+
+    /// This page, but rows that were skipped for want of a record are those of `earlier`, if it has them with the same words.
+    pub(super) fn with_rows_of(&self, earlier: &Self) -> Self {
+        let mut page = self.clone();
+        for table in &mut page.tables {
+            for row in &mut table.rows {
+                if let Some(kept) = earlier.row(&table.name, &row.claim)
+                    && row.is_skipped()
+                    && drift::moved(kept, row).is_none()
+                {
+                    *row = kept.clone();
+                }
+            }
+        }
+        page
+    }
+
+    /// How many checks of each crate came out how.
+    pub(super) fn tally(&self) -> String {
+        let mut text =
+            String::from("| | checks | passed | failed | skipped |\n|---|--:|--:|--:|--:|\n");
+        let mut sums = [0; 4];
+        for table in &self.tables {
+            let counts = [
+                table.rows.len(),
+                table.count("pass"),
+                table.count("FAIL"),
+                table.count("skipped"),
+            ];
+            for (sum, count) in sums.iter_mut().zip(counts) {
+                *sum += count;
+            }
+            let _ = writeln!(
+                text,
+                "| {} | {} |",
+                table.name,
+                counts.map(|c| c.to_string()).join(" | ")
+            );
+        }
+        let _ = writeln!(
+            text,
+            "| all | {} |",
+            sums.map(|c| c.to_string()).join(" | ")
+        );
+        text
+    }
+
+    pub(super) fn to_markdown(&self) -> String {
+        let mut text = format!(
+            "# Validation\n\n\
+             Written by `{COMMAND}`; not edited by hand. `cargo xtask validate --check` is part of the gate.\n\n\
+             Every number that is ours was computed by the libraries when this page was written. What is expected comes from \
+             somewhere else, which the column \"source\" names: the printed tables of the thesis (S. Ödeen, Luleå 1993, papers \
+             A to E; a printed value carries half a unit of its last digit), a closed form or another \
+             way of computing, a law of conservation, reference output of other software, a measured record. \"Used\" is the \
+             difference as a part of the tolerance. Where zero is expected, ours is the difference, and one digit of it is \
+             enough where it is rounding. The records themselves are not part of the repository.\n\n{}",
+            self.tally()
+        );
+        for table in &self.tables {
+            let _ = write!(text, "\n## {}\n\n{HEADINGS}", table.name);
+            for row in &table.rows {
+                let _ = writeln!(text, "| {} |", row.to_line());
+            }
+        }
+        text.push_str("\n## Skipped\n\n");
+        let before = text.len();
+        for table in &self.tables {
+            for row in table.rows.iter().filter(|row| row.is_skipped()) {
+                let _ = writeln!(text, "- {}: {}: {}", table.name, row.claim, row.verdict);
+            }
+        }
+        if text.len() == before {
+            text.push_str("None.\n");
+        }
+        text
+    }
+
+    /// The tables of a page that [`to_markdown`](Self::to_markdown) has written.
+    pub(super) fn read(text: &str) -> Self {
+        let mut page = Self::default();
+        for line in text.lines() {
+            if let Some(name) = line.strip_prefix("## ") {
+                page.tables.push(Table {
+                    name: name.to_owned(),
+                    rows: Vec::new(),
+                });
+            } else if let (Some(table), Some(row)) = (page.tables.last_mut(), Row::read(line)) {
+                table.rows.push(row);
+            }
+        }
+        // what is skipped is listed again at the end, in words
+        page.tables.retain(|table| !table.rows.is_empty());
+        page
+    }
+}
+
+/// Five significant digits, without trailing zeros.
+pub(super) fn number(value: f64) -> String {
+    digits(value, 5)
+}
+
+/// As many significant digits, without trailing zeros; with a power of ten where it would be long.
+fn digits(value: f64, significant: usize) -> String {
+    let scientific = format!("{value:.*e}", significant - 1);
+    let Ok(short) = scientific.parse::<f64>() else {
+        return value.to_string();
+    };
+    let size = short.abs();
+    if size.abs() == 0.0 || (1e-4..1e7).contains(&size) || !size.is_finite() {
+        short.to_string()
+    } else {
+        format!("{short:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::{Claim, NotMeasured, Report};
+    use super::*;
+
+    fn section(ours: [Result<f64, NotMeasured>; 3]) -> Section {
+        let [a, b, c] = ours;
+        let length = |name: &str| {
+            Claim::new(format!("length |{name}|"), "ruler")
+                .expects(2.0, "m")
+                .within(0.5, "its scale")
+        };
+        let mut report = Report::default();
+        report.checks.push(Check::of(length("a"), a));
+        report.checks.push(Check::of(length("b"), b));
+        let balance = Claim::new("balance", "conservation").within(1e-12, "rounding");
+        report.checks.push(Check::of(balance, c));
+        Section {
+            name: "rods",
+            report,
+        }
+    }
+
+    #[test]
+    fn a_page_is_read_as_it_was_written() {
+        let absent = Err(NotMeasured::Absent("lost".to_owned()));
+        let page = Page::of(&[section([Ok(2.25), absent, Ok(1.234e-15)])]);
+        let text = page.to_markdown();
+        assert_eq!(Page::read(&text), page, "{text}");
+        assert!(text.contains("| rods | 3 | 2 | 0 | 1 |"), "{text}");
+        assert!(
+            text.contains(
+                "| balance | conservation | 1 | 0 | 1e-15 | 1e-12 | rounding | < 1 % | pass |"
+            ),
+            "{text}"
+        );
+        assert!(
+            text.ends_with("## Skipped\n\n- rods: length \\|b\\|: skipped: lost\n"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn rows_without_their_record_stay_as_they_were() {
+        let absent = || Err(NotMeasured::Absent("lost".to_owned()));
+        let earlier = Page::of(&[section([Ok(2.25), Ok(2.0), Ok(0.0)])]);
+        let now = Page::of(&[section([absent(), Ok(2.125), Ok(0.0)])]);
+        let kept = now.with_rows_of(&earlier);
+        let ours: Vec<&str> = kept.tables[0]
+            .rows
+            .iter()
+            .map(|r| r.ours.as_str())
+            .collect();
+        assert_eq!(ours, ["2.25", "2.125", "0"]);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0 / 3.0, "0.33333"),
+            (51_200.0, "51200"),
+            (2.5e9, "2.5e9"),
+            (1e-12, "1e-12"),
+            (-123_456.0, "-123460"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+}
