@@ -9,6 +9,7 @@
 
 mod check;
 mod claims;
+mod cmod;
 mod drift;
 mod files;
 mod hammer;
@@ -58,6 +59,7 @@ struct Section {
 fn sections(data: Option<&Path>) -> Vec<Section> {
     type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
     let sections: Vec<(&'static str, Claims<'_>)> = vec![
+        ("cmod", Box::new(cmod::report)),
         ("impulse", Box::new(impulse::report)),
         (
             "measured records",
