@@ -14,6 +14,7 @@ mod drift;
 mod files;
 mod hammer;
 mod impulse;
+mod maxwellid;
 mod page;
 mod shock;
 
@@ -60,6 +61,7 @@ fn sections(data: Option<&Path>) -> Vec<Section> {
     type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
     let sections: Vec<(&'static str, Claims<'_>)> = vec![
         ("cmod", Box::new(cmod::report)),
+        ("maxwellid", Box::new(maxwellid::report)),
         ("impulse", Box::new(impulse::report)),
         (
             "measured records",
