@@ -10,12 +10,15 @@
 mod check;
 mod claims;
 mod cmod;
+mod difference;
 mod drift;
 mod files;
 mod hammer;
 mod impulse;
+mod labio;
 mod maxwellid;
 mod page;
+mod rodwave;
 mod shock;
 
 use std::collections::BTreeMap;
@@ -60,6 +63,8 @@ struct Section {
 fn sections(data: Option<&Path>) -> Vec<Section> {
     type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
     let sections: Vec<(&'static str, Claims<'_>)> = vec![
+        ("rodwave", Box::new(rodwave::report)),
+        ("labio", Box::new(labio::report)),
         ("cmod", Box::new(cmod::report)),
         ("maxwellid", Box::new(maxwellid::report)),
         ("impulse", Box::new(impulse::report)),

@@ -61,8 +61,11 @@ pub(crate) enum NotMeasured {
     Refused(String),
 }
 
-/// A number of ours, or any error of a crate.
-pub(crate) type Found = Result<f64, Box<dyn Error + Send + Sync>>;
+/// Something that a claim needs, or any error of a crate.
+pub(crate) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+/// A number of ours.
+pub(crate) type Found = Fallible<f64>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -1,6 +1,7 @@
 //! Claims about the libraries: the number of ours is computed where the claim is made.
 
 use super::check::{Check, Claim, NotMeasured, Report, refused};
+pub(super) use super::difference::largest;
 
 /// A number of ours, or why there is none.
 pub(super) type Ours<T = f64> = Result<T, NotMeasured>;
@@ -78,15 +79,4 @@ impl<E: std::error::Error> From<E> for NotMeasured {
 /// What the computation of a claim misses.
 pub(super) fn missing(what: &str) -> NotMeasured {
     NotMeasured::Refused(format!("{what} is missing"))
-}
-
-/// The largest of `values`, NaN if any is; 0 of none.
-pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest: f64, value| {
-        if value.is_nan() || largest.is_nan() {
-            f64::NAN
-        } else {
-            largest.max(value)
-        }
-    })
 }

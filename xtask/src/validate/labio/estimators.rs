@@ -1,0 +1,501 @@
+//! Frequency responses and coherences: known bodies, the bias by noise, random errors, several inputs.
+
+use std::f64::consts::TAU;
+
+use labio::{
+    AveragedSpectra, Channel, Coherence, Estimator, FrequencyResponse, MergedResponse,
+    MultiInputResponse, Provenance, Quantity, Record, SpectrumAverager, Window,
+};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::super::check::{Claim, Fallible, Report};
+use super::super::difference::{largest, worst};
+use super::hits::{hit, mean, noise, sum};
+
+const RATE: f64 = 1000.0;
+const BENDAT: &str = "Bendat and Piersol";
+
+pub(super) fn report() -> Report {
+    let mut report = Report::default();
+    known_bodies(&mut report);
+    bias(&mut report);
+    random_errors(&mut report);
+    nothing_in_common(&mut report);
+    several_inputs(&mut report);
+    merging(&mut report);
+    report
+}
+
+/// Circular convolution by direct sum, so that a line of the output is the response times the line of the input.
+fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
+    let n = input.len();
+    (0..n)
+        .map(|i| {
+            let past = filter.iter().enumerate();
+            past.map(|(lag, h)| h * input[(i + n - lag) % n]).sum()
+        })
+        .collect()
+}
+
+fn known_bodies(report: &mut Report) {
+    const FILTER: [f64; 5] = [0.7, -0.2, 0.0, 0.45, 0.1];
+    let spectra = || -> Fallible<AveragedSpectra> {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut hits = Vec::new();
+        for _ in 0..3 {
+            let input = noise(&mut rng, 96, 1.0);
+            hits.push(hit(&input, &circular(&FILTER, &input), RATE)?);
+        }
+        Ok(AveragedSpectra::of(&hits, Window::Rectangular)?)
+    };
+    for (name, estimator) in [
+        ("H1", Estimator::H1),
+        ("H2", Estimator::H2),
+        ("Hv", Estimator::Hv),
+    ] {
+        report.check(
+            Claim::new(
+                format!("{name} of a filter of five taps without noise"),
+                "transform of the taps by direct sum",
+            )
+            .within(1e-12, "rounding, amplified by the weakest of 49 lines"),
+            || {
+                let response = spectra()?.response(estimator, "x", "y")?;
+                let lines = response.frequency_hz.iter().zip(&response.values);
+                Ok(largest(lines.map(|(f, value)| {
+                    let exact: Complex64 = FILTER
+                        .iter()
+                        .enumerate()
+                        .map(|(lag, h)| h * Complex64::cis(-TAU * f * lag as f64 / RATE))
+                        .sum();
+                    (value - exact).norm()
+                })))
+            },
+        );
+    }
+    report.check(
+        Claim::new("coherence of a linear body without noise", "definition")
+            .expects(1.0, "1")
+            .within(1e-12, "rounding, amplified by the weakest of 49 lines"),
+        || {
+            let values = spectra()?.coherence("x", "y")?.values;
+            Ok(1.0 - largest(values.iter().map(|c| c - 1.0)))
+        },
+    );
+    report.check(
+        Claim::new(
+            "delay of seven samples turns the phase by -ωτ",
+            "shift theorem",
+        )
+        .within(1e-12, "rounding"),
+        || {
+            let mut pulse = vec![0.0; 100];
+            pulse[3] = 2.0;
+            let mut later = vec![0.0; 100];
+            later[10] = 2.0;
+            let hit = hit(&pulse, &later, RATE)?;
+            let response = AveragedSpectra::of([&hit], Window::Rectangular)?.h1("x", "y")?;
+            let lines = response.frequency_hz.iter().zip(&response.values);
+            Ok(largest(lines.map(|(f, value)| {
+                (value - Complex64::cis(-TAU * f * 7.0 / RATE)).norm()
+            })))
+        },
+    );
+}
+
+/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b` on the output.
+fn noisy(seed: u64, n: usize, n_hits: u32, a: f64, b: f64) -> Fallible<AveragedSpectra> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let silence = vec![0.0; n];
+    let like = hit(&silence, &silence, RATE)?;
+    let mut averager = SpectrumAverager::for_records_like(&like, Window::Rectangular)?;
+    for _ in 0..n_hits {
+        let clean = noise(&mut rng, n, 1.0);
+        let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
+        let input = sum(&clean, &noise(&mut rng, n, a.sqrt()));
+        let output = sum(&output, &noise(&mut rng, n, 2.0 * b.sqrt()));
+        averager.add(&hit(&input, &output, RATE)?)?;
+    }
+    Ok(averager.spectra()?)
+}
+
+fn bias(report: &mut Report) {
+    let (a, b): (f64, f64) = (0.25, 0.5);
+    let why = "four standard errors over 257 lines, and half the squared random error";
+    let cases = [
+        (
+            "H1",
+            Estimator::H1,
+            2.0 / (1.0 + a),
+            "closed form H/(1 + N/S of the input)",
+        ),
+        (
+            "H2",
+            Estimator::H2,
+            2.0 * (1.0 + b),
+            "closed form H(1 + N/S of the output)",
+        ),
+        (
+            "Hv",
+            Estimator::Hv,
+            2.0 * ((1.0 + b) / (1.0 + a)).sqrt(),
+            "closed form, mean of both",
+        ),
+    ];
+    for (name, estimator, expected, source) in cases {
+        report.check(
+            Claim::new(
+                format!("{name} of a gain of 2 under noise of 25 % and 50 % of the power"),
+                source,
+            )
+            .expects(expected, "1")
+            .within_part(0.013, why),
+            || {
+                let response = noisy(3, 512, 200, a, b)?.response(estimator, "x", "y")?;
+                let magnitudes: Vec<f64> = response.values.iter().map(|h| h.norm()).collect();
+                Ok(mean(&magnitudes))
+            },
+        );
+    }
+    let g2 = 1.0 / ((1.0 + a) * (1.0 + b));
+    report.check(
+        Claim::new(
+            "coherence under noise of 25 % and 50 % of the power",
+            "closed form 1/((1 + a)(1 + b))",
+        )
+        .expects(g2, "1")
+        .within(
+            0.0094,
+            "four standard errors over 257 lines, and the bias (1 - γ²)²/n",
+        ),
+        || Ok(mean(&noisy(3, 512, 200, a, b)?.coherence("x", "y")?.values)),
+    );
+    // what the response says of itself, at the expected coherence
+    for (name, estimator) in [("H1", Estimator::H1), ("H2", Estimator::H2)] {
+        let (expected, channel) = match estimator {
+            Estimator::H1 => (-a / (1.0 + a), "input"),
+            _ => (b, "output"),
+        };
+        report.check(
+            Claim::new(
+                format!("{name}: stated bias if all missing coherence is noise on the {channel}"),
+                "closed form of the noise that was added",
+            )
+            .expects(expected, "1")
+            .within(0.02, "four standard errors of the coherence over 257 lines"),
+            || {
+                let (a, b) = if channel == "input" {
+                    (a, 0.0)
+                } else {
+                    (0.0, b)
+                };
+                let response = noisy(4, 512, 200, a, b)?.response(estimator, "x", "y")?;
+                let bias = response.bias().ok_or("no coherence")?;
+                let all: Vec<f64> = bias
+                    .iter()
+                    .map(|b| {
+                        if channel == "input" {
+                            b.input_noise
+                        } else {
+                            b.output_noise
+                        }
+                    })
+                    .collect();
+                Ok(mean(&all))
+            },
+        );
+    }
+}
+
+fn random_errors(report: &mut Report) {
+    const HITS: u32 = 20;
+    let g2: f64 = 1.0 / 1.3;
+    let predicted = ((1.0 - g2) / (2.0 * f64::from(HITS) * g2)).sqrt();
+    let response =
+        || -> Fallible<FrequencyResponse> { Ok(noisy(5, 4096, HITS, 0.0, 0.3)?.h1("x", "y")?) };
+    // 0 Hz and the Nyquist frequency have half the degrees of freedom
+    let inner = |values: &[Complex64]| values[1..values.len() - 1].to_vec();
+    report.check(
+        Claim::new(
+            "random error of |H1|, 20 hits, noise of 30 %: scatter over lines",
+            BENDAT,
+        )
+        .expects(predicted, "1")
+        .within_part(0.09, "four standard errors over 2047 lines, and n/(n - 1)"),
+        || {
+            let squares: Vec<f64> = inner(&response()?.values)
+                .iter()
+                .map(|h| (h.norm() / 2.0 - 1.0).powi(2))
+                .collect();
+            Ok(mean(&squares).sqrt())
+        },
+    );
+    report.check(
+        Claim::new(
+            "random error of the phase of H1, 20 hits, noise of 30 %: scatter over lines",
+            BENDAT,
+        )
+        .expects(predicted, "rad")
+        .within_part(0.09, "four standard errors over 2047 lines, and n/(n - 1)"),
+        || {
+            let squares: Vec<f64> = inner(&response()?.values)
+                .iter()
+                .map(|h| h.arg().powi(2))
+                .collect();
+            Ok(mean(&squares).sqrt())
+        },
+    );
+    report.check(
+        Claim::new(
+            "random error of |H1|, 20 hits, noise of 30 %: median of what the lines state",
+            BENDAT,
+        )
+        .expects(predicted, "1")
+        .within_part(
+            0.05,
+            "bias of the coherence 1.2 %, four standard errors of the median",
+        ),
+        || {
+            let mut stated: Vec<f64> = response()?
+                .random_error()
+                .ok_or("no coherence")?
+                .iter()
+                .map(|error| error.magnitude)
+                .collect();
+            stated.sort_by(f64::total_cmp);
+            Ok(stated[stated.len() / 2])
+        },
+    );
+    report.check(
+        Claim::new(
+            "random error of the coherence, 20 hits, γ² = 1/1.3: scatter over lines",
+            BENDAT,
+        )
+        .expects((2.0 * g2 / f64::from(HITS)).sqrt() * (1.0 - g2), "1")
+        .within_part(
+            0.13,
+            "first order: (1 - γ²)/n of the next, and four standard errors",
+        ),
+        || {
+            let values = noisy(5, 4096, HITS, 0.0, 0.3)?.coherence("x", "y")?.values;
+            let centre = mean(&values);
+            let squares: Vec<f64> = values.iter().map(|v| (v - centre).powi(2)).collect();
+            Ok(mean(&squares).sqrt())
+        },
+    );
+}
+
+fn nothing_in_common(report: &mut Report) {
+    const HITS: u32 = 10;
+    let coherence = || -> Fallible<Coherence> {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let mut hits = Vec::new();
+        for _ in 0..HITS {
+            let (x, y) = (noise(&mut rng, 4096, 1.0), noise(&mut rng, 4096, 1.0));
+            hits.push(hit(&x, &y, RATE)?);
+        }
+        Ok(AveragedSpectra::of(&hits, Window::Rectangular)?.coherence("x", "y")?)
+    };
+    report.check(
+        Claim::new("coherence of independent noise, ten hits", "beta law: 1/n")
+            .expects(0.1, "1")
+            .within(0.008, "four standard errors over 2049 lines"),
+        || Ok(mean(&coherence()?.values)),
+    );
+    report.check(
+        Claim::new(
+            "coherence of independent noise, ten hits: mean of the stated bias",
+            "beta law: (1 - γ²)²/n in the mean, (n - 1)/((n + 1)n)",
+        )
+        .expects(9.0 / 110.0, "1")
+        .within(0.002, "four standard errors over 2049 lines"),
+        || Ok(mean(&coherence()?.bias())),
+    );
+    report.check(
+        Claim::new(
+            "independent noise, ten hits: lines above the level of 5 % by chance",
+            "probability of the level",
+        )
+        .expects(5.0, "%")
+        .within(1.9, "four binomial standard errors over 2049 lines"),
+        || {
+            let coherence = coherence()?;
+            let level = coherence.chance_level(0.05)?;
+            let above = coherence.values.iter().filter(|v| **v > level).count();
+            Ok(100.0 * above as f64 / coherence.values.len() as f64)
+        },
+    );
+}
+
+const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
+
+/// Three inputs, the second with half of the first in it and the third with the first two, through gains; noise on the output.
+fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let channels = ["a", "b", "c", "y"]
+        .iter()
+        .map(|name| Channel::new(*name, Quantity::Velocity))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut averager = SpectrumAverager::new(&channels, n, 1.0, Window::Rectangular)?;
+    for _ in 0..n_hits {
+        let drawn = [0, 1, 2, 3].map(|_| noise(&mut rng, n, 1.0));
+        let mut samples = Array2::zeros((4, n));
+        for i in 0..n {
+            let a = drawn[0][i];
+            let b = drawn[1][i] + 0.5 * a;
+            let c = drawn[2][i] + 0.3 * a - 0.8 * b;
+            let y = GAINS[0] * a + GAINS[1] * b + GAINS[2] * c + level * drawn[3][i];
+            for (row, value) in [a, b, c, y].into_iter().enumerate() {
+                samples[(row, i)] = value;
+            }
+        }
+        let provenance = Provenance::computed("noise");
+        averager.add(&Record::new(
+            samples,
+            1.0,
+            0.0,
+            channels.clone(),
+            provenance,
+        )?)?;
+    }
+    Ok(averager.spectra()?.multi_input(&["a", "b", "c"], "y")?)
+}
+
+fn several_inputs(report: &mut Report) {
+    report.check(
+        Claim::new(
+            "three dependent inputs without noise: their gains",
+            "the gains",
+        )
+        .within(
+            1e-9,
+            "rounding, amplified by lines where six averages make inputs nearly dependent",
+        ),
+        || {
+            let response = three_inputs(64, 6, 0.0, 1)?;
+            worst(GAINS.iter().enumerate(), |(input, gain)| {
+                Ok(largest(
+                    response.values.row(input).iter().map(|h| (h - gain).norm()),
+                ))
+            })
+        },
+    );
+    // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 1.6 u - 1.7 v + 1.5 w + e
+    let parts = [1.6_f64.powi(2), 1.7_f64.powi(2), 1.5_f64.powi(2)];
+    let total = parts.iter().sum::<f64>() + 1.0;
+    let why = "four standard errors over 513 lines, and the bias q(1 - γ²)/n";
+    report.check(
+        Claim::new(
+            "three dependent inputs, noise on the output: multiple coherence",
+            "closed form of the model",
+        )
+        .expects(1.0 - 1.0 / total, "1")
+        .within(0.011, why),
+        || Ok(mean(&three_inputs(1024, 200, 1.0, 3)?.multiple_coherence)),
+    );
+    report.check(
+        Claim::new(
+            "three dependent inputs, noise on the output: partial coherence of the last",
+            "closed form of the model",
+        )
+        .expects(2.25 / 3.25, "1")
+        .within(0.011, why),
+        || {
+            Ok(mean(
+                &three_inputs(1024, 200, 1.0, 3)?
+                    .partial_coherence
+                    .row(2)
+                    .to_vec(),
+            ))
+        },
+    );
+    report.check(
+        Claim::new("three dependent inputs: parts of the coherence in their order, sum less the multiple one", "they add up")
+            .within(1e-12, "rounding"),
+        || {
+            let response = three_inputs(1024, 200, 1.0, 3)?;
+            Ok(largest(response.multiple_coherence.iter().enumerate().map(|(line, multiple)| {
+                response.ordered_coherence.column(line).sum() - multiple
+            })))
+        },
+    );
+    report.check(
+        Claim::new("three dependent inputs, ten hits: scatter of the gains over lines by the stated variance", "definition of a variance")
+            .expects(1.0, "1")
+            .within(0.09, "four standard errors over 4095 lines with heavy tails"),
+        || {
+            let response = three_inputs(8192, 10, 1.0, 4)?;
+            let (mut scatter, mut stated) = (0.0, 0.0);
+            for (input, gain) in GAINS.iter().enumerate() {
+                for line in 1..4096 {
+                    scatter += (response.values[(input, line)] - gain).norm_sqr();
+                    stated += response.variance[(input, line)];
+                }
+            }
+            Ok(scatter / stated)
+        },
+    );
+}
+
+fn merging(report: &mut Report) {
+    // two tests of a gain of 2, one with ten times the power of noise of the other
+    let tests = || -> Fallible<[FrequencyResponse; 2]> {
+        Ok([
+            noisy(21, 2048, 20, 0.0, 0.01)?.h1("x", "y")?,
+            noisy(22, 2048, 20, 0.0, 0.1)?.h1("x", "y")?,
+        ])
+    };
+    let square_error = |response: &FrequencyResponse| {
+        let squares: Vec<f64> = response
+            .values
+            .iter()
+            .map(|h| (h - 2.0).norm_sqr())
+            .collect();
+        mean(&squares)
+    };
+    report.check(
+        Claim::new("two tests merged by inverse variance: lines against the weighted mean of least squares", "closed form")
+            .within(1e-13, "the same numbers in another order"),
+        || {
+            let tests = tests()?;
+            let merged = MergedResponse::by_inverse_variance(&tests)?.response;
+            let variance = |test: &FrequencyResponse, line: usize| {
+                test.variance.as_ref().map_or(f64::NAN, |v| v[line])
+            };
+            Ok(largest(merged.values.iter().enumerate().map(|(line, value)| {
+                let [a, b] = [0, 1].map(|test| variance(&tests[test], line));
+                let share = b / (a + b);
+                let mean = tests[0].values[line] * share + tests[1].values[line] * (1.0 - share);
+                (value - mean).norm()
+            })))
+        },
+    );
+    report.check(
+        Claim::new("two tests merged by inverse variance: squared error by that of the better test", "closed form: noise powers of 1 and 10 give 10/11")
+            .expects(10.0 / 11.0, "1")
+            .within(0.05, "4/n that the estimated weights cost, and four standard errors of a ratio of like errors"),
+        || {
+            let tests = tests()?;
+            let merged = MergedResponse::by_inverse_variance(&tests)?.response;
+            Ok(square_error(&merged) / square_error(&tests[0]))
+        },
+    );
+    report.check(
+        Claim::new(
+            "two tests merged: squared distance of the two by their variances, in the mean",
+            "definition of a variance",
+        )
+        .expects(20.0 / 19.0, "1")
+        .within(
+            0.15,
+            "four standard errors over 1025 lines, and the scatter of the variances",
+        ),
+        || {
+            let merged = MergedResponse::by_inverse_variance(&tests()?)?;
+            Ok(mean(&merged.discrepancy))
+        },
+    );
+}
