@@ -2,6 +2,7 @@
 
 mod branches;
 mod cards;
+mod gauge_errors;
 mod gauges;
 mod lateral_inertia;
 mod neighbours;
@@ -20,6 +21,7 @@ pub(crate) fn report() -> Report {
     two_point::claims(&mut claims);
     roots::claims(&mut claims);
     gauges::claims(&mut claims);
+    gauge_errors::claims(&mut claims);
     neighbours::claims(&mut claims);
     lateral_inertia::claims(&mut claims);
     record_checks::claims(&mut claims);

@@ -72,7 +72,10 @@ pub(super) fn claims(claims: &mut Claims) {
     claims.by("paper A, eqs. 3 and 4: cosh(gamma L) = Psi");
     claims.deviation(
         "closed form along a record without mass",
-        Within(1e-10, "rounding of the transition matrix, amplified near kL = n pi"),
+        Within(
+            1e-10,
+            "rounding of the transition matrix, amplified near kL = n pi",
+        ),
         of(&counted, |counted| {
             let pairs = counted.roots.iter().zip(&counted.exact);
             largest(pairs.map(|(root, exact)| (root.gamma_length - exact).norm() / exact.norm()))
@@ -117,7 +120,9 @@ fn small_damping() -> f64 {
         if angle.sin().abs() < 0.1 {
             return 0.0;
         }
-        let quarter = (0..8).filter(|q| f64::from(*q + 1) * FRAC_PI_2 <= angle).count();
+        let quarter = (0..8)
+            .filter(|q| f64::from(*q + 1) * FRAC_PI_2 <= angle)
+            .count();
         let branch = Branch::in_quadrant(u32::try_from(quarter).unwrap_or(u32::MAX));
         // cosh and sinh of 1e-6 to all digits
         let ratio = Complex64::new(

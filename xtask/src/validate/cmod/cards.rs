@@ -11,7 +11,10 @@ pub(super) fn claims(claims: &mut Claims) {
     let ten_columns = Within(5e-6, "six digits in ten columns, half of the last");
     claims.by("E = 9KG/(3K + G) of the numbers on the card, formats of Abaqus, ANSYS and LS-DYNA");
     for (name, bulk) in [
-        ("constant Poisson ratio", BulkBehaviour::ConstantPoissonRatio),
+        (
+            "constant Poisson ratio",
+            BulkBehaviour::ConstantPoissonRatio,
+        ),
         ("elastic bulk", BulkBehaviour::Elastic),
     ] {
         for (kind, moduli) in [
@@ -154,13 +157,20 @@ fn read_ls_dyna(text: &str) -> Ours<Solid> {
         .filter(|line| !line.starts_with('$'))
         .map(|line| {
             (0..line.len() / 10)
-                .map(|k| line[10 * k..10 * (k + 1)].trim().parse().unwrap_or(f64::NAN))
+                .map(|k| {
+                    line[10 * k..10 * (k + 1)]
+                        .trim()
+                        .parse()
+                        .unwrap_or(f64::NAN)
+                })
                 .collect()
         })
         .collect();
     let constants = rows.first().ok_or_else(|| missing("the first row"))?;
     let mut solid = Solid {
-        bulk: *constants.get(2).ok_or_else(|| missing("the bulk modulus"))?,
+        bulk: *constants
+            .get(2)
+            .ok_or_else(|| missing("the bulk modulus"))?,
         ..Solid::default()
     };
     for row in rows.iter().skip(2) {

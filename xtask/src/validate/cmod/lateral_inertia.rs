@@ -19,20 +19,38 @@ const POISSON_RATIO: f64 = 0.40;
 type Ratios = [f64; 2];
 
 pub(super) fn claims(claims: &mut Claims) {
-    claims.by("frequency equation of Pochhammer and Chree in 30 digits, nu = 0.4, loss factor 0.08");
+    claims
+        .by("frequency equation of Pochhammer and Chree in 30 digits, nu = 0.4, loss factor 0.08");
     let apparent = apparent();
     let by_love = || -> Ours<ModulusEstimate> {
         let apparent = apparent.as_ref().map_err(Clone::clone)?;
         let inertia = LateralInertia::new(DIAMETER, DENSITY, POISSON_RATIO)?;
-        let corrected = inertia.with_theory(Theory::LoveRayleigh).correct(apparent)?;
+        let corrected = inertia
+            .with_theory(Theory::LoveRayleigh)
+            .correct(apparent)?;
         Ok(corrected.modulus().clone())
     };
     let by_love = by_love();
     let within = Within(1e-4, "the interpolation between lines 1 kHz apart");
     for (name, estimate, diameters, expected) in [
-        ("apparent, wavelength of 5 D", &apparent, 5.0, [0.967_576, 1.035_389]),
-        ("after Love, wavelength of 5 D", &by_love, 5.0, [0.998_292, 1.003_532]),
-        ("after Love, wavelength of 3 D", &by_love, 3.0, [0.987_143, 1.028_256]),
+        (
+            "apparent, wavelength of 5 D",
+            &apparent,
+            5.0,
+            [0.967_576, 1.035_389],
+        ),
+        (
+            "after Love, wavelength of 5 D",
+            &by_love,
+            5.0,
+            [0.998_292, 1.003_532],
+        ),
+        (
+            "after Love, wavelength of 3 D",
+            &by_love,
+            3.0,
+            [0.987_143, 1.028_256],
+        ),
     ] {
         let found = estimate
             .as_ref()
@@ -52,7 +70,9 @@ pub(super) fn claims(claims: &mut Claims) {
     let exact = || -> Ours {
         let apparent = apparent.as_ref().map_err(Clone::clone)?;
         let inertia = LateralInertia::new(DIAMETER, DENSITY, POISSON_RATIO)?;
-        let corrected = inertia.with_theory(Theory::PochhammerChree).correct(apparent)?;
+        let corrected = inertia
+            .with_theory(Theory::PochhammerChree)
+            .correct(apparent)?;
         let material = material()?;
         Ok(largest(corrected.modulus().lines().iter().map(|line| {
             let exact = material.at(TAU * line.frequency_hz);

@@ -105,19 +105,35 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
 
     let frequency_hz = lines(300, 50.0);
     let none = vec![0.0; 300];
-    let within = Within(1e-12, "rounding of the chain, by the amplification of the line");
+    let within = Within(
+        1e-12,
+        "rounding of the chain, by the amplification of the line",
+    );
     claims.by("cosh or sinh of gamma d at two sections before a free end with a mass");
     for (name, first, second) in [
         ("two strains", at(0.5, Strain), at(0.25, Strain)),
-        ("accelerations of both ends", at(LENGTH, Acceleration), at(0.0, Acceleration)),
+        (
+            "accelerations of both ends",
+            at(LENGTH, Acceleration),
+            at(0.0, Acceleration),
+        ),
         ("two velocities", at(0.6, Velocity), at(0.1, Velocity)),
-        ("displacement by acceleration", at(0.4, Displacement), at(0.0, Acceleration)),
-        ("strain by acceleration", at(0.35, Strain), at(0.0, Acceleration)),
+        (
+            "displacement by acceleration",
+            at(0.4, Displacement),
+            at(0.0, Acceleration),
+        ),
+        (
+            "strain by acceleration",
+            at(0.35, Strain),
+            at(0.0, Acceleration),
+        ),
     ] {
         let found = || -> Ours {
             let rod = rod.as_ref().map_err(Clone::clone)?;
             let ratio = rod.ratio(first, second, &frequency_hz)?;
-            let estimate = FreeEnd::new(ROD, first, second)?.estimate(&frequency_hz, &ratio, &none)?;
+            let estimate =
+                FreeEnd::new(ROD, first, second)?.estimate(&frequency_hz, &ratio, &none)?;
             Ok(rod.worst(&estimate, 300))
         };
         claims.deviation(
@@ -131,9 +147,13 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
         let rod = rod.as_ref().map_err(Clone::clone)?;
         let ratio = frequency_hz
             .iter()
-            .map(|f| rod.waves(GAUGE, *f).map(|[incident, reflected]| reflected / incident))
+            .map(|f| {
+                rod.waves(GAUGE, *f)
+                    .map(|[incident, reflected]| reflected / incident)
+            })
             .collect::<Ours<Vec<_>>>()?;
-        let estimate = OneGauge::new(ROD, at(GAUGE, Strain))?.estimate(&frequency_hz, &ratio, &none)?;
+        let estimate =
+            OneGauge::new(ROD, at(GAUGE, Strain))?.estimate(&frequency_hz, &ratio, &none)?;
         Ok(rod.worst(&estimate, 300))
     };
     claims.deviation(
@@ -167,7 +187,8 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
         let ends = [at(LENGTH, Acceleration), at(0.0, Acceleration)];
         let ratio = rod.ratio(ends[0], ends[1], &frequency_hz)?;
         let variance: Vec<f64> = ratio.iter().map(|ratio| 1e-6 * ratio.norm_sqr()).collect();
-        let free_end = FreeEnd::new(ROD, ends[0], ends[1])?.estimate(&frequency_hz, &ratio, &variance)?;
+        let free_end =
+            FreeEnd::new(ROD, ends[0], ends[1])?.estimate(&frequency_hz, &ratio, &variance)?;
         let two_point = TwoPoint::new(Specimen {
             length: LENGTH,
             diameter: DIAMETER,
@@ -191,7 +212,9 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
         let rod = rod.as_ref().map_err(Clone::clone)?;
         let ratio = rod.ratio(at(LENGTH, Acceleration), at(0.0, Acceleration), &dense)?;
         let estimate = Resonances::new(ROD, LENGTH)?.estimate(&dense, &ratio, &[0.0; 1500])?;
-        let changes = ratio.windows(2).filter(|pair| pair[0].re * pair[1].re < 0.0);
+        let changes = ratio
+            .windows(2)
+            .filter(|pair| pair[0].re * pair[1].re < 0.0);
         let worst = largest((1..).zip(estimate.lines()).map(|(n, line)| {
             let exact = rod.medium.modulus(TAU * line.frequency_hz);
             f64::from(n) * (line.modulus - exact).norm() / exact.norm()
@@ -208,7 +231,10 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
     );
     claims.deviation(
         "modulus at the n-th resonance, n times the error",
-        Within(6e-5, "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass"),
+        Within(
+            6e-5,
+            "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass",
+        ),
         of(&resonances, |found| found[2]),
     );
 }
@@ -264,9 +290,9 @@ fn errors(claims: &mut Claims, rod: &Ours<VirtualRod>) {
                 sums[1] += line.standard_error.loss_modulus.powi(2);
             }
         }
-        Ok(largest(
-            sums.iter().map(|[found, stated]| ((found / stated).sqrt() - 1.0).abs()),
-        ))
+        Ok(largest(sums.iter().map(|[found, stated]| {
+            ((found / stated).sqrt() - 1.0).abs()
+        })))
     };
     claims.deviation(
         "one gauge with a mass: scatter of E'' over its standard error, worst of five lines",
@@ -283,7 +309,10 @@ fn reflected(
 ) -> Ours<(Vec<Complex64>, Vec<f64>)> {
     let ratio = frequency_hz
         .iter()
-        .map(|f| rod.waves(GAUGE, *f).map(|[incident, reflected]| reflected / incident))
+        .map(|f| {
+            rod.waves(GAUGE, *f)
+                .map(|[incident, reflected]| reflected / incident)
+        })
         .collect::<Ours<Vec<_>>>()?;
     let variance = ratio
         .iter()

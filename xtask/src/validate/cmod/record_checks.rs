@@ -36,13 +36,23 @@ pub(super) fn claims(claims: &mut Claims) {
     let yes = Within(0.5, "yes or no");
     claims.by("no force at a free end");
     let right = |level| -> Ours<bool> {
-        Ok(Record::of(&relaxing()?, DISTANCES, 5)?.free_end_null(level)?.has_failed())
+        Ok(Record::of(&relaxing()?, DISTANCES, 5)?
+            .free_end_null(level)?
+            .has_failed())
     };
-    claims.claim("right record: force at the free end is seen", "1", 0.0, yes, right(USUAL_LEVEL).map(number));
+    claims.claim(
+        "right record: force at the free end is seen",
+        "1",
+        0.0,
+        yes,
+        right(USUAL_LEVEL).map(number),
+    );
     let displaced = || -> Ours<bool> {
         let mut distances = DISTANCES;
         distances[2] += 1e-3;
-        Ok(Record::of(&relaxing()?, distances, 6)?.free_end_null(USUAL_LEVEL)?.has_failed())
+        Ok(Record::of(&relaxing()?, distances, 6)?
+            .free_end_null(USUAL_LEVEL)?
+            .has_failed())
     };
     claims.claim(
         "gauge 1 mm out of place: force at the free end is seen",
@@ -101,7 +111,13 @@ pub(super) fn claims(claims: &mut Claims) {
         let record = Record::of(&relaxing()?, DISTANCES, 5)?;
         Ok(passivity(&record.estimate()?, USUAL_LEVEL)?.has_failed())
     };
-    claims.claim("right record: the material seems to give energy", "1", 0.0, yes, passive().map(number));
+    claims.claim(
+        "right record: the material seems to give energy",
+        "1",
+        0.0,
+        yes,
+        passive().map(number),
+    );
     claims.by("Kramers and Kronig's relations");
     let not_causal = || -> Ours<bool> {
         let medium = Medium::new(DENSITY, ConstantBoth)?;
@@ -119,7 +135,13 @@ pub(super) fn claims(claims: &mut Claims) {
         let record = Record::of(&relaxing()?, DISTANCES, 5)?;
         Ok(kramers_kronig(&record.estimate()?, USUAL_LEVEL)?.has_failed())
     };
-    claims.claim("relaxing material: refused as a material", "1", 0.0, yes, causal().map(number));
+    claims.claim(
+        "relaxing material: refused as a material",
+        "1",
+        0.0,
+        yes,
+        causal().map(number),
+    );
 }
 
 fn number(yes: bool) -> f64 {
@@ -134,7 +156,10 @@ fn relaxing() -> Ours<Medium<GeneralisedMaxwell>> {
             relaxation_time: 3e-6 * 4f64.powi(j),
         })
         .collect();
-    Ok(Medium::new(DENSITY, GeneralisedMaxwell::new(2.14e9, branches)?)?)
+    Ok(Medium::new(
+        DENSITY,
+        GeneralisedMaxwell::new(2.14e9, branches)?,
+    )?)
 }
 
 /// Passive, but no material.
@@ -204,11 +229,13 @@ impl Record {
             &self.noise[0],
             &self.noise[1],
         )?;
-        Ok(FreeEnd::new(ROD, section(DISTANCES[0]), section(DISTANCES[1]))?.estimate(
-            &self.frequency_hz,
-            &ratio.ratio,
-            &ratio.variance,
-        )?)
+        Ok(
+            FreeEnd::new(ROD, section(DISTANCES[0]), section(DISTANCES[1]))?.estimate(
+                &self.frequency_hz,
+                &ratio.ratio,
+                &ratio.variance,
+            )?,
+        )
     }
 
     fn free_end_null(&self, level: f64) -> Ours<CheckOutcome> {

@@ -23,12 +23,42 @@ const TIMES: [f64; 8] = [0.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.
 /// loss factor in per cent of its virgin value at [`TIMES`].
 #[expect(clippy::approx_constant, reason = "a change of 3.1416 % is not pi")]
 const COMPUTED: [(f64, [f64; 8]); 6] = [
-    (259.374, [90.3502, 73.3763, 41.8942, 27.2693, 11.3794, 6.0721, 3.1416, 1.2834]),
-    (598.021, [39.1868, 35.6136, 26.0957, 19.5610, 9.7724, 5.5823, 3.0052, 1.2601]),
-    (2598.569, [9.0182, 8.8147, 8.0849, 7.3266, 5.3278, 3.7806, 2.3916, 1.1377]),
-    (372.029, [62.9912, 54.2430, 34.8713, 24.1089, 10.7892, 5.8999, 3.0949, 1.2756]),
-    (2157.557, [10.8616, 10.5677, 9.5357, 8.4983, 5.9215, 4.0702, 2.5043, 1.1626]),
-    (420.165, [55.7745, 48.8051, 32.5405, 22.9713, 10.5553, 5.8292, 3.0753, 1.2722]),
+    (
+        259.374,
+        [
+            90.3502, 73.3763, 41.8942, 27.2693, 11.3794, 6.0721, 3.1416, 1.2834,
+        ],
+    ),
+    (
+        598.021,
+        [
+            39.1868, 35.6136, 26.0957, 19.5610, 9.7724, 5.5823, 3.0052, 1.2601,
+        ],
+    ),
+    (
+        2598.569,
+        [
+            9.0182, 8.8147, 8.0849, 7.3266, 5.3278, 3.7806, 2.3916, 1.1377,
+        ],
+    ),
+    (
+        372.029,
+        [
+            62.9912, 54.2430, 34.8713, 24.1089, 10.7892, 5.8999, 3.0949, 1.2756,
+        ],
+    ),
+    (
+        2157.557,
+        [
+            10.8616, 10.5677, 9.5357, 8.4983, 5.9215, 4.0702, 2.5043, 1.1626,
+        ],
+    ),
+    (
+        420.165,
+        [
+            55.7745, 48.8051, 32.5405, 22.9713, 10.5553, 5.8292, 3.0753, 1.2722,
+        ],
+    ),
 ];
 
 pub(super) fn claims(claims: &mut Claims) {
@@ -50,20 +80,20 @@ fn recovered(paper: &Ours<PaperC>, index: usize) -> Ours<(Recovery, f64)> {
     })?;
     let history = match load.stress_amplitude {
         None => LoadHistory::creep(load.mean_stress, load.duration)?,
-        Some(amplitude) => {
-            LoadHistory::new(vec![cmod::recovery::LoadSegment::Periodic {
-                mean: load.mean_stress,
-                amplitude,
-                frequency_hz: paper.load_frequency_hz,
-                duration: load.duration,
-            }])?
-        }
+        Some(amplitude) => LoadHistory::new(vec![cmod::recovery::LoadSegment::Periodic {
+            mean: load.mean_stress,
+            amplitude,
+            frequency_hz: paper.load_frequency_hz,
+            duration: load.duration,
+        }])?,
     };
     Ok((model.recovery(&history)?, TAU * paper.frequency_hz))
 }
 
 fn curves(claims: &mut Claims, paper: &Ours<PaperC>) {
-    let virgin = paper.as_ref().map_or(f64::NAN, |paper| paper.virgin_loss_factor);
+    let virgin = paper
+        .as_ref()
+        .map_or(f64::NAN, |paper| paper.virgin_loss_factor);
     for (index, (time, changes)) in COMPUTED.into_iter().enumerate() {
         let test = index + 1;
         let found = recovered(paper, index);
@@ -102,13 +132,17 @@ fn curves(claims: &mut Claims, paper: &Ours<PaperC>) {
             }),
         );
     }
-    claims.by("paper C, section 4: a modulus that is reduced much less than measured; computed apart");
+    claims.by(
+        "paper C, section 4: a modulus that is reduced much less than measured; computed apart",
+    );
     claims.claim(
         "Test 1: change of the modulus at 60 s",
         "1",
         -1.7e-4,
         Within(0.05e-4, "half of the last digit"),
-        of(&first, |(recovery, omega)| recovery.modulus_change(*omega, 60.0)),
+        of(&first, |(recovery, omega)| {
+            recovery.modulus_change(*omega, 60.0)
+        }),
     );
     claims.by("paper C, section 4: recovered after about five hours");
     claims.claim(
@@ -254,12 +288,16 @@ fn fits(claims: &mut Claims) {
         "1",
         0.0,
         Within(2e-3, "17 times the error of m"),
-        of(&joint, |fit| (fit.model.parameters().coefficient / TRUTH.coefficient).ln()),
+        of(&joint, |fit| {
+            (fit.model.parameters().coefficient / TRUTH.coefficient).ln()
+        }),
     );
     claims.by("paper C, section 3: E_2 and B from one test, m from the others");
     let procedure = || -> Ours {
         let tests = tests.as_ref().map_err(Clone::clone)?;
-        Ok(paper_procedure(tests, 1, GIVEN.value, (0.2, 5.0))?.parameters.exponent)
+        Ok(paper_procedure(tests, 1, GIVEN.value, (0.2, 5.0))?
+            .parameters
+            .exponent)
     };
     claims.claim(
         "procedure of the paper: m",
@@ -301,7 +339,10 @@ fn fits(claims: &mut Claims) {
     };
     claims.deviation(
         "Test 2 alone: curves with m = 0.5, 1.8 and 4 against the readings",
-        Within(1e-4, "the viscosity of the generator has 1e-6; the fit ends at a part of the noise"),
+        Within(
+            1e-4,
+            "the viscosity of the generator has 1e-6; the fit ends at a part of the noise",
+        ),
         curve(),
     );
 }
@@ -337,7 +378,10 @@ fn scatter(claims: &mut Claims) {
         "mean square of the error of m over its standard error",
         "1",
         1.0,
-        Within(0.6, "sqrt(2/60) = 18 %, three of it, and a little of the second order"),
+        Within(
+            0.6,
+            "sqrt(2/60) = 18 %, three of it, and a little of the second order",
+        ),
         of(&drawn, |drawn| drawn[0]),
     );
     claims.claim(

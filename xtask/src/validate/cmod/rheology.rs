@@ -47,7 +47,10 @@ fn series(spring: f64, branches: &[(f64, f64)]) -> Ours<GeneralisedMaxwell> {
         modulus,
         relaxation_time,
     };
-    Ok(GeneralisedMaxwell::new(spring, branches.iter().map(branch).collect())?)
+    Ok(GeneralisedMaxwell::new(
+        spring,
+        branches.iter().map(branch).collect(),
+    )?)
 }
 
 /// Errors of 1 % are stated, none is made.
@@ -96,29 +99,55 @@ fn exact_data(claims: &mut Claims) {
     claims.by("parameters of the law that has made the modulus");
     let within = Within(1e-4, "a hundredth of the error that the stated 1 % leaves");
     let truths: [(&str, Law, Ours<(Modulus, Vec<f64>)>); 5] = [
-        ("Kelvin and Voigt", Law::KelvinVoigt, (|| {
-            let law = KelvinVoigt::new(2.0e9, 1.5e4)?;
-            Ok((Box::new(move |omega| law.at(omega)) as Modulus, vec![2.0e9, 1.5e4]))
-        })()),
-        ("Zener", Law::Zener, (|| {
-            let law = Zener::new(2.0e9, 2.7e9, 4e-5)?;
-            Ok((Box::new(move |omega| law.at(omega)) as Modulus, vec![2.0e9, 0.7e9, 4e-5]))
-        })()),
-        ("fractional Zener", Law::FractionalZener, (|| {
-            let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
-            let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
-            Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-        })()),
-        ("Havriliak and Negami", Law::HavriliakNegami, (|| {
-            let law = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5)?;
-            let truth = vec![1.5e9, 2.1e9, 2e-4, 0.7, 0.35];
-            Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-        })()),
-        ("two Maxwell branches and a spring", Law::GeneralisedMaxwell, (|| {
-            let law = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)])?;
-            let truth = vec![2.0e9, 0.4e9, 2e-5, 0.3e9, 1e-3];
-            Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-        })()),
+        (
+            "Kelvin and Voigt",
+            Law::KelvinVoigt,
+            (|| {
+                let law = KelvinVoigt::new(2.0e9, 1.5e4)?;
+                Ok((
+                    Box::new(move |omega| law.at(omega)) as Modulus,
+                    vec![2.0e9, 1.5e4],
+                ))
+            })(),
+        ),
+        (
+            "Zener",
+            Law::Zener,
+            (|| {
+                let law = Zener::new(2.0e9, 2.7e9, 4e-5)?;
+                Ok((
+                    Box::new(move |omega| law.at(omega)) as Modulus,
+                    vec![2.0e9, 0.7e9, 4e-5],
+                ))
+            })(),
+        ),
+        (
+            "fractional Zener",
+            Law::FractionalZener,
+            (|| {
+                let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
+                let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
+                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
+            })(),
+        ),
+        (
+            "Havriliak and Negami",
+            Law::HavriliakNegami,
+            (|| {
+                let law = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5)?;
+                let truth = vec![1.5e9, 2.1e9, 2e-4, 0.7, 0.35];
+                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
+            })(),
+        ),
+        (
+            "two Maxwell branches and a spring",
+            Law::GeneralisedMaxwell,
+            (|| {
+                let law = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)])?;
+                let truth = vec![2.0e9, 0.4e9, 2e-5, 0.3e9, 1e-3];
+                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
+            })(),
+        ),
     ];
     for (name, law, truth) in truths {
         let worst = || -> Ours {
@@ -133,7 +162,9 @@ fn exact_data(claims: &mut Claims) {
                 return Err(missing("a parameter"));
             }
             let pairs = fit.parameters.iter().zip(truth);
-            Ok(largest(pairs.map(|(found, truth)| (found.value / truth - 1.0).abs())))
+            Ok(largest(
+                pairs.map(|(found, truth)| (found.value / truth - 1.0).abs()),
+            ))
         };
         claims.deviation(
             format!("{name}: worst parameter of a fit to exact data"),
@@ -158,14 +189,22 @@ fn nylon(claims: &mut Claims) {
         };
         let data = without_error(&modulus)?;
         let fit = RheologicalFit::new(&data, Law::PowerLaw { density }, &FitOptions::default())?;
-        Ok(fit.parameters.iter().map(|parameter| parameter.value).collect())
+        Ok(fit
+            .parameters
+            .iter()
+            .map(|parameter| parameter.value)
+            .collect())
     };
     let fit = fit();
     let half = "half of the last printed digit";
     for (index, (name, unit, digit)) in [
         ("coefficient of the damping", "1/m (rad/s)^-0.894", 0.5e-8),
         ("exponent of the damping", "1", 5e-4),
-        ("coefficient of the wave number", "1/m (rad/s)^-0.970", 0.5e-7),
+        (
+            "coefficient of the wave number",
+            "1/m (rad/s)^-0.970",
+            0.5e-7,
+        ),
         ("exponent of the wave number", "1", 5e-4),
     ]
     .into_iter()
@@ -183,12 +222,18 @@ fn nylon(claims: &mut Claims) {
 
 fn scatter(claims: &mut Claims) {
     let draws = 40;
-    for (name, law) in [("Zener", Law::Zener), ("fractional Zener", Law::FractionalZener)] {
+    for (name, law) in [
+        ("Zener", Law::Zener),
+        ("fractional Zener", Law::FractionalZener),
+    ] {
         claims.by("40 draws of correlated noise of 1 % of E' and 0.4 % of E''");
         let found = || -> Ours<[f64; 3]> {
             let (modulus, truth): (Modulus, Vec<f64>) = if law == Law::Zener {
                 let exact = Zener::new(2.0e9, 2.7e9, 4e-5)?;
-                (Box::new(move |omega| exact.at(omega)), vec![2.0e9, 0.7e9, 4e-5])
+                (
+                    Box::new(move |omega| exact.at(omega)),
+                    vec![2.0e9, 0.7e9, 4e-5],
+                )
             } else {
                 let exact = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
                 let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
@@ -213,7 +258,10 @@ fn scatter(claims: &mut Claims) {
             format!("{name}: intervals of 95 % that hold the truth"),
             "1",
             0.95,
-            Within(0.069, "40 draws of correlated parameters, at most 3.4 %; two of it"),
+            Within(
+                0.069,
+                "40 draws of correlated parameters, at most 3.4 %; two of it",
+            ),
             of(&found, |found| found[0]),
         );
         claims.claim(
@@ -261,15 +309,22 @@ fn curve(log_shift: fn(f64) -> f64) -> Ours<(MasterCurve, ShiftLaws)> {
 }
 
 fn shifts(claims: &mut Claims) {
-    claims.by("Williams, Landel and Ferry with C_1 = 8, C_2 = 180 K; 13 temperatures, noise of 1 %");
+    claims
+        .by("Williams, Landel and Ferry with C_1 = 8, C_2 = 180 K; 13 temperatures, noise of 1 %");
     let by_wlf = curve(wlf);
     claims.claim(
         "master curve: root mean square of errors of shifts by their standard errors",
         "1",
         1.0,
-        Within(0.7, "12 shifts whose errors are correlated: worth some five"),
+        Within(
+            0.7,
+            "12 shifts whose errors are correlated: worth some five",
+        ),
         of(&by_wlf, |(curve, _)| {
-            let errors = curve.shifts.iter().filter(|shift| shift.standard_error > 0.0);
+            let errors = curve
+                .shifts
+                .iter()
+                .filter(|shift| shift.standard_error > 0.0);
             let squares = errors.map(|shift| {
                 ((shift.log_shift - wlf(shift.temperature)) / shift.standard_error).powi(2)
             });
@@ -295,14 +350,18 @@ fn shifts(claims: &mut Claims) {
         "1",
         0.0,
         Within(3.0, "three standard errors"),
-        of(&by_wlf, |(_, laws)| (laws.wlf.c1 - 8.0) / laws.wlf.c1_standard_error),
+        of(&by_wlf, |(_, laws)| {
+            (laws.wlf.c1 - 8.0) / laws.wlf.c1_standard_error
+        }),
     );
     claims.claim(
         "master curve: C_2 less its value, in standard errors",
         "1",
         0.0,
         Within(3.0, "three standard errors"),
-        of(&by_wlf, |(_, laws)| (laws.wlf.c2 - 180.0) / laws.wlf.c2_standard_error),
+        of(&by_wlf, |(_, laws)| {
+            (laws.wlf.c2 - 180.0) / laws.wlf.c2_standard_error
+        }),
     );
     claims.claim(
         "master curve of a WLF material: probability of an Arrhenius law",

@@ -31,9 +31,21 @@ struct Record {
 pub(super) fn claims(claims: &mut Claims) {
     let record = record();
     for (noise, newton, within) in [
-        (0.0, 294.0, Within(5.0, "lines at the border of a basin fall either way")),
-        (0.005, 289.0, Within(15.0, "the scatter over draws of the noise")),
-        (0.02, 292.0, Within(25.0, "the scatter over draws of the noise")),
+        (
+            0.0,
+            294.0,
+            Within(5.0, "lines at the border of a basin fall either way"),
+        ),
+        (
+            0.005,
+            289.0,
+            Within(15.0, "the scatter over draws of the noise"),
+        ),
+        (
+            0.02,
+            292.0,
+            Within(25.0, "the scatter over draws of the noise"),
+        ),
     ] {
         claims.by("paper A, eq. 5, erratum: it runs to wrong roots, counted apart");
         let percent = 100.0 * noise;
@@ -55,7 +67,11 @@ pub(super) fn claims(claims: &mut Claims) {
     }
     claims.by("paper A, eq. 7: terms of a series in mu");
     for (name, order, terms) in [
-        ("two", 2.0, MassSeries::two_terms as fn(&MassSeries, f64) -> Complex64),
+        (
+            "two",
+            2.0,
+            MassSeries::two_terms as fn(&MassSeries, f64) -> Complex64,
+        ),
         ("four", 4.0, MassSeries::four_terms),
     ] {
         claims.claim(
@@ -95,11 +111,9 @@ fn of_series() -> Ours {
             .iter()
             .map(|f| rod.acceleration_ratio(TAU * f))
             .collect::<Result<Vec<_>, _>>()?;
-        let series = TwoPoint::new(specimen)?.with_solver(Solver::Series).estimate(
-            &frequency_hz,
-            &ratio,
-            &vec![0.0; ratio.len()],
-        )?;
+        let series = TwoPoint::new(specimen)?
+            .with_solver(Solver::Series)
+            .estimate(&frequency_hz, &ratio, &vec![0.0; ratio.len()])?;
         for line in series.valid() {
             let exact = medium.modulus(TAU * line.frequency_hz);
             worst = worst.max((line.modulus.re / exact.re - 1.0).abs());

@@ -134,7 +134,10 @@ fn conditions(claims: &mut Claims) {
         speed / (5.0 * specimen.diameter),
         Within(50.0, "the distance of lines"),
         of(&found, |found| {
-            found.valid().map(|line| line.frequency_hz).fold(f64::NAN, f64::max)
+            found
+                .valid()
+                .map(|line| line.frequency_hz)
+                .fold(f64::NAN, f64::max)
         }),
     );
     claims.by("paper A, condition (ii): wavelength below 5 L");
@@ -144,7 +147,10 @@ fn conditions(claims: &mut Claims) {
         speed / (5.0 * specimen.length),
         Within(50.0, "the distance of lines"),
         of(&found, |found| {
-            found.valid().map(|line| line.frequency_hz).fold(f64::NAN, f64::min)
+            found
+                .valid()
+                .map(|line| line.frequency_hz)
+                .fold(f64::NAN, f64::min)
         }),
     );
     claims.by("paper A, condition (iii): damping above 0");
@@ -201,8 +207,8 @@ fn errors(claims: &mut Claims) {
                 let modulus = polypropylene(omega);
                 let x = propagation(modulus, SPECIMEN.density, omega) * SPECIMEN.length;
                 let slope = x.sinh() + mu * (x.sinh() + x * x.cosh());
-                let expected = 2.0 * modulus.norm() / (x * slope).norm()
-                    * (0.5 * variance[line.index]).sqrt();
+                let expected =
+                    2.0 * modulus.norm() / (x * slope).norm() * (0.5 * variance[line.index]).sqrt();
                 (line.standard_error.storage_modulus / expected - 1.0).abs()
             }))
         }),
@@ -289,13 +295,16 @@ fn shifts(claims: &mut Claims) {
                     (line.uncertainty.systematic[source].modulus / line.modulus).norm()
                 };
                 // the line that is furthest off
-                free.lines().iter().map(shift).fold(expected, |worst, found| {
-                    if (found - expected).abs() > (worst - expected).abs() {
-                        found
-                    } else {
-                        worst
-                    }
-                })
+                free.lines()
+                    .iter()
+                    .map(shift)
+                    .fold(expected, |worst, found| {
+                        if (found - expected).abs() > (worst - expected).abs() {
+                            found
+                        } else {
+                            worst
+                        }
+                    })
             }),
         );
     }

@@ -242,7 +242,9 @@ fn rods_of_equal_length(claims: &mut Claims) {
 
 /// E = E₀ (s/ω₀)^½: 1/Z falls as s^-¼, and F = V (Z₀/2) (ω₀t)^-¼/Γ(¾).
 fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
-    claims.by("F = V Z_0/2 (omega_0 t)^(-1/4)/Gamma(3/4), endless rods of a spring-pot of exponent 1/2");
+    claims.by(
+        "F = V Z_0/2 (omega_0 t)^(-1/4)/Gamma(3/4), endless rods of a spring-pot of exponent 1/2",
+    );
     let (modulus, density, reference, diameter) = (2e9_f64, 1100.0, 1e4, 0.020_f64);
     let error = |quadrature| -> Ours {
         let polymer = Medium::new(density, SpringPot::new(modulus, 0.5, reference)?)?;

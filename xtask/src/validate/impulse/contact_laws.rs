@@ -118,7 +118,10 @@ fn mass_on_a_spring(claims: &mut Claims) {
             format!("mass on a spring, {name}: coefficient of restitution"),
             "1",
             1.0,
-            Within(1e-6, "the part of the last step in which the contact is open"),
+            Within(
+                1e-6,
+                "the part of the last step in which the contact is open",
+            ),
             of(&found, |p| p.balance().restitution.unwrap_or(f64::NAN)),
         );
     }
@@ -137,7 +140,10 @@ fn mass_on_a_spring(claims: &mut Claims) {
     };
     claims.deviation(
         "mass on a spring: stick force by the damped transform",
-        Within(3e-6, "the Gaussian takes (omega sigma)^2/2 = 1e-6 of the amplitude"),
+        Within(
+            3e-6,
+            "the Gaussian takes (omega sigma)^2/2 = 1e-6 of the amplitude",
+        ),
         damped(),
     );
 }
@@ -199,7 +205,9 @@ fn sphere_on_the_ground(claims: &mut Claims) {
 
 /// δ' = V - J/M - F/Z, J' = F = K δ^{3/2}, by the classical rule of Runge and Kutta.
 fn sphere_on_an_endless_rod(claims: &mut Claims) {
-    claims.by("ordinary differential equation of a sphere on an endless rod, by Runge and Kutta's rule");
+    claims.by(
+        "ordinary differential equation of a sphere on an endless rod, by Runge and Kutta's rule",
+    );
     let (kilograms, z, coefficient) = (0.03, impedance(0.010), 8e9);
     let force = |approach: f64| coefficient * approach.max(0.0).powf(1.5);
     let rate = |[approach, impulse]: [f64; 2]| {
@@ -234,7 +242,10 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         "sphere on an endless rod: peak force",
         "N",
         peak,
-        Within(1e-3 * peak, "means over steps of 1 us at the turn of the force"),
+        Within(
+            1e-3 * peak,
+            "means over steps of 1 us at the turn of the force",
+        ),
         of(&found, |p| p.peak().force),
     );
     claims.claim(
@@ -307,7 +318,10 @@ fn two_masses(claims: &mut Claims) {
         "0.5 kg against 1 kg through a spring: impulse",
         "N s",
         2.0 * VELOCITY / 3.0,
-        Within(1e-6, "the part of the last step in which the contact is open"),
+        Within(
+            1e-6,
+            "the part of the last step in which the contact is open",
+        ),
         soft(),
     );
     claims.by("the force of rigid faces of rigid bodies is not defined");

@@ -64,14 +64,18 @@ fn echoes(claims: &mut Claims) {
         weights.as_ref().map_err(Clone::clone).map(|weights| {
             largest((1..8).map(|k| {
                 let at = 2.0 * f64::from(k) * to_the_end;
-                let sums = weights.iter().enumerate().fold([0.0; 2], |[found, exact], (n, weight)| {
-                    let distance = n as f64 - at;
-                    if distance.abs() < 20.0 {
-                        [found + weight * z, exact + 2.0 * hat(distance)]
-                    } else {
-                        [found, exact]
-                    }
-                });
+                let sums =
+                    weights
+                        .iter()
+                        .enumerate()
+                        .fold([0.0; 2], |[found, exact], (n, weight)| {
+                            let distance = n as f64 - at;
+                            if distance.abs() < 20.0 {
+                                [found + weight * z, exact + 2.0 * hat(distance)]
+                            } else {
+                                [found, exact]
+                            }
+                        });
                 (sums[0] / sums[1] - 1.0).abs()
             }))
         }),
@@ -152,8 +156,16 @@ fn no_energy_from_a_passive_body(claims: &mut Claims) {
     for (name, body, quadrature) in [
         ("cone, means over steps", cone(), Quadrature::CellAverages),
         ("cone, BDF2", cone(), Quadrature::Bdf2),
-        ("stack of two materials, means over steps", stack(), Quadrature::CellAverages),
-        ("stack of two materials, trapezium", stack(), Quadrature::Trapezoid),
+        (
+            "stack of two materials, means over steps",
+            stack(),
+            Quadrature::CellAverages,
+        ),
+        (
+            "stack of two materials, trapezium",
+            stack(),
+            Quadrature::Trapezoid,
+        ),
     ] {
         claims.deviation(
             format!("energy gained from a body, {name}"),

@@ -79,8 +79,7 @@ pub(super) fn claims(claims: &mut Claims) {
             1.0,
             Within(1e-3, "half a step at each parting"),
             of(&found, |both| {
-                both.predicted.balance().impulse
-                    / (both.by_line.iter().sum::<f64>() * both.step)
+                both.predicted.balance().impulse / (both.by_line.iter().sum::<f64>() * both.step)
             }),
         );
         claims.claim(
@@ -134,9 +133,7 @@ fn by_line(striker: &[Piece], rod: Piece) -> Ours<LineHistory> {
     let segment = |piece: &Piece| -> Ours<Segment> {
         let area = FRAC_PI_4 * piece.diameter.powi(2);
         Ok(match piece.material {
-            Material::Steel => {
-                Segment::elastic(piece.length, area, STEEL_DENSITY, STEEL_MODULUS)?
-            }
+            Material::Steel => Segment::elastic(piece.length, area, STEEL_DENSITY, STEEL_MODULUS)?,
             Material::Zener => {
                 let step = UNRELAXED - RELAXED;
                 Segment::new(piece.length, area, DENSITY)?
@@ -146,7 +143,11 @@ fn by_line(striker: &[Piece], rod: Piece) -> Ours<LineHistory> {
         })
     };
     // the impact face is the right end of the left body
-    let segments = striker.iter().rev().map(segment).collect::<Ours<Vec<_>>>()?;
+    let segments = striker
+        .iter()
+        .rev()
+        .map(segment)
+        .collect::<Ours<Vec<_>>>()?;
     let striker = Body::new(segments)?.moving_at(VELOCITY)?;
     let struck = Body::new([segment(&rod)?])?;
     Ok(Line::new([striker, struck])?.run(0.25e-6, DURATION, &[])?)

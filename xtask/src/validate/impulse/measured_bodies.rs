@@ -174,7 +174,9 @@ fn noise_after_projection() -> Ours {
     let after = before.causally_projected();
     let power = |from: &[Complex64], to: &[Complex64]| -> f64 {
         // away from the edge of the band
-        (20..800).map(|line| (from[line] - to[line]).norm_sqr()).sum()
+        (20..800)
+            .map(|line| (from[line] - to[line]).norm_sqr())
+            .sum()
     };
     Ok(power(after.mobility(), clean.mobility()) / power(before.mobility(), &exact))
 }
@@ -202,8 +204,7 @@ fn bare_face() -> Ours {
             1.0 / (1.0 / (s * mobility) + below)
         })
         .collect();
-    let face =
-        ImpedanceHead::new(below)?.face_mobility(&accelerance, &[0.0; N_LINES], STEP_HZ)?;
+    let face = ImpedanceHead::new(below)?.face_mobility(&accelerance, &[0.0; N_LINES], STEP_HZ)?;
     let pairs = face.mobility.iter().zip(&exact).skip(1);
     Ok(largest(pairs.map(|(found, exact)| {
         (found - exact).norm() / exact.norm()

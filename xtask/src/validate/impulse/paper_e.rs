@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use impulse::{ForceHistory, Impact, LineBand, Prediction, Quadrature};
 use rodwave::chain::{
-    AngularFrequency, AnalyticChain, Argument, Chain, ChainBuilder, LaplaceVariable, Termination,
+    AnalyticChain, AngularFrequency, Argument, Chain, ChainBuilder, LaplaceVariable, Termination,
     WaveMedium,
 };
 use rodwave::element::Circle;
@@ -17,7 +17,8 @@ use super::super::claims::{Claims, Ours, Within, largest, missing, of};
 use super::bodies::{endless_rod, impedance};
 use crate::fixtures::paper_e::{self, PaperE};
 
-const APART: &str = "paper E in one-dimensional theory, computed apart with a nylon of constant loss factor";
+const APART: &str =
+    "paper E in one-dimensional theory, computed apart with a nylon of constant loss factor";
 /// The expected values were rounded by a Gaussian of this standard deviation, in s.
 const ROUNDED: f64 = 10e-6;
 
@@ -165,7 +166,10 @@ fn peaks_and_ends(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
         format!("{name}: peak of the force"),
         "N",
         case.peak,
-        Within(1.5, "half of the last digit, and a newton for the level of the loss factor"),
+        Within(
+            1.5,
+            "half of the last digit, and a newton for the level of the loss factor",
+        ),
         of(&peak, |peak| peak.0),
     );
     if let Some(time) = case.time {
@@ -173,7 +177,10 @@ fn peaks_and_ends(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
             format!("{name}: time of the peak"),
             "s",
             time,
-            Within(6e-6, "half of the last digit, and a microsecond of the step"),
+            Within(
+                6e-6,
+                "half of the last digit, and a microsecond of the step",
+            ),
             of(&peak, |peak| peak.1),
         );
     }
@@ -185,7 +192,10 @@ fn peaks_and_ends(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
         format!("{name}: end of the contact"),
         "s",
         case.end,
-        Within(0.01e-3, "half of the last digit, and as much for the level of the loss factor"),
+        Within(
+            0.01e-3,
+            "half of the last digit, and as much for the level of the loss factor",
+        ),
         end,
     );
 }
@@ -205,7 +215,10 @@ fn jump_of_aluminium(claims: &mut Claims, paper: &Ours<PaperE>) {
         "CCB: force of the first instant by impact velocity",
         "N s/m",
         jump.unwrap_or(f64::NAN),
-        Within(0.25, "1e-4, the step of 0.1 us, in which nothing has come back"),
+        Within(
+            0.25,
+            "1e-4, the step of 0.1 us, in which nothing has come back",
+        ),
         ours(),
     );
 }
@@ -234,7 +247,10 @@ fn re_contacts(claims: &mut Claims, paper: &Ours<PaperE>) {
     for (index, (begin, end)) in again.into_iter().enumerate() {
         let nth = |of_contact: fn((f64, f64)) -> f64| {
             of(&found, |found| {
-                later(found).get(index).copied().map_or(f64::NAN, of_contact)
+                later(found)
+                    .get(index)
+                    .copied()
+                    .map_or(f64::NAN, of_contact)
             })
         };
         let number = index + 2;
@@ -261,7 +277,10 @@ fn balances(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
     let found = predicted(paper, name, 60e-3, 5e-6);
     claims.deviation(
         format!("{name}: impulse less change of momentum, by the face long after"),
-        Within(1e-3, "the mean velocity of a face that still vibrates, at 60 ms"),
+        Within(
+            1e-3,
+            "the mean velocity of a face that still vibrates, at 60 ms",
+        ),
         of(&found, |p| {
             p.balance().momentum_residual.map_or(f64::NAN, f64::abs)
         }),
@@ -330,7 +349,10 @@ fn three_ways(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
     );
     claims.deviation(
         format!("{name}: stick force by convolution quadrature against the damped transform"),
-        Within(6e-3, "BDF2 at 1 us had 0.4 % of the peak in the computation apart"),
+        Within(
+            6e-3,
+            "BDF2 at 1 us had 0.4 % of the peak in the computation apart",
+        ),
         worst(Quadrature::Bdf2),
     );
 }

@@ -58,21 +58,30 @@ pub(super) fn claims(claims: &mut Claims) {
             format!("{name}: part of the force inside its pointwise band of 95 %"),
             "1",
             0.95,
-            Within(0.055, "parts of 60 histories scatter by 0.13: 3.3 errors of the mean"),
+            Within(
+                0.055,
+                "parts of 60 histories scatter by 0.13: 3.3 errors of the mean",
+            ),
             of(&covered, |covered| covered.inside),
         );
         claims.claim(
             format!("{name}: mean square of the error over the stated variance"),
             "1",
             1.0,
-            Within(0.43, "mean squares of 60 histories scatter by 1: 3.3 errors of the mean"),
+            Within(
+                0.43,
+                "mean squares of 60 histories scatter by 1: 3.3 errors of the mean",
+            ),
             of(&covered, |covered| covered.squares),
         );
         claims.claim(
             format!("{name}: whole histories inside the simultaneous band of 95 %"),
             "1",
             0.95,
-            Within(0.09, "sqrt(0.95 0.05/60) = 2.8 % and 1.1 % of its factor: three of both"),
+            Within(
+                0.09,
+                "sqrt(0.95 0.05/60) = 2.8 % and 1.1 % of its factor: three of both",
+            ),
             of(&covered, |covered| covered.whole),
         );
     }
@@ -121,8 +130,7 @@ fn struck() -> Ours<Faces> {
     let chain = Chain::from_impact_face()
         .rod(&medium, section, 0.4)
         .end(Termination::Free)?;
-    let synthesis =
-        DampedSynthesis::new(SAMPLES as f64 / RATE_HZ, 1.0 / (RATE_HZ * FINER as f64))?;
+    let synthesis = DampedSynthesis::new(SAMPLES as f64 / RATE_HZ, 1.0 / (RATE_HZ * FINER as f64))?;
     let history = |far: bool| -> Ours<Vec<f64>> {
         let mut spectrum = Vec::new();
         for s in synthesis.arguments() {
@@ -186,9 +194,9 @@ fn coverage(faces: &Faces, sensors: usize, truth: &[f64]) -> Ours<Coverage> {
     };
     for seed in 0..SEEDS {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let responses =
-            [0, 1].map(|face| noisy(&faces.responses[face], NOISE[face], &mut random));
-        let lines = [0, 1].map(|face| noisy_lines(&faces.lines[face], &variances[face], &mut random));
+        let responses = [0, 1].map(|face| noisy(&faces.responses[face], NOISE[face], &mut random));
+        let lines =
+            [0, 1].map(|face| noisy_lines(&faces.lines[face], &variances[face], &mut random));
         let sensors = (0..sensors)
             .map(|face| -> Ours<Sensor<'_>> {
                 Ok(Sensor::new(&responses[face], &lines[face])?
@@ -199,7 +207,10 @@ fn coverage(faces: &Faces, sensors: usize, truth: &[f64]) -> Ours<Coverage> {
         let found = Reconstruction::of_sensors(sensors, RATE_HZ)?
             .acting_during(SUPPORT)
             .solve()?;
-        let error = found.error.known().ok_or_else(|| missing("the error of the force"))?;
+        let error = found
+            .error
+            .known()
+            .ok_or_else(|| missing("the error of the force"))?;
         let pointwise = error.pointwise(&found.history, 0.95)?;
         let simultaneous =
             error.simultaneous(&found.history, 0.95, window.clone(), 400, &mut random)?;
@@ -238,11 +249,7 @@ fn noisy(values: &[f64], level: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// Circular errors of these variances; real ones at 0 Hz and at the Nyquist frequency.
-fn noisy_lines(
-    lines: &[Complex64],
-    variances: &[f64],
-    random: &mut ChaCha8Rng,
-) -> Vec<Complex64> {
+fn noisy_lines(lines: &[Complex64], variances: &[f64], random: &mut ChaCha8Rng) -> Vec<Complex64> {
     let last = lines.len() - 1;
     let mut normal = || -> f64 { random.sample(StandardNormal) };
     let values = lines.iter().zip(variances).enumerate();

@@ -89,7 +89,10 @@ fn by_draws(claims: &mut Claims, bodies: &Bodies) {
         };
         claims.deviation(
             format!("bodies {name}: standard error of the stick force, at the worst time"),
-            Within(0.08, "1/sqrt(3000) = 1.8 %, four of them, and the second order of 5 %"),
+            Within(
+                0.08,
+                "1/sqrt(3000) = 1.8 %, four of them, and the second order of 5 %",
+            ),
             of_force(),
         );
         let of_end = || -> Ours {
@@ -109,7 +112,10 @@ fn by_draws(claims: &mut Claims, bodies: &Bodies) {
             format!("bodies {name}: scatter of the end of the contact over its standard error"),
             "1",
             1.0,
-            Within(0.14, "four of 1.8 %, and as much for interpolation and curvature"),
+            Within(
+                0.14,
+                "four of 1.8 %, and as much for interpolation and curvature",
+            ),
             of_end(),
         );
         claims.claim(
@@ -213,7 +219,10 @@ fn constant_of_the_zero_line(claims: &mut Claims) {
         "sprung mass on an endless rod: impulse of the stick force, zero before contact",
         "N s",
         VELOCITY * MASS,
-        Within(1e-3 * VELOCITY * MASS, "the smear of the band limit before contact"),
+        Within(
+            1e-3 * VELOCITY * MASS,
+            "the smear of the band limit before contact",
+        ),
         of(&quiet, |stick| stick.history.impulse()),
     );
     claims.claim(

@@ -26,7 +26,11 @@ pub(super) fn claims(claims: &mut Claims) {
     };
     let rabinovich = || {
         let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?;
-        covered(2.107e9, &MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?, &start)
+        covered(
+            2.107e9,
+            &MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?,
+            &start,
+        )
     };
     for (name, found) in [
         ("Maxwell", maxwell()),

@@ -8,9 +8,7 @@ use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, Maxwe
 use rodwave::{DirectProblem, InelasticRod, characteristics};
 
 use super::super::claims::{Claims, Ours, Within, missing, of};
-use super::virtual_rod::{
-    DENSITY, LENGTH, RATE_HZ, VELOCITY, data, recorded, struck, times,
-};
+use super::virtual_rod::{DENSITY, LENGTH, RATE_HZ, VELOCITY, data, recorded, struck, times};
 
 pub(super) fn claims(claims: &mut Claims) {
     parameters(claims);
@@ -36,10 +34,11 @@ fn value<L: IdentifiableLaw>(fit: &Identification<L>, symbol: &str) -> f64 {
 
 fn parameters(claims: &mut Claims) {
     claims.by("parameters of a virtual rod of the lumped chain, without noise");
-    let of_modulus = Within(5e-4, "the grids of both solvers, 1e-4 of the impact velocity");
-    let maxwell = || -> Ours<_> {
-        fitted(3.056e9, &Maxwell::new(11.12e6)?, Maxwell::new(1e6)?)
-    };
+    let of_modulus = Within(
+        5e-4,
+        "the grids of both solvers, 1e-4 of the impact velocity",
+    );
+    let maxwell = || -> Ours<_> { fitted(3.056e9, &Maxwell::new(11.12e6)?, Maxwell::new(1e6)?) };
     let maxwell = maxwell();
     let norton = || -> Ours<_> {
         let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?;
@@ -48,7 +47,11 @@ fn parameters(claims: &mut Claims) {
     let norton = norton();
     let rabinovich = || -> Ours<_> {
         let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?;
-        fitted(2.107e9, &MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?, start)
+        fitted(
+            2.107e9,
+            &MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?,
+            start,
+        )
     };
     let rabinovich = rabinovich();
     claims.claim(
@@ -62,7 +65,10 @@ fn parameters(claims: &mut Claims) {
         "Maxwell: viscosity over that of the rod",
         "1",
         1.0,
-        Within(0.013, "1e-4 of the impact velocity, of which the damping takes some per cent"),
+        Within(
+            0.013,
+            "1e-4 of the impact velocity, of which the damping takes some per cent",
+        ),
         of(&maxwell, |fit| value(fit, "eta") / 11.12e6),
     );
     claims.claim(
@@ -76,14 +82,20 @@ fn parameters(claims: &mut Claims) {
         "Norton: exponent",
         "1",
         2.108,
-        Within(0.05, "1e-4 of the impact velocity, over the effect of the exponent"),
+        Within(
+            0.05,
+            "1e-4 of the impact velocity, over the effect of the exponent",
+        ),
         of(&norton, |fit| value(fit, "kappa")),
     );
     claims.claim(
         "Norton: rate at 10 MPa over that of the rod",
         "1",
         1.0,
-        Within(0.02, "1e-4 of the impact velocity, over the effect of the rate"),
+        Within(
+            0.02,
+            "1e-4 of the impact velocity, over the effect of the rate",
+        ),
         of(&norton, |fit| {
             let truth = MaxwellNorton::new(2.108, 7e13);
             truth.map_or(f64::NAN, |truth| {
@@ -109,7 +121,10 @@ fn parameters(claims: &mut Claims) {
         "Gurevich-Rabinovich: viscosity over that of the rod",
         "1",
         1.0,
-        Within(0.03, "1e-4 of the impact velocity, over the effect of the viscosity"),
+        Within(
+            0.03,
+            "1e-4 of the impact velocity, over the effect of the viscosity",
+        ),
         of(&rabinovich, |fit| value(fit, "eta") / 3.5e6),
     );
 }
@@ -143,7 +158,8 @@ fn ways(claims: &mut Claims) {
             modulus(),
         );
     }
-    claims.by("paper D, eq. 14, Davidon-Fletcher-Powell after Robbins and Monro (gain as corrected)");
+    claims
+        .by("paper D, eq. 14, Davidon-Fletcher-Powell after Robbins and Monro (gain as corrected)");
     let by = |method| -> Ours<Identification<Maxwell>> {
         let test = test.clone()?;
         Ok(Fit::of(Maxwell::new(1e6)?)
@@ -188,17 +204,39 @@ fn undamped(claims: &mut Claims) {
     claims.by("paper D, Table 4 read literally (erratum): relaxation times of 13 s to 20 min, noise of 2 %");
     let count = Within(0.5, "a count");
     let polyamide = || identified(3.209e9, &Maxwell::new(40.85e9)?, Maxwell::new(1e6)?);
-    claims.claim("polyamide 6: parameters of damping called identified", "1", 0.0, count, polyamide());
+    claims.claim(
+        "polyamide 6: parameters of damping called identified",
+        "1",
+        0.0,
+        count,
+        polyamide(),
+    );
     let polypropylene = || {
         let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?;
         identified(2.58e9, &MaxwellNorton::new(2.108, 38.16e18)?, start)
     };
-    claims.claim("polypropylene: parameters of damping called identified", "1", 0.0, count, polypropylene());
+    claims.claim(
+        "polypropylene: parameters of damping called identified",
+        "1",
+        0.0,
+        count,
+        polypropylene(),
+    );
     let polyethylene = || {
         let start = MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?;
-        identified(2.107e9, &MaxwellGurevichRabinovich::new(314.6e9, 7.082e12)?, start)
+        identified(
+            2.107e9,
+            &MaxwellGurevichRabinovich::new(314.6e9, 7.082e12)?,
+            start,
+        )
     };
-    claims.claim("polyethylene: parameters of damping called identified", "1", 0.0, count, polyethylene());
+    claims.claim(
+        "polyethylene: parameters of damping called identified",
+        "1",
+        0.0,
+        count,
+        polyethylene(),
+    );
 }
 
 fn inverse_crime(claims: &mut Claims) {

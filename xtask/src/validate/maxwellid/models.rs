@@ -2,14 +2,12 @@
 
 use maxwellid::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use maxwellid::{DrivenRod, RodModel};
+use rodwave::InelasticRod;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
-use rodwave::inelastic::{
-    Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
-};
+use rodwave::inelastic::{Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::line::{Body, Drive, End, Line, Segment};
 use rodwave::lumped::LumpedRod;
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
-use rodwave::InelasticRod;
 
 use super::super::claims::{Claims, Ours, Within, largest, missing};
 use super::virtual_rod::{RATE_HZ, times};
@@ -61,31 +59,46 @@ fn derivatives(claims: &mut Claims) {
     claims.by("central differences of the response");
     let within = Within(1e-4, "second order of steps of 1e-4, and of the grid in E");
     let laws: Vec<(&str, Ours<(Box<dyn RodModel>, Vec<f64>)>)> = vec![
-        ("Maxwell", (|| {
-            let law = Maxwell::new(4e6)?;
-            let at = RodModel::parameters(&law, 2.6e9);
-            Ok((Box::new(law) as Box<dyn RodModel>, at))
-        })()),
-        ("Norton", (|| {
-            let law = MaxwellNorton::new(2.108, 7e13)?;
-            let at = RodModel::parameters(&law, 2.6e9);
-            Ok((Box::new(law) as Box<dyn RodModel>, at))
-        })()),
-        ("Gurevich-Rabinovich", (|| {
-            let law = MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?;
-            let at = RodModel::parameters(&law, 2.6e9);
-            Ok((Box::new(law) as Box<dyn RodModel>, at))
-        })()),
-        ("constant loss factor", (|| {
-            let law = LinearModel::new(ConstantQ::default());
-            let at = vec![2.6e9_f64.ln(), 0.07_f64.ln()];
-            Ok((Box::new(law) as Box<dyn RodModel>, at))
-        })()),
-        ("two Maxwell branches", (|| {
-            let law = LinearModel::new(MaxwellBranches::of(2).ok_or_else(|| missing("a law"))?);
-            let at = vec![2.6e9_f64.ln(), 0.2_f64.ln(), 5e-3_f64.ln(), 1e-4_f64.ln()];
-            Ok((Box::new(law) as Box<dyn RodModel>, at))
-        })()),
+        (
+            "Maxwell",
+            (|| {
+                let law = Maxwell::new(4e6)?;
+                let at = RodModel::parameters(&law, 2.6e9);
+                Ok((Box::new(law) as Box<dyn RodModel>, at))
+            })(),
+        ),
+        (
+            "Norton",
+            (|| {
+                let law = MaxwellNorton::new(2.108, 7e13)?;
+                let at = RodModel::parameters(&law, 2.6e9);
+                Ok((Box::new(law) as Box<dyn RodModel>, at))
+            })(),
+        ),
+        (
+            "Gurevich-Rabinovich",
+            (|| {
+                let law = MaxwellGurevichRabinovich::new(3.5e6, 7.08e6)?;
+                let at = RodModel::parameters(&law, 2.6e9);
+                Ok((Box::new(law) as Box<dyn RodModel>, at))
+            })(),
+        ),
+        (
+            "constant loss factor",
+            (|| {
+                let law = LinearModel::new(ConstantQ::default());
+                let at = vec![2.6e9_f64.ln(), 0.07_f64.ln()];
+                Ok((Box::new(law) as Box<dyn RodModel>, at))
+            })(),
+        ),
+        (
+            "two Maxwell branches",
+            (|| {
+                let law = LinearModel::new(MaxwellBranches::of(2).ok_or_else(|| missing("a law"))?);
+                let at = vec![2.6e9_f64.ln(), 0.2_f64.ln(), 5e-3_f64.ln(), 1e-4_f64.ln()];
+                Ok((Box::new(law) as Box<dyn RodModel>, at))
+            })(),
+        ),
     ];
     for (name, law) in laws {
         let worst = || -> Ours {
@@ -122,9 +135,8 @@ fn derivatives(claims: &mut Claims) {
 
 fn solvers(claims: &mut Claims) {
     let (modulus, time) = (2.6e9_f64, 1e-3_f64);
-    let between = |a: &[f64], b: &[f64]| {
-        largest(a.iter().zip(b).map(|(a, b)| (a - b).abs() / PEAK))
-    };
+    let between =
+        |a: &[f64], b: &[f64]| largest(a.iter().zip(b).map(|(a, b)| (a - b).abs() / PEAK));
     let maxwell = |rod: &DrivenRod<'_>| -> Ours<Vec<f64>> {
         let law = LinearModel::new(MaxwellBranches::of(1).ok_or_else(|| missing("a law"))?);
         response(&law, rod, &[modulus.ln(), time.ln()])
@@ -152,7 +164,10 @@ fn solvers(claims: &mut Claims) {
     );
     claims.deviation(
         "rod without relaxation by the Laplace domain",
-        Within(4e-5, "the stated interpolation between samples, 2e-5, doubled"),
+        Within(
+            4e-5,
+            "the stated interpolation between samples, 2e-5, doubled",
+        ),
         driven(4e-3, |rod| {
             let law = LinearModel::new(MaxwellBranches::of(1).ok_or_else(|| missing("a law"))?);
             let found = response(&law, rod, &[modulus.ln(), 30.0])?;
@@ -162,22 +177,31 @@ fn solvers(claims: &mut Claims) {
     claims.by("Maxwell rod by characteristics, in the Laplace domain and by the lumped chain");
     claims.deviation(
         "Maxwell rod: characteristics on cells of 0.5 mm against the Laplace domain",
-        Within(4e-5, "the stated interpolation between samples, 2e-5, doubled"),
+        Within(
+            4e-5,
+            "the stated interpolation between samples, 2e-5, doubled",
+        ),
         driven(5e-4, |rod| {
-            let found = response(&Maxwell::new(modulus * time)?, rod, &[
-                modulus.ln(),
-                (modulus * time).ln(),
-            ])?;
+            let found = response(
+                &Maxwell::new(modulus * time)?,
+                rod,
+                &[modulus.ln(), (modulus * time).ln()],
+            )?;
             Ok(between(&found, &maxwell(rod)?))
         }),
     );
     claims.deviation(
         "Maxwell rod: lumped chain, two grids extrapolated, against the Laplace domain",
-        Within(2e-4, "the fourth order of cells of 1 mm, and the interpolation"),
+        Within(
+            2e-4,
+            "the fourth order of cells of 1 mm, and the interpolation",
+        ),
         driven(4e-3, |rod| {
-            let lumped = InelasticRod::new(LENGTH, DENSITY, modulus, Maxwell::new(modulus * time)?)?;
+            let lumped =
+                InelasticRod::new(LENGTH, DENSITY, modulus, Maxwell::new(modulus * time)?)?;
             let chain = |cells| -> Ours<Vec<f64>> {
-                Ok(LumpedRod::new(&lumped, cells, 0.5)?.free_end_velocity(rod.excitation, rod.times)?)
+                Ok(LumpedRod::new(&lumped, cells, 0.5)?
+                    .free_end_velocity(rod.excitation, rod.times)?)
             };
             let (coarse, fine) = (chain(400)?, chain(800)?);
             let pairs = coarse.iter().zip(&fine);
@@ -188,7 +212,10 @@ fn solvers(claims: &mut Claims) {
     claims.by("branches in parallel marched by rodwave::line");
     claims.deviation(
         "three Maxwell branches in the Laplace domain",
-        Within(8e-5, "the interpolation between samples, and the step of 0.5 us"),
+        Within(
+            8e-5,
+            "the interpolation between samples, and the step of 0.5 us",
+        ),
         driven(4e-3, |rod| {
             let branches = [(2.2e9, 5e-3), (0.3e9, 2e-4), (0.2e9, 2e-5)];
             let branch = |(modulus, relaxation_time)| MaxwellBranch {

@@ -64,7 +64,10 @@ fn nonlinear(claims: &mut Claims) {
     claims.by("Norton rod of the lumped chain at 3 and 27 m/s, 10 draws of noise of 1 %");
     let clean = || -> Ours<Vec<RodTestData>> {
         let law = norton()?;
-        [3.0, 27.0].into_iter().map(|v| struck(MODULUS, &law, v, 128)).collect()
+        [3.0, 27.0]
+            .into_iter()
+            .map(|v| struck(MODULUS, &law, v, 128))
+            .collect()
     };
     let found = all_compared(&clean(), 10);
     let names_norton = |comparison: &&Comparison| match &comparison.decision {
@@ -181,8 +184,13 @@ fn linear(claims: &mut Claims) {
         "constant loss factor: largest probability of nonlinear laws together",
         "1",
         0.0,
-        Within(1e-6, "the misfit of nonlinear laws is 2 % of the impact velocity and more"),
-        of(&found, |found| largest(found.iter().map(|c| c.nonlinear_probability))),
+        Within(
+            1e-6,
+            "the misfit of nonlinear laws is 2 % of the impact velocity and more",
+        ),
+        of(&found, |found| {
+            largest(found.iter().map(|c| c.nonlinear_probability))
+        }),
     );
     claims.claim(
         "constant loss factor: draws in which all laws are refused",
@@ -273,7 +281,10 @@ fn planned(claims: &mut Claims) {
         "variance of ln E before a repetition over that after it",
         "1",
         2.0,
-        Within(0.02, "the prior is not repeated: its part of the information, below 1 %"),
+        Within(
+            0.02,
+            "the prior is not repeated: its part of the information, below 1 %",
+        ),
         ratios(),
     );
 }
@@ -342,7 +353,10 @@ fn conformal(claims: &mut Claims) {
         "conformal p-values of 2000 patterns: mean, (N + 2)/(2(N + 1)) or less",
         "1",
         42.0 / 82.0,
-        Within(0.035, "0.29/sqrt(2000), four of it, and ties of pairs that are nearest to each other"),
+        Within(
+            0.035,
+            "0.29/sqrt(2000), four of it, and ties of pairs that are nearest to each other",
+        ),
         of(&found, |found| found[0]),
     );
     claims.claim(

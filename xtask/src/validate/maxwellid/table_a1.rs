@@ -30,7 +30,11 @@ pub(super) fn claims(claims: &mut Claims) {
             let (symbol, unit) = (parameter.parameter, unit(parameter.parameter));
             let expected = value(row.input, symbol);
             claims.claim(
-                format!("{}: {symbol} from its own data, printed {}", row.model.symbol(), parameter.input.printed),
+                format!(
+                    "{}: {symbol} from its own data, printed {}",
+                    row.model.symbol(),
+                    parameter.input.printed
+                ),
                 unit,
                 expected,
                 Within(
@@ -144,7 +148,12 @@ fn round_trip<L: IdentifiableLaw>(
     let test = RodTest::new(RodTestData {
         length,
         density: row.density,
-        ..data(record.excitation, response, VELOCITY, characteristics::GENERATOR)
+        ..data(
+            record.excitation,
+            response,
+            VELOCITY,
+            characteristics::GENERATOR,
+        )
     })?;
     let fit = Fit::of(start)
         .with_cell(length / CELLS as f64)
@@ -154,5 +163,7 @@ fn round_trip<L: IdentifiableLaw>(
         .identifiability(Noise::FromResidual)
         .ok_or_else(|| missing("the covariance"))?;
     let estimates = judged.estimates.iter();
-    Ok(estimates.map(|estimate| (estimate.symbol, estimate.value)).collect())
+    Ok(estimates
+        .map(|estimate| (estimate.symbol, estimate.value))
+        .collect())
 }

@@ -17,10 +17,18 @@ pub(super) fn claims(claims: &mut Claims) {
 }
 
 fn differentiator(claims: &mut Claims) {
-    claims.by("Savitzky and Golay, Anal. Chem. 36 (1964) 1627: tables of weights of the first derivative");
+    claims.by(
+        "Savitzky and Golay, Anal. Chem. 36 (1964) 1627: tables of weights of the first derivative",
+    );
     // five points, degree 2: (-2, -1, 0, 1, 2)/10; seven points, degree 4: (22, -67, -58, 0, 58, 67, -22)/252
     for (name, half_width, degree, printed, divisor) in [
-        ("five points, degree 2", 2, 2, &[-2.0, -1.0, 0.0, 1.0, 2.0][..], 10.0),
+        (
+            "five points, degree 2",
+            2,
+            2,
+            &[-2.0, -1.0, 0.0, 1.0, 2.0][..],
+            10.0,
+        ),
         (
             "seven points, degree 4",
             3,
@@ -32,7 +40,9 @@ fn differentiator(claims: &mut Claims) {
         let worst = || -> Ours {
             let filter = Differentiator::new(half_width, degree)?;
             let pairs = filter.weights().iter().zip(printed);
-            Ok(largest(pairs.map(|(found, printed)| (found - printed / divisor).abs())))
+            Ok(largest(
+                pairs.map(|(found, printed)| (found - printed / divisor).abs()),
+            ))
         };
         claims.deviation(
             format!("weights of {name}, the worst"),
@@ -80,7 +90,10 @@ fn differentiator(claims: &mut Claims) {
         "seven points, degree 4: noise of the velocity over the stated",
         "1",
         1.0,
-        Within(0.01, "1/sqrt(2 200 000), and four of it for the correlation of neighbours"),
+        Within(
+            0.01,
+            "1/sqrt(2 200 000), and four of it for the correlation of neighbours",
+        ),
         noise(),
     );
 }
@@ -119,11 +132,45 @@ fn nuisances(claims: &mut Claims) {
     };
     let found = found();
     for (index, (name, unit, expected, within)) in [
-        ("gain", "1", 1.03, Within(2e-3, "1e-4 of the impact velocity, over the effect of the damping")),
-        ("offset", "m/s", 0.05, Within(5e-3, "1e-4 of the impact velocity, some samples")),
-        ("delay", "s", 2.0 / RATE_HZ, Within(1e-6, "a twentieth of a sample; it is told from E by reflections alone")),
-        ("modulus beside", "Pa", 2.6e9, Within(7.8e6, "0.3 %: a delay of 0.1 % of the flight is 0.2 % of E")),
-        ("exponent beside", "1", 2.0, Within(0.06, "1e-4 of the impact velocity, over the effect of the exponent")),
+        (
+            "gain",
+            "1",
+            1.03,
+            Within(
+                2e-3,
+                "1e-4 of the impact velocity, over the effect of the damping",
+            ),
+        ),
+        (
+            "offset",
+            "m/s",
+            0.05,
+            Within(5e-3, "1e-4 of the impact velocity, some samples"),
+        ),
+        (
+            "delay",
+            "s",
+            2.0 / RATE_HZ,
+            Within(
+                1e-6,
+                "a twentieth of a sample; it is told from E by reflections alone",
+            ),
+        ),
+        (
+            "modulus beside",
+            "Pa",
+            2.6e9,
+            Within(7.8e6, "0.3 %: a delay of 0.1 % of the flight is 0.2 % of E"),
+        ),
+        (
+            "exponent beside",
+            "1",
+            2.0,
+            Within(
+                0.06,
+                "1e-4 of the impact velocity, over the effect of the exponent",
+            ),
+        ),
     ]
     .into_iter()
     .enumerate()

@@ -72,7 +72,12 @@ pub(super) fn struck<L: InelasticLaw>(
         .zip(fine)
         .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
         .collect();
-    Ok(data(record.excitation, response, velocity, lumped::GENERATOR))
+    Ok(data(
+        record.excitation,
+        response,
+        velocity,
+        lumped::GENERATOR,
+    ))
 }
 
 pub(super) fn data(
