@@ -242,7 +242,7 @@ fn integration(claims: &mut Claims) {
 
 fn test(stress: f64, duration: f64, change: &[f64]) -> Ours<RecoveryTest> {
     Ok(RecoveryTest::new(
-        &format!("{:.0} MPa, {duration:.0} s", 1e-6 * stress),
+        format!("{:.0} MPa, {duration:.0} s", 1e-6 * stress),
         LoadHistory::creep(stress, duration)?,
         FREQUENCY_HZ,
         LossFactorReadings {

@@ -22,7 +22,8 @@ use crate::fixtures::paper_e;
 /// Of the shifts, in K.
 const REFERENCE: f64 = 353.15;
 
-type Modulus = Box<dyn Fn(f64) -> Complex64>;
+/// A modulus over angular frequency, and the parameters of its law in the order of a fit.
+type Truth = (Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
 
 pub(super) fn claims(claims: &mut Claims) {
     exact_data(claims);
@@ -95,58 +96,51 @@ fn with_noise(
     Ok(ModulusData::new(&points)?)
 }
 
+fn kelvin_voigt() -> Ours<Truth> {
+    let law = KelvinVoigt::new(2.0e9, 1.5e4)?;
+    Ok((Box::new(move |omega| law.at(omega)), vec![2.0e9, 1.5e4]))
+}
+
+fn zener() -> Ours<Truth> {
+    let law = Zener::new(2.0e9, 2.7e9, 4e-5)?;
+    let truth = vec![2.0e9, 0.7e9, 4e-5];
+    Ok((Box::new(move |omega| law.at(omega)), truth))
+}
+
+fn fractional_zener() -> Ours<Truth> {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
+    let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
+    Ok((Box::new(move |omega| law.at(omega)), truth))
+}
+
+fn havriliak_negami() -> Ours<Truth> {
+    let law = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5)?;
+    let truth = vec![1.5e9, 2.1e9, 2e-4, 0.7, 0.35];
+    Ok((Box::new(move |omega| law.at(omega)), truth))
+}
+
+fn two_branches() -> Ours<Truth> {
+    let law = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)])?;
+    let truth = vec![2.0e9, 0.4e9, 2e-5, 0.3e9, 1e-3];
+    Ok((Box::new(move |omega| law.at(omega)), truth))
+}
+
 fn exact_data(claims: &mut Claims) {
     claims.by("parameters of the law that has made the modulus");
     let within = Within(1e-4, "a hundredth of the error that the stated 1 % leaves");
-    let truths: [(&str, Law, Ours<(Modulus, Vec<f64>)>); 5] = [
-        (
-            "Kelvin and Voigt",
-            Law::KelvinVoigt,
-            (|| {
-                let law = KelvinVoigt::new(2.0e9, 1.5e4)?;
-                Ok((
-                    Box::new(move |omega| law.at(omega)) as Modulus,
-                    vec![2.0e9, 1.5e4],
-                ))
-            })(),
-        ),
-        (
-            "Zener",
-            Law::Zener,
-            (|| {
-                let law = Zener::new(2.0e9, 2.7e9, 4e-5)?;
-                Ok((
-                    Box::new(move |omega| law.at(omega)) as Modulus,
-                    vec![2.0e9, 0.7e9, 4e-5],
-                ))
-            })(),
-        ),
-        (
-            "fractional Zener",
-            Law::FractionalZener,
-            (|| {
-                let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
-                let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
-                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-            })(),
-        ),
+    let truths = [
+        ("Kelvin and Voigt", Law::KelvinVoigt, kelvin_voigt()),
+        ("Zener", Law::Zener, zener()),
+        ("fractional Zener", Law::FractionalZener, fractional_zener()),
         (
             "Havriliak and Negami",
             Law::HavriliakNegami,
-            (|| {
-                let law = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5)?;
-                let truth = vec![1.5e9, 2.1e9, 2e-4, 0.7, 0.35];
-                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-            })(),
+            havriliak_negami(),
         ),
         (
             "two Maxwell branches and a spring",
             Law::GeneralisedMaxwell,
-            (|| {
-                let law = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)])?;
-                let truth = vec![2.0e9, 0.4e9, 2e-5, 0.3e9, 1e-3];
-                Ok((Box::new(move |omega| law.at(omega)) as Modulus, truth))
-            })(),
+            two_branches(),
         ),
     ];
     for (name, law, truth) in truths {
@@ -228,16 +222,10 @@ fn scatter(claims: &mut Claims) {
     ] {
         claims.by("40 draws of correlated noise of 1 % of E' and 0.4 % of E''");
         let found = || -> Ours<[f64; 3]> {
-            let (modulus, truth): (Modulus, Vec<f64>) = if law == Law::Zener {
-                let exact = Zener::new(2.0e9, 2.7e9, 4e-5)?;
-                (
-                    Box::new(move |omega| exact.at(omega)),
-                    vec![2.0e9, 0.7e9, 4e-5],
-                )
+            let (modulus, truth) = if law == Law::Zener {
+                zener()?
             } else {
-                let exact = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45)?;
-                let truth = vec![1.8e9, 1.6e9, 4e-5, 0.45];
-                (Box::new(move |omega| exact.at(omega)), truth)
+                fractional_zener()?
             };
             let (mut covered, mut chi_squared, mut refused) = (0.0, 0.0, 0.0);
             for seed in 0..draws {

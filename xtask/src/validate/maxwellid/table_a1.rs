@@ -139,7 +139,8 @@ fn round_trip<L: IdentifiableLaw>(
             samples_after,
             transducer_range: 0.02,
         },
-        1e-3,
+        // a ninetieth of the shortest wave of the record
+        (modulus / row.density).sqrt() / 16_000.0 / 90.0,
     )?;
     let excitation = SampledHistory::new(&record.excitation, RATE_HZ)?;
     let rod = InelasticRod::new(length, row.density, modulus, truth.clone())?;
