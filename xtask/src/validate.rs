@@ -155,18 +155,24 @@ fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
     Ok(())
 }
 
-/// How many of each crate, and every row that is not a pass.
+/// How many of each crate, every row that failed, and why others were skipped.
 fn print_summary(sections: &[Section], page: &Page) {
     print!("{}", page.tally());
     for section in sections {
+        let mut skipped: BTreeMap<String, usize> = BTreeMap::new();
         for check in &section.report.checks {
-            if check.verdict != Verdict::Pass {
-                let row = page::Row::of(check);
-                println!(
+            let row = page::Row::of(check);
+            match check.verdict {
+                Verdict::Pass => {}
+                Verdict::Skipped => *skipped.entry(row.verdict).or_default() += 1,
+                Verdict::Fail => println!(
                     "{}: {}: {} (expected {}, ours {}, tolerance {})",
                     section.name, row.claim, row.verdict, row.expected, row.ours, row.tolerance
-                );
+                ),
             }
+        }
+        for (why, count) in skipped {
+            println!("{}: {count} checks {why}", section.name);
         }
         for observation in &section.report.observations {
             println!(

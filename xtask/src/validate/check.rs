@@ -29,7 +29,7 @@ impl Claim {
             unit: "1",
             expected: 0.0,
             tolerance: 0.0,
-            tolerance_from: "",
+            tolerance_from: "exact",
         }
     }
 

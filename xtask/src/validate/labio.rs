@@ -5,6 +5,7 @@ mod files;
 mod histories;
 mod hits;
 mod sensors;
+mod several;
 mod spectra;
 mod windows;
 
@@ -14,6 +15,7 @@ pub(crate) fn report() -> Report {
     windows::report()
         .and(spectra::report())
         .and(estimators::report())
+        .and(several::report())
         .and(histories::report())
         .and(sensors::report())
         .and(files::report())

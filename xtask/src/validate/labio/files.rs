@@ -2,7 +2,6 @@
 
 use labio::format::csv::Csv;
 use labio::format::mat5::Mat5;
-use labio::format::npy::Npy;
 use labio::format::npz::Npz;
 use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer};
 use labio::format::wav::{Wav, WavEncoding, WavWriter};
@@ -172,7 +171,7 @@ fn other_software(report: &mut Report) {
     );
 }
 
-/// Two histories with names and units, whose values have no short decimal form and lie within ±1.
+/// Two histories with names and units, whose values have no short decimal form and lie within ±0.9.
 fn histories() -> Contents {
     let mut contents = Contents::of_format("computed");
     for (name, unit, factor) in [("hammer", "N", 0.1), ("end A", "m/s^2", 0.37)] {
@@ -188,7 +187,11 @@ fn histories() -> Contents {
                 start: 0.0,
                 step: 1.0 / 48_000.0,
             },
-            ordinate: Ordinate::Real((0..500).map(|k| (factor * f64::from(k)).sin()).collect()),
+            ordinate: Ordinate::Real(
+                (0..500)
+                    .map(|k| 0.9 * (factor * f64::from(k)).sin())
+                    .collect(),
+            ),
             abscissa_axis: axis("Time", "s"),
             ordinate_axis: axis("", unit),
             properties: Vec::new(),
@@ -237,7 +240,7 @@ fn round_trips(report: &mut Report) {
     let wav = |encoding| WavWriter { encoding };
     let (pcm16, pcm24) = (wav(WavEncoding::Pcm16), wav(WavEncoding::Pcm24));
     let float = wav(WavEncoding::Float64);
-    let cases: [(&str, Face<'_>, f64, &str); 10] = [
+    let cases: [(&str, Face<'_>, f64, &str); 9] = [
         (
             "table in text",
             (&Csv, &Csv),
@@ -265,14 +268,14 @@ fn round_trips(report: &mut Report) {
         (
             "universal file, text, double",
             (&text_double, &Uff58),
-            5e-13,
-            "half a unit of 13 digits",
+            5.1e-14,
+            "half a unit of 13 digits below 1, and a rounding",
         ),
         (
             "universal file, text, single",
             (&text_single, &Uff58),
-            5e-6,
-            "half a unit of 6 digits",
+            5e-7,
+            "half a unit of 6 digits below 1",
         ),
         (
             "sound file of 64 bits",
@@ -292,7 +295,6 @@ fn round_trips(report: &mut Report) {
             1.0 / 32_768.0,
             "a step, at full scale",
         ),
-        ("array", (&Npy, &Npy), 0.0, "binary numbers of 64 bits"),
     ];
     for (name, (writer, reader), tolerance, why) in cases {
         report.check(

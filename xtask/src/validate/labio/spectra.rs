@@ -38,6 +38,7 @@ pub(super) fn report() -> Report {
     let mut report = Report::default();
     scipy(&mut report);
     closed_forms(&mut report);
+    analyser(&mut report);
     scatter(&mut report);
     report
 }
@@ -291,6 +292,34 @@ fn closed_forms(report: &mut Report) {
                     (g - sides * laplace.norm_sqr()) / peak
                 },
             )))
+        },
+    );
+}
+
+/// The analyser of paper E, section 3.1: 4096 samples, whose period is printed as 28 ms.
+fn analyser(report: &mut Report) {
+    const SOURCE: &str = "paper E, section 3.1, with the erratum 28 µs for 28 ms";
+    let silence = || -> Fallible<Record> {
+        let mut impulse = vec![0.0; 4096];
+        impulse[0] = 1.0;
+        hit(&impulse, &impulse, 1.0 / 28e-6)
+    };
+    report.check(
+        Claim::new("record of the mobility tests: duration", SOURCE)
+            .expects(0.115, "s")
+            .within(5e-4, "half the last printed digit"),
+        || Ok(silence()?.duration()),
+    );
+    report.check(
+        Claim::new(
+            "record of the mobility tests: end of the lower half of the lines",
+            SOURCE,
+        )
+        .expects(8900.0, "Hz")
+        .within(50.0, "half the last printed digit"),
+        || {
+            let spectra = AveragedSpectra::of([&silence()?], Window::Rectangular)?;
+            Ok(0.5 * spectra.frequency_hz().last().copied().unwrap_or(f64::NAN))
         },
     );
 }

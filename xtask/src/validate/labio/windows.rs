@@ -106,7 +106,7 @@ fn weights(report: &mut Report) {
                 format!("weights of {}, 16 and 15 samples", case.replace('_', " ")),
                 "SciPy, fixtures/reference/scipy",
             )
-            .within(2e-15, "five cosines at most"),
+            .within(1e-14, "some roundings of five cosines at most"),
             || {
                 let mut errors = Vec::new();
                 for n in [16, 15] {

@@ -1,14 +1,13 @@
-//! Virtual tests of papers A, B and E and what instruments make of them, against equations and closed forms.
+//! Virtual tests of papers A and B, and histories between samples, against equations and closed forms.
 
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
-use rodwave::chain::{AnalyticChain, Termination};
+use rodwave::chain::Termination;
 use rodwave::experiment::end_accelerations::{
     EndAccelerationTest, HalfSine, Pulse, RaisedCosine, Specimen,
 };
-use rodwave::experiment::impact_of_two_bodies::{ContactEnd, ImpactOfTwoBodies};
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
@@ -22,7 +21,6 @@ pub(super) fn report() -> Report {
     let mut report = Report::default();
     end_accelerations(&mut report);
     strains(&mut report);
-    impact(&mut report);
     sampled(&mut report);
     report
 }
@@ -237,6 +235,23 @@ fn strains(report: &mut Report) {
             },
         );
     }
+    report.check(
+        Claim::new(
+            "cantilever beam of paper B as mass and spring: own frequency",
+            "Euler's beam of 280 × 30 × 1 mm: 1.8751²(EI/ρA)^(1/2)/2πl²",
+        )
+        .expects(
+            1.875_104_068_711_961_f64.powi(2) / TAU * 0.001 / 12.0_f64.sqrt()
+                * (206e9_f64 / 7780.0).sqrt()
+                / (0.280 * 0.280),
+            "Hz",
+        )
+        .within_part(
+            0.015,
+            "Rayleigh's quotient with the static deflection is 1.5 % high",
+        ),
+        || Ok((beam.stiffness / beam.mass).sqrt() / TAU),
+    );
     for (name, forced) in [("force", true), ("velocity", false)] {
         for (end, echo) in [("a long rod behind", 0.0), ("a wall behind", 1.0)] {
             report.check(
@@ -280,112 +295,6 @@ fn elastic_strains(forced: bool, echo: f64) -> Found {
         }
     }
     Ok(largest(errors))
-}
-
-fn free_rod(diameter: f64, length: f64) -> Fallible<AnalyticChain> {
-    Ok(AnalyticChain::analytic_from_impact_face()
-        .rod(&steel()?, circle(diameter)?, length)
-        .end(Termination::Free)?)
-}
-
-fn impact(report: &mut Report) {
-    const INTERVAL: f64 = 5e-7;
-    let speed = (206e9_f64 / 7780.0).sqrt();
-    let area = PI / 4.0 * 0.010 * 0.010;
-    let z = area * (206e9_f64 * 7780.0).sqrt();
-    let (trip, velocity) = (2.0 * 0.5 / speed, 2.0);
-    let mass = 7780.0 * area * 0.5;
-    let long_rod = || -> Fallible<AnalyticChain> {
-        Ok(AnalyticChain::analytic_from_impact_face()
-            .rod(&steel()?, circle(0.010)?, 0.15)
-            .end(Termination::semi_infinite(&steel()?, circle(0.010)?))?)
-    };
-    let claim = |what: &str, source| {
-        Claim::new(
-            format!("free rod on a long one of its kind: {what}"),
-            source,
-        )
-    };
-    report.check(
-        claim(
-            "force ZV/2 for one round trip, then none, by ZV/2",
-            "closed form (de Saint-Venant)",
-        )
-        .within(
-            1e-8,
-            "rounding; 6.4 standard deviations of the Gaussian from the jumps",
-        ),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            let record = impact.run(1e-3, INTERVAL)?;
-            Ok(largest(record.force.iter().enumerate().filter_map(
-                |(n, force)| {
-                    let t = record.start + n as f64 * record.interval;
-                    let away = t.abs().min((t - trip).abs()) > 16.0 * INTERVAL;
-                    let step = if t > 0.0 && t < trip { 1.0 } else { 0.0 };
-                    away.then_some(force / (0.5 * z * velocity) - step)
-                },
-            )))
-        },
-    );
-    report.check(
-        claim("impulse", "conservation of momentum: the striker stops")
-            .expects(mass * velocity, "N s")
-            .within_part(1e-6, "alias e^(-16)"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            Ok(impact.run(1e-3, INTERVAL)?.impulse())
-        },
-    );
-    // the square of a rounded jump falls short of the jump by Pσ/√π at each side
-    let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
-    report.check(
-        claim(
-            "work on the long rod",
-            "conservation of energy, less what the Gaussian rounds off",
-        )
-        .expects(0.5 * mass * velocity * velocity * (1.0 - shortfall), "J")
-        .within_part(1e-5, "next order of the rounding"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            Ok(impact.run(1e-3, INTERVAL)?.work_on_second())
-        },
-    );
-    report.check(
-        Claim::new(
-            "free rods of 0.3 and 0.7 m: end of contact",
-            "closed form: echo from the far end of the longer",
-        )
-        .expects(2.0 * 0.7 / speed, "s")
-        .within(16.0 * INTERVAL, "width of the Gaussian"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.3)?, free_rod(0.010, 0.7)?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            match impact.run(3e-3, INTERVAL)?.end {
-                ContactEnd::Separated { time } => Ok(time),
-                other => Err(format!("{other:?}").into()),
-            }
-        },
-    );
 }
 
 fn sampled(report: &mut Report) {

@@ -1,5 +1,6 @@
 //! What the projectile of paper D does to its rods at first, and how long the printed laws would take to matter.
 
+use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::line::{Body, Gauge, Line, Segment};
 
@@ -15,6 +16,8 @@ struct Row {
     /// Of the struck face, with half of its last digit.
     velocity: f64,
     stress: (f64, f64),
+    /// In which a rigid projectile would be braked, in µs.
+    decay_time: f64,
     /// s₀/(E F(s₀)), with half of its last digit.
     relaxation_time: (f64, f64),
 }
@@ -26,6 +29,7 @@ const ROWS: [Row; 5] = [
         wave_speed: 1684.0,
         velocity: 9.02,
         stress: (13.8, 0.05),
+        decay_time: 55.0,
         relaxation_time: (181.0, 0.5),
     },
     Row {
@@ -34,6 +38,7 @@ const ROWS: [Row; 5] = [
         wave_speed: 1678.0,
         velocity: 8.66,
         stress: (16.6, 0.05),
+        decay_time: 38.0,
         relaxation_time: (12.7, 0.05),
     },
     Row {
@@ -42,6 +47,7 @@ const ROWS: [Row; 5] = [
         wave_speed: 1442.0,
         velocity: 8.75,
         stress: (17.7, 0.05),
+        decay_time: 42.0,
         relaxation_time: (1219.0, 0.5),
     },
     Row {
@@ -50,6 +56,7 @@ const ROWS: [Row; 5] = [
         wave_speed: 1497.0,
         velocity: 9.03,
         stress: (12.7, 0.05),
+        decay_time: 55.0,
         relaxation_time: (149.0, 0.5),
     },
     Row {
@@ -58,6 +65,7 @@ const ROWS: [Row; 5] = [
         wave_speed: 458.0,
         velocity: 9.74,
         stress: (5.9, 0.05),
+        decay_time: 225.0,
         relaxation_time: (294.0, 0.5),
     },
 ];
@@ -68,6 +76,18 @@ const WHY: &str = "half the last printed digit";
 
 pub(super) fn report() -> Report {
     let mut report = Report::default();
+    report.check(
+        Claim::new("projectile of paper D: mass", SOURCE)
+            .expects(15.88e-3, "kg")
+            .within(5e-6, WHY),
+        || Ok(Striker::PAPER_D.mass()),
+    );
+    report.check(
+        Claim::new("projectile of paper D: impedance", SOURCE)
+            .expects(2676.0, "kg/s")
+            .within(0.5, WHY),
+        || Ok(Striker::PAPER_D.impedance()),
+    );
     for row in &ROWS {
         let claim = |what: &str, source| Claim::new(format!("{}: {what}", row.material), source);
         report.check(
@@ -92,6 +112,12 @@ pub(super) fn report() -> Report {
                 .within(half_digit, WHY),
             || Ok(1e-6 * Level::of(row)?.stress),
         );
+        report.check(
+            claim("mass of the projectile by the impedance of the rod", SOURCE)
+                .expects(row.decay_time, "µs")
+                .within(0.5, WHY),
+            || Ok(1e6 * Level::of(row)?.decay_time),
+        );
         let (time, half_digit) = row.relaxation_time;
         report.check(
             claim("relaxation time at that stress by the printed law", LITERAL)
@@ -108,6 +134,7 @@ struct Level {
     wave_speed: f64,
     velocity: f64,
     stress: f64,
+    decay_time: f64,
 }
 
 fn printed(row: &Row) -> Fallible<(PaperD, LawParameters)> {
@@ -153,18 +180,29 @@ impl Level {
         let wave_speed = rod.wave_speed();
         // a third of the first round trip in the projectile after the front, a millimetre inside
         let position = 1e-3;
-        let time = position / wave_speed + 4e-6;
+        let arrived = position / wave_speed + 4e-6;
+        let decay_time = projectile.mass() / rod.impedance();
         let bodies = [
             Body::new([projectile])?.moving_at(striker.velocity)?,
             Body::new([rod])?,
         ];
         let gauge = Gauge { body: 1, position };
-        let history = Line::new(bodies)?.run(0.1e-6, time, &[gauge])?;
-        let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+        let history = Line::new(bodies)?.run(0.1e-6, arrived + 1e-6, &[gauge])?;
+        let at = |values: &[f64], time: f64| {
+            let steps = time / history.grid.time_step;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "the number of a step"
+            )]
+            let value = values.get(steps as usize);
+            value.copied().unwrap_or(f64::NAN)
+        };
         Ok(Self {
             wave_speed,
-            velocity: last(&history.gauges[0].velocity),
-            stress: -last(&history.gauges[0].stress),
+            velocity: at(&history.gauges[0].velocity, arrived),
+            stress: -at(&history.gauges[0].stress, arrived),
+            decay_time,
         })
     }
 }

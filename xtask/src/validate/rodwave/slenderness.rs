@@ -3,9 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
+use rodwave::medium::Medium;
+use rodwave::modulus::Elastic;
 use rodwave::slenderness::{
     CorrectedModulus, FirstBranch, LoveRayleigh, MindlinHerrmann, PochhammerChree, RodTheory,
-    RoundRod, elementary_theory_error, rayleigh_to_shear_speed,
+    RoundRod, Slenderness, elementary_theory_error, rayleigh_to_shear_speed,
 };
 
 use super::super::check::{Claim, Fallible, Found, Report};
@@ -22,6 +24,7 @@ pub(super) fn report() -> Report {
     viscoelastic_rod(&mut report);
     ritz(&mut report);
     limits(&mut report);
+    condition_ii(&mut report);
     sensitivity(&mut report);
     report
 }
@@ -349,6 +352,34 @@ fn limits(report: &mut Report) {
                 FirstBranch::BeyondCutOff { lateral_inertia } => Ok(lateral_inertia),
                 other => Err(format!("{other:?}").into()),
             }
+        },
+    );
+}
+
+/// Where condition (ii) begins for the long specimens of paper A: λ = 5 L.
+fn condition_ii(report: &mut Report) {
+    report.check(
+        Claim::new(
+            "polypropylene rod of 800 mm: frequency above which the wave is short against it",
+            "paper A, section 5; E of paper D, Table 4",
+        )
+        .expects(400.0, "Hz")
+        .within(50.0, "printed as approximate; its zeros are no digits"),
+        || {
+            let medium = Medium::new(912.0, Elastic::new(2.58e9)?)?;
+            let slenderness = |frequency_hz: f64| {
+                Slenderness::of_wave_number(medium.wave_number(TAU * frequency_hz), 0.016, 0.8)
+            };
+            let (mut below, mut above) = (10.0, 10e3);
+            while above - below > 1e-3 {
+                let middle = 0.5 * (below + above);
+                if slenderness(middle)?.is_short_against_length() {
+                    above = middle;
+                } else {
+                    below = middle;
+                }
+            }
+            Ok(above)
         },
     );
 }
