@@ -80,3 +80,28 @@ impl<E: std::error::Error> From<E> for NotMeasured {
 pub(super) fn missing(what: &str) -> NotMeasured {
     NotMeasured::Refused(format!("{what} is missing"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::Verdict;
+    use super::*;
+
+    #[test]
+    fn what_a_library_refuses_is_a_claim_that_failed_with_the_reason() {
+        let found = || -> Ours<[f64; 2]> {
+            let first: f64 = "2.5".parse()?;
+            let second: f64 = "two and a half".parse()?;
+            Ok([first, second])
+        };
+        let found = found();
+        let mut claims = Claims::new();
+        claims.by("a ruler");
+        claims.claim("length", "m", 2.5, Within(0.1, "its scale"), Ok(2.55));
+        claims.deviation("width", Within(0.1, "its scale"), of(&found, |f| f[1]));
+        let checks = claims.into_report().checks;
+        assert_eq!(checks[0].verdict, Verdict::Pass);
+        assert_eq!(checks[0].claim.source, "a ruler");
+        assert_eq!(checks[1].verdict, Verdict::Fail);
+        assert_eq!(checks[1].reason.as_deref(), Some("invalid float literal"));
+    }
+}
