@@ -8,11 +8,15 @@
 //! makes the task fail. With `--check` the page is compared and not written.
 
 mod check;
+mod claims;
+mod cmod;
 mod difference;
 mod drift;
 mod files;
 mod hammer;
+mod impulse;
 mod labio;
+mod maxwellid;
 mod page;
 mod rodwave;
 mod shock;
@@ -61,6 +65,9 @@ fn sections(data: Option<&Path>) -> Vec<Section> {
     let sections: Vec<(&'static str, Claims<'_>)> = vec![
         ("rodwave", Box::new(rodwave::report)),
         ("labio", Box::new(labio::report)),
+        ("cmod", Box::new(cmod::report)),
+        ("maxwellid", Box::new(maxwellid::report)),
+        ("impulse", Box::new(impulse::report)),
         (
             "measured records",
             Box::new(|| {

@@ -27,7 +27,8 @@ pub(super) struct Row {
 impl Row {
     pub(super) fn of(check: &Check) -> Self {
         let claim = &check.claim;
-        let near_rounding = claim.expected.abs() == 0.0 && claim.tolerance < ROUNDING;
+        let is_small = |ours: f64| claim.tolerance < ROUNDING || ours.abs() < ROUNDING;
+        let near_rounding = claim.expected.abs() == 0.0 && check.ours.is_some_and(is_small);
         let ours = match check.ours {
             Some(ours) if near_rounding => digits(ours, 1),
             Some(ours) => number(ours),
