@@ -6,7 +6,9 @@
 )]
 
 use cmod::estimate::ComplexCovariance;
-use cmod::rheology::{FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, RheologicalFit, Scale};
+use cmod::rheology::{
+    FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, RheologicalFit, Scale,
+};
 use num_complex::Complex64;
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 

@@ -24,7 +24,10 @@ fn case(name: &str) -> Case {
         .map(|rest| rest.split(',').map(|cell| cell.parse().unwrap()).collect())
         .collect();
     assert_eq!(rows.len(), 157, "{name}");
-    let complex = |at: usize| rows.iter().map(move |row| Complex64::new(row[at], row[at + 1]));
+    let complex = |at: usize| {
+        rows.iter()
+            .map(move |row| Complex64::new(row[at], row[at + 1]))
+    };
     Case {
         specimen: Specimen {
             length: rows[0][0],
@@ -44,7 +47,11 @@ fn moduli_come_back_from_ratios_of_fifty_digits() {
     for name in ["Test 2", "Test 6", "Test 9", "no mass"] {
         let case = case(name);
         // a relative variance of 1e-12: noise enough that no line is refused for a random error of zero
-        let variance: Vec<f64> = case.ratio.iter().map(|psi| 1e-12 * psi.norm_sqr()).collect();
+        let variance: Vec<f64> = case
+            .ratio
+            .iter()
+            .map(|psi| 1e-12 * psi.norm_sqr())
+            .collect();
         let estimate = TwoPoint::new(case.specimen)
             .unwrap()
             .estimate(&case.frequency_hz, &case.ratio, &variance)

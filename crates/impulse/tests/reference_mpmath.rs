@@ -45,10 +45,13 @@ fn a_mass_on_a_viscoelastic_rod() {
         .unwrap();
     let reference = reference();
     assert_eq!(reference.len(), 40);
-    let peak = reference.iter().map(|(_, force)| *force).fold(0.0, f64::max);
+    let peak = reference
+        .iter()
+        .map(|(_, force)| *force)
+        .fold(0.0, f64::max);
     let impact = Impact::between(&mass, &rod).at_velocity(2.0);
     let errors = [1e-6, 0.5e-6].map(|step| {
-        let prediction = impact.in_steps_of(step).predict(1.6e-3).unwrap();
+        let prediction = impact.clone().in_steps_of(step).predict(1.6e-3).unwrap();
         let error = |(time, force): &(f64, f64)| (at(&prediction.history, *time) - force).abs();
         reference.iter().map(error).fold(0.0, f64::max) / peak
     });

@@ -9,8 +9,8 @@
 use std::process::ExitCode;
 
 use labio::LabioError;
-use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58Writer};
 use labio::format;
+use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58Writer};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

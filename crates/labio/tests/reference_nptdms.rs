@@ -59,9 +59,7 @@ fn find<'a>(contents: &'a Contents, group: &str, channel: &str) -> &'a Series {
     contents
         .series
         .iter()
-        .find(|series| {
-            property(&series.properties, GROUP) == Some(group) && series.name == channel
-        })
+        .find(|series| property(&series.properties, GROUP) == Some(group) && series.name == channel)
         .unwrap_or_else(|| panic!("no channel {channel} of {group}"))
 }
 

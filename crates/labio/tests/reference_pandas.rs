@@ -85,10 +85,7 @@ fn times_are_even_where_they_can_be() {
             Abscissa::Even { start, step } => {
                 assert_eq!(*start, 0.0, "{file}");
                 // ten digits of the last time, at the least
-                assert!(
-                    (step * 51_200.0 - 1.0).abs() <= 1e-9,
-                    "{file}: {step}"
-                );
+                assert!((step * 51_200.0 - 1.0).abs() <= 1e-9, "{file}: {step}");
                 assert_ne!(file, "tab_decimal_comma");
             }
             Abscissa::Uneven(times) => {

@@ -141,7 +141,10 @@ fn headers_of_pyuff_are_understood() {
     let series = &contents.series[0];
     assert_eq!(series.kind, SeriesKind::FrequencyResponse);
     // record 9 divided by record 10
-    assert_eq!(series.ordinate_axis.unit, Some(Unit::parse("(m/s^2)/N").unwrap()));
+    assert_eq!(
+        series.ordinate_axis.unit,
+        Some(Unit::parse("(m/s^2)/N").unwrap())
+    );
     assert_eq!(series.abscissa_axis.unit_text, "Hz");
 }
 

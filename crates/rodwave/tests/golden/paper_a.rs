@@ -48,8 +48,11 @@ fn the_frequency_range_of_the_longest_specimens() {
     let highest = constants.constant("frequency_highest");
     for label in ["3", "6"] {
         let row = table.row(label);
-        let (length, diameter, density) =
-            (row.value("length"), row.value("diameter"), row.value("density"));
+        let (length, diameter, density) = (
+            row.value("length"),
+            row.value("diameter"),
+            row.value("density"),
+        );
         let at = |f: f64| {
             Slenderness::of_wave_number(wave_number(density, f), diameter, length).unwrap()
         };
