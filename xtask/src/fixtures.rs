@@ -17,6 +17,7 @@ pub(crate) mod paper_c;
 pub(crate) mod paper_d;
 pub(crate) mod paper_e;
 mod printed_table;
+mod reference;
 mod si_table;
 mod unit;
 
@@ -62,6 +63,7 @@ pub(crate) fn run(check: bool) -> Outcome {
     let list = compared::read(root)?;
     let found = list.count(root, &tables)?;
     compared::hold(list.at_least, found)?;
+    let references = reference::check(root)?;
     println!(
         "{} tables, {rows} rows, {values} values {} {GOLDEN}",
         expected.len(),
@@ -72,7 +74,7 @@ pub(crate) fn run(check: bool) -> Outcome {
         },
     );
     println!(
-        "{} rows, {} values compared by {} tests",
+        "{} rows, {} values compared by {} tests; {references} folders of reference output",
         found.rows, found.values, found.tests
     );
     Ok(())
