@@ -110,11 +110,14 @@ fn differences(specimen: Specimen) -> Differences {
             (other.modulus.re / line.modulus.re - 1.0).abs(),
             (other.modulus.im / line.modulus.im - 1.0).abs(),
         ];
-        for part in 0..2 {
-            found.of_all[part] = found.of_all[part].max(difference[part]);
-            if accepted {
-                found.of_accepted[part] = found.of_accepted[part].max(difference[part]);
+        let raise = |worst: &mut [f64; 2]| {
+            for (worst, difference) in worst.iter_mut().zip(difference) {
+                *worst = worst.max(difference);
             }
+        };
+        raise(&mut found.of_all);
+        if accepted {
+            raise(&mut found.of_accepted);
         }
         compared += 1;
     }
