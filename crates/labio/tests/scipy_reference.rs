@@ -142,6 +142,26 @@ fn welch_csd_and_coherence_are_scipys() {
             512,
             welch(64, 0, Window::Rectangular, Detrend::None),
         ),
+        (
+            "hamming_symmetric_linear_75",
+            411,
+            welch(32, 24, Window::HammingSymmetric, Detrend::Linear),
+        ),
+        (
+            "tukey_symmetric_odd_mean",
+            407,
+            welch(33, 16, Window::TukeySymmetric { taper: 0.5 }, Detrend::Mean),
+        ),
+        (
+            "flat_top_symmetric_linear",
+            300,
+            welch(60, 40, Window::FlatTopSymmetric, Detrend::Linear),
+        ),
+        (
+            "hann_periodic_linear_90",
+            200,
+            welch(20, 18, Window::HannPeriodic, Detrend::Linear),
+        ),
     ];
     for (case, n, welch) in cases {
         let spectra = welch.spectra(&record(n)).unwrap();

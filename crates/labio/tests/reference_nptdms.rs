@@ -1,0 +1,152 @@
+//! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of them: `fixtures/reference/nptdms`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a reference that cannot be read must fail the test, and values are exact"
+)]
+
+use labio::format::tdms::GROUP;
+use labio::format::{self};
+use labio::{Abscissa, Contents, Ordinate, Series};
+use num_complex::Complex64;
+
+const VALUES: &str = include_str!("../../../fixtures/reference/nptdms/values.csv");
+const PROPERTIES: &str = include_str!("../../../fixtures/reference/nptdms/properties.csv");
+
+const FILES: [(&str, &[u8]); 6] = [
+    (
+        "types",
+        include_bytes!("../../../fixtures/reference/nptdms/types.tdms"),
+    ),
+    (
+        "properties",
+        include_bytes!("../../../fixtures/reference/nptdms/properties.tdms"),
+    ),
+    (
+        "segments",
+        include_bytes!("../../../fixtures/reference/nptdms/segments.tdms"),
+    ),
+    (
+        "interleaved",
+        include_bytes!("../../../fixtures/reference/nptdms/interleaved.tdms"),
+    ),
+    (
+        "big_endian",
+        include_bytes!("../../../fixtures/reference/nptdms/big_endian.tdms"),
+    ),
+    (
+        "daqmx",
+        include_bytes!("../../../fixtures/reference/nptdms/daqmx.tdms"),
+    ),
+];
+
+fn contents(file: &str) -> Contents {
+    let (_, bytes) = FILES.into_iter().find(|(name, _)| *name == file).unwrap();
+    let contents = format::read_bytes(bytes).unwrap();
+    assert_eq!(contents.format, "tdms");
+    contents
+}
+
+fn property<'a>(properties: &'a [(String, String)], name: &str) -> Option<&'a str> {
+    properties
+        .iter()
+        .find(|(key, _)| key == name)
+        .map(|(_, value)| value.as_str())
+}
+
+fn find<'a>(contents: &'a Contents, group: &str, channel: &str) -> &'a Series {
+    contents
+        .series
+        .iter()
+        .find(|series| property(&series.properties, GROUP) == Some(group) && series.name == channel)
+        .unwrap_or_else(|| panic!("no channel {channel} of {group}"))
+}
+
+/// Every value that npTDMS reads, in its order, and no channel and no value more.
+#[test]
+fn values_are_npt_dms_s() {
+    let mut compared = 0;
+    for (file, _) in FILES {
+        let contents = contents(file);
+        let rows: Vec<Vec<&str>> = VALUES
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').collect())
+            .filter(|row: &Vec<&str>| row[0] == file)
+            .collect();
+        let total: usize = contents.series.iter().map(|s| s.ordinate.len()).sum();
+        assert_eq!(total, rows.len(), "{file}");
+        for row in rows {
+            let name = match row[2] {
+                "end_A_/_µ" => "end 'A' / µ", // quotes and blanks do not stand in values.csv
+                name => name,
+            };
+            let series = find(&contents, row[1], name);
+            let index: usize = row[3].parse().unwrap();
+            let expected = Complex64::new(row[4].parse().unwrap(), row[5].parse().unwrap());
+            let found = match &series.ordinate {
+                Ordinate::Real(values) => values[index].into(),
+                Ordinate::Complex(values) => values[index],
+            };
+            assert_eq!(found, expected, "{file} {name} {index}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, VALUES.lines().count() - 1);
+    assert!(compared >= 170, "{compared}");
+}
+
+/// Properties of the file, of groups and of channels.
+#[test]
+fn properties_are_npt_dms_s() {
+    let mut compared = 0;
+    for line in PROPERTIES.lines().skip(1) {
+        let cells: Vec<&str> = line.splitn(4, '|').collect();
+        let [file, owner, name, expected] = cells[..] else {
+            panic!("{line}");
+        };
+        let contents = contents(file);
+        let found = if owner.is_empty() {
+            property(&contents.properties, name)
+        } else if let Some(path) = owner.strip_prefix("/'") {
+            let (group, channel) = path.strip_suffix('\'').unwrap().split_once("'/'").unwrap();
+            let series = find(&contents, group, &channel.replace("''", "'"));
+            property(&series.properties, name)
+        } else {
+            property(&contents.properties, &format!("{owner}/{name}"))
+        };
+        let found = found.unwrap_or_else(|| panic!("{line}: no such property"));
+        let same = match (found.parse::<f64>(), expected.parse::<f64>()) {
+            // a single, told with its own digits here and with those of a double by npTDMS
+            (Ok(found), Ok(expected)) if name == "gain" => {
+                (found - expected).abs() <= f64::from(f32::EPSILON) * expected.abs()
+            }
+            (Ok(found), Ok(expected)) => found == expected,
+            _ => {
+                // Python writes True; a time without zone and with six decimals
+                found == expected.to_lowercase()
+                    || found == expected
+                    || found.trim_end_matches(['0', 'Z']) == expected.trim_end_matches('0')
+            }
+        };
+        assert!(same, "{line}: found `{found}`");
+        compared += 1;
+    }
+    assert_eq!(compared, PROPERTIES.lines().count() - 1);
+}
+
+/// The properties of a waveform are its axis, as npTDMS's `time_track` has it.
+#[test]
+fn a_waveform_has_its_axis() {
+    let contents = contents("properties");
+    let series = find(&contents, "rod", "a1");
+    assert_eq!(
+        series.abscissa,
+        Abscissa::Even {
+            start: -0.001,
+            step: 1.0 / 51_200.0
+        }
+    );
+    assert_eq!(series.ordinate_axis.unit_text, "m/s^2");
+}

@@ -1,0 +1,98 @@
+//! Tables that pandas wrote in several dialects, read without being told the dialect: `fixtures/reference/pandas`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a reference that cannot be read must fail the test, and values are exact"
+)]
+
+use labio::format;
+use labio::{Abscissa, Contents, Ordinate};
+
+const VALUES: &str = include_str!("../../../fixtures/reference/pandas/values.csv");
+
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_bytes!(concat!("../../../fixtures/reference/pandas/", $name, ".csv")).as_slice())),*]
+    };
+}
+
+const FILES: [(&str, &[u8]); 9] = files![
+    "comma",
+    "semicolon_decimal_comma",
+    "bom",
+    "utf16",
+    "tab_scientific",
+    "tab_decimal_comma",
+    "bar",
+    "two_rows",
+    "quoted",
+];
+
+fn rows(file: &str) -> Vec<[f64; 3]> {
+    VALUES
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<_>>())
+        .filter(|row| row[0] == file)
+        .map(|row| [2, 3, 4].map(|cell| row[cell].parse().unwrap()))
+        .collect()
+}
+
+fn column(contents: &Contents, index: usize) -> &[f64] {
+    match &contents.series[index].ordinate {
+        Ordinate::Real(values) => values,
+        Ordinate::Complex(_) => panic!("expected real values"),
+    }
+}
+
+/// Separator, decimal mark, encoding, names and units are found; every number is the double that pandas makes of it.
+#[test]
+fn cells_are_pandas_s() {
+    let mut compared = 0;
+    for (file, bytes) in FILES {
+        let contents = format::read_bytes(bytes).unwrap();
+        assert_eq!(contents.format, "csv", "{file}");
+        assert_eq!(contents.defects.len(), 0, "{file}");
+        let names: Vec<_> = contents
+            .series
+            .iter()
+            .map(|s| (s.name.as_str(), s.ordinate_axis.unit_text.as_str()))
+            .collect();
+        assert_eq!(names, [("F", "N"), ("a", "m/s^2")], "{file}");
+        let rows = rows(file);
+        for series in 0..2 {
+            assert_eq!(column(&contents, series).len(), rows.len(), "{file}");
+        }
+        for (index, row) in rows.iter().enumerate() {
+            assert_eq!(column(&contents, 0)[index], row[1], "{file}, row {index}");
+            assert_eq!(column(&contents, 1)[index], row[2], "{file}, row {index}");
+            compared += 2;
+        }
+    }
+    assert_eq!(compared, 2 * (VALUES.lines().count() - 1));
+}
+
+/// The column of times is an even abscissa in seconds, unless its digits leave the step open: six decimals hold a step of 20 us in
+/// 29 steps to 2 in 1000, and such times are taken as they stand.
+#[test]
+fn times_are_even_where_they_can_be() {
+    for (file, bytes) in FILES {
+        let contents = format::read_bytes(bytes).unwrap();
+        let axis = &contents.series[0].abscissa_axis;
+        assert_eq!(axis.unit_text, "s", "{file}");
+        match &contents.series[0].abscissa {
+            Abscissa::Even { start, step } => {
+                assert_eq!(*start, 0.0, "{file}");
+                // ten digits of the last time, at the least
+                assert!((step * 51_200.0 - 1.0).abs() <= 1e-9, "{file}: {step}");
+                assert_ne!(file, "tab_decimal_comma");
+            }
+            Abscissa::Uneven(times) => {
+                assert_eq!(file, "tab_decimal_comma");
+                let expected: Vec<f64> = rows(file).iter().map(|row| row[0]).collect();
+                assert_eq!(times, &expected);
+            }
+        }
+    }
+}

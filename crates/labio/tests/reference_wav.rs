@@ -1,0 +1,93 @@
+//! WAVE files by scipy.io.wavfile and libsndfile against what libsndfile reads of them: `fixtures/reference/wav`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a reference that cannot be read must fail the test, and values are exact"
+)]
+
+use labio::format::wav::Wav;
+use labio::format::{self, Reader, Strictness, Writer};
+use labio::{Abscissa, Ordinate};
+
+const VALUES: &str = include_str!("../../../fixtures/reference/wav/values.csv");
+
+macro_rules! files {
+    ($(($name:literal, $encoding:literal)),* $(,)?) => {
+        [$(($name, $encoding, include_bytes!(concat!("../../../fixtures/reference/wav/", $name, ".wav")).as_slice())),*]
+    };
+}
+
+/// File, encoding that it should be found to have, bytes.
+const FILES: [(&str, &str, &[u8]); 11] = files![
+    ("scipy_pcm8", "PCM 8 bits"),
+    ("scipy_pcm16", "PCM 16 bits"),
+    ("scipy_pcm32", "PCM 32 bits"),
+    ("scipy_float32", "floating point 32 bits"),
+    ("scipy_float64", "floating point 64 bits"),
+    ("scipy_mono", "PCM 16 bits"),
+    ("sndfile_wav_pcm24", "PCM 24 bits"),
+    ("sndfile_extensible_pcm16", "PCM 16 bits"),
+    ("sndfile_extensible_pcm24", "PCM 24 bits"),
+    ("sndfile_extensible_pcm32", "PCM 32 bits"),
+    ("sndfile_rf64_pcm24", "PCM 24 bits"),
+];
+
+/// Both divide integers by a power of two: equal to the last bit.
+#[test]
+fn samples_are_libsndfiles() {
+    let mut compared = 0;
+    for (file, encoding, bytes) in FILES {
+        let contents = format::read_bytes(bytes).unwrap();
+        assert_eq!(contents.format, "wav");
+        assert!(
+            contents
+                .properties
+                .contains(&("encoding".to_owned(), encoding.to_owned())),
+            "{file}: {:?}",
+            contents.properties
+        );
+        let rows: Vec<Vec<&str>> = VALUES
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').collect())
+            .filter(|row: &Vec<&str>| row[0] == file)
+            .collect();
+        let total: usize = contents.series.iter().map(|s| s.ordinate.len()).sum();
+        assert_eq!(total, rows.len(), "{file}");
+        for row in rows {
+            let rate: f64 = row[1].parse().unwrap();
+            let frame: usize = row[2].parse().unwrap();
+            let channel: usize = row[3].parse().unwrap();
+            let expected: f64 = row[4].parse().unwrap();
+            let series = &contents.series[channel];
+            assert_eq!(
+                series.abscissa,
+                Abscissa::Even {
+                    start: 0.0,
+                    step: rate.recip()
+                }
+            );
+            let Ordinate::Real(values) = &series.ordinate else {
+                panic!("{file}: expected real values");
+            };
+            assert_eq!(values[frame], expected, "{file} {frame} {channel}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, VALUES.lines().count() - 1);
+}
+
+/// Written in the encoding that was read, the samples are the same again.
+#[test]
+fn written_again_they_are_the_same() {
+    for (file, _, bytes) in FILES {
+        let contents = format::read_bytes(bytes).unwrap();
+        let mut again = Vec::new();
+        Wav.write(&contents, &mut again).unwrap();
+        let back = Wav.read(&again, Strictness::Strict).unwrap();
+        for (one, other) in contents.series.iter().zip(&back.series) {
+            assert_eq!(one.ordinate, other.ordinate, "{file}");
+        }
+    }
+}

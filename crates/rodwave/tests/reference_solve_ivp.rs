@@ -1,0 +1,134 @@
+//! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`: `fixtures/reference/solve_ivp`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a reference that cannot be read must fail the test"
+)]
+
+use rodwave::band_limited::VelocityHistory;
+use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::lumped::LumpedRod;
+use rodwave::{DirectProblem, InelasticRod};
+
+const CHAIN: &str = include_str!("../../../fixtures/reference/solve_ivp/chain.csv");
+const CONTINUUM: &str = include_str!("../../../fixtures/reference/solve_ivp/continuum.csv");
+
+const VELOCITY: f64 = 8.0;
+
+/// The pulse of the script.
+struct Pulse;
+
+impl Pulse {
+    const CENTRE: f64 = 300e-6;
+    const WIDTH: f64 = 60e-6;
+}
+
+impl VelocityHistory for Pulse {
+    fn at(&self, time: f64) -> f64 {
+        VELOCITY * (-((time - Self::CENTRE) / Self::WIDTH).powi(2)).exp()
+    }
+
+    fn slope(&self, time: f64) -> f64 {
+        -2.0 * (time - Self::CENTRE) / Self::WIDTH.powi(2) * self.at(time)
+    }
+
+    fn end(&self) -> f64 {
+        2e-3
+    }
+}
+
+struct Reference {
+    times: Vec<f64>,
+    velocity: Vec<f64>,
+    /// What the script knows of its own error [m/s].
+    error: f64,
+}
+
+fn reference(table: &str, law: &str) -> Reference {
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.strip_prefix(law)?.strip_prefix(','))
+        .map(|rest| rest.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 60, "{law}");
+    Reference {
+        times: rows.iter().map(|row| row[0]).collect(),
+        velocity: rows.iter().map(|row| row[1]).collect(),
+        error: rows[0][2],
+    }
+}
+
+fn rod<L: InelasticLaw>(law: L) -> InelasticRod<L> {
+    InelasticRod::new(0.4, 1100.0, 2.5e9, law).unwrap()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// (4 fine - coarse)/3 of an error that falls with the square of the step.
+fn extrapolated(fine: &[f64], coarse: &[f64]) -> Vec<f64> {
+    let pairs = fine.iter().zip(coarse);
+    pairs.map(|(f, c)| (4.0 * f - c) / 3.0).collect()
+}
+
+/// `solve` at steps that are halved: the error is second order, and what is extrapolated from two steps is `tolerance` from the
+/// reference.
+fn converges(
+    name: &str,
+    reference: &Reference,
+    steps: [usize; 2],
+    tolerance: f64,
+    solve: impl Fn(usize) -> Vec<f64>,
+) {
+    let [coarse, fine] = steps.map(solve);
+    let ratio = largest_difference(&coarse, &reference.velocity)
+        / largest_difference(&fine, &reference.velocity);
+    assert!((3.5..4.5).contains(&ratio), "{name}: {ratio}");
+    let left = largest_difference(&extrapolated(&fine, &coarse), &reference.velocity);
+    assert!(left < tolerance + reference.error, "{name}: {left:e} m/s");
+}
+
+/// The same sixty masses: only the leapfrog's step is left, second order. Nothing of the order of the cells' dispersion may remain.
+#[test]
+fn the_lumped_chain_is_its_differential_equations() {
+    fn check<L: InelasticLaw>(name: &str, law: L) {
+        let reference = reference(CHAIN, name);
+        // steps of a sixteenth and a 32nd of the transit of a cell: 6e-4 m/s and a quarter of it; fourth order is left, 1e-4 of that
+        converges(name, &reference, [16, 32], 1e-7, |parts| {
+            LumpedRod::new(&rod(law.clone()), 60, 1.0 / parts as f64)
+                .unwrap()
+                .free_end_velocity(&Pulse, &reference.times)
+                .unwrap()
+        });
+    }
+    check("maxwell", Maxwell::new(4e6).unwrap());
+    check("norton", MaxwellNorton::new(2.108, 7e13).unwrap());
+    check(
+        "gurevich",
+        MaxwellGurevichRabinovich::new(8e6, 7e6).unwrap(),
+    );
+}
+
+/// The rod itself: collocation in space knows neither cells nor characteristics.
+#[test]
+fn characteristics_converge_to_the_collocated_rod() {
+    fn check<L: InelasticLaw>(name: &str, law: L) {
+        let reference = reference(CONTINUUM, name);
+        // 50 and 100 cells: 7e-5 to 1e-3 m/s and a quarter of it; the fourth order that is left is the square of this over 16 m/s
+        converges(name, &reference, [50, 100], 1e-6, |cells| {
+            DirectProblem::new(rod(law.clone()), cells)
+                .unwrap()
+                .free_end_velocity(&Pulse, &reference.times)
+                .unwrap()
+        });
+    }
+    check("maxwell", Maxwell::new(4e6).unwrap());
+    check("norton", MaxwellNorton::new(2.108, 7e13).unwrap());
+    check(
+        "gurevich",
+        MaxwellGurevichRabinovich::new(8e6, 7e6).unwrap(),
+    );
+}
