@@ -1,14 +1,15 @@
 //! What differs between the page in the repository and the one that would be written.
 //!
 //! Claims, what they expect and why are compared to the letter. Our numbers are not: their last digits differ between processors.
-//! The part of the tolerance that they use may move by ten points.
+//! The part of the tolerance that they use may move by 25 points: a count of lines may
+//! move by one where a processor rounds otherwise.
 
 use std::fmt;
 
 use super::page::{Page, Row};
 
 /// In points of percent.
-const USED: f64 = 10.0;
+const USED: f64 = 25.0;
 
 /// A row that is not current.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -109,13 +110,13 @@ mod tests {
     }
 
     #[test]
-    fn ours_may_move_within_ten_points_of_the_tolerance() {
+    fn ours_may_move_within_25_points_of_the_tolerance() {
         let was = || vec![row("length", "12 %", "pass")];
-        assert!(told(was(), vec![row("length", "< 1 %", "pass")]).len() == 1);
-        assert!(told(was(), vec![row("length", "22 %", "pass")]).is_empty());
+        assert!(told(was(), vec![row("length", "< 1 %", "pass")]).is_empty());
+        assert!(told(was(), vec![row("length", "37 %", "pass")]).is_empty());
         assert_eq!(
-            told(was(), vec![row("length", "23 %", "pass")]),
-            ["not current: rods: length: used was 12 %, is 23 %"]
+            told(was(), vec![row("length", "38 %", "pass")]),
+            ["not current: rods: length: used was 12 %, is 38 %"]
         );
     }
 
