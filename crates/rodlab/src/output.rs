@@ -4,14 +4,28 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use crate::RodlabError;
 use crate::outcome::{Cells, Outcome, Table};
 
 /// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
 pub const RESULT_VERSION: u32 = 1;
 
+/// Name and version of what has made a result.
+pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
+
 /// Name of the file that is written last: where it is, everything is.
 pub const RESULT: &str = "result.json";
+
+/// The sheet that a result is of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SheetIdentity {
+    /// Name of the file.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
 
 /// The folder that a sheet's files go to if none is asked for: beside the sheet, with its name.
 #[must_use]
@@ -27,7 +41,11 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
 /// # Errors
 ///
 /// [`RodlabError::Write`].
-pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {
+pub fn write(
+    outcome: &Outcome,
+    sheet: &SheetIdentity,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
         files.push((format!("{}.csv", table.name), csv_of(table)?));
@@ -35,7 +53,7 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    files.push((RESULT.to_owned(), json_of(outcome)?.into_bytes()));
+    files.push((RESULT.to_owned(), json_of(outcome, sheet)?.into_bytes()));
     let mut paths = Vec::with_capacity(files.len());
     for (name, bytes) in files {
         let path = folder.join(name);
@@ -74,22 +92,24 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// `result.json`: version of its structure and of the software, and the outcome.
+/// `result.json`: version of its structure and of the software, the sheet, and the outcome.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] if a number of the outcome cannot be written.
-pub fn json_of(outcome: &Outcome) -> Result<String, RodlabError> {
+pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
     #[derive(serde::Serialize)]
     struct Result<'a> {
         result_version: u32,
         software: &'static str,
+        sheet: &'a SheetIdentity,
         #[serde(flatten)]
         outcome: &'a Outcome,
     }
     let result = Result {
         result_version: RESULT_VERSION,
-        software: concat!("rodlab ", env!("CARGO_PKG_VERSION")),
+        software: SOFTWARE,
+        sheet,
         outcome,
     };
     serde_json::to_string_pretty(&result)
