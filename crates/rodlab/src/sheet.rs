@@ -12,13 +12,15 @@
 //!
 //! Quantities are texts with a unit and, where it is known, a standard uncertainty ([`Stated`]). Paths are relative to the sheet.
 
+pub mod body;
 mod diagnostic;
+pub mod material;
 mod stated;
 
 pub use diagnostic::SheetError;
 pub use stated::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
-    Ratio, SpecificImpedance, Stated, Temperature, Time, Velocity, Written,
+    Ratio, SpecificImpedance, Stated, Stiffness, Temperature, Time, Velocity, Viscosity, Written,
 };
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
