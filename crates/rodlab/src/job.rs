@@ -1,5 +1,6 @@
 //! What each command does: a sheet in, an [`Outcome`] out.
 
+mod about;
 pub mod force;
 pub mod frf;
 pub mod identify;
@@ -7,6 +8,8 @@ pub mod mobility;
 pub mod modulus;
 pub mod recovery;
 pub mod simulate;
+
+pub use about::About;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

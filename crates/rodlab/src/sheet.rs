@@ -48,19 +48,19 @@ pub struct Sheet {
 #[non_exhaustive]
 pub enum Job {
     /// Frequency responses of hits.
-    Frf(job::frf::FrfSheet),
+    Frf(Box<job::frf::FrfSheet>),
     /// Complex modulus of a rod.
-    Modulus(job::modulus::ModulusSheet),
+    Modulus(Box<job::modulus::ModulusSheet>),
     /// Loss factor from creep recovery.
-    Recovery(job::recovery::RecoverySheet),
+    Recovery(Box<job::recovery::RecoverySheet>),
     /// Constitutive law from two velocity histories.
-    Identify(job::identify::IdentifySheet),
+    Identify(Box<job::identify::IdentifySheet>),
     /// Mobility of an impact face.
-    Mobility(job::mobility::MobilitySheet),
+    Mobility(Box<job::mobility::MobilitySheet>),
     /// Force between two bodies, or from a response.
-    Force(job::force::ForceSheet),
+    Force(Box<job::force::ForceSheet>),
     /// A virtual test.
-    Simulate(job::simulate::SimulateSheet),
+    Simulate(Box<job::simulate::SimulateSheet>),
 }
 
 impl Job {

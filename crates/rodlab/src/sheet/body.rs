@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use impulse::{Domain, ImpactBody, ImpulseError, MobilityLaw};
 use num_complex::Complex64;
-use rodwave::chain::{AnalyticChain, AngularFrequency, Chain, ChainBuilder, LaplaceVariable, Termination};
+use rodwave::chain::{
+    AnalyticChain, AngularFrequency, Chain, ChainBuilder, LaplaceVariable, Termination,
+};
 use rodwave::element::Circle;
 use serde::Deserialize;
 
@@ -242,8 +244,18 @@ macro_rules! chain_of {
     };
 }
 
-chain_of!(analytic_chain, LaplaceVariable, AnalyticChain::analytic_from_impact_face(), Analytic);
-chain_of!(axis_chain, AngularFrequency, Chain::from_impact_face(), Analytic | OnAxis);
+chain_of!(
+    analytic_chain,
+    LaplaceVariable,
+    AnalyticChain::analytic_from_impact_face(),
+    Analytic
+);
+chain_of!(
+    axis_chain,
+    AngularFrequency,
+    Chain::from_impact_face(),
+    Analytic | OnAxis
+);
 
 impl ComputedBody {
     /// The body as `impulse` takes it.
@@ -260,11 +272,16 @@ impl ComputedBody {
             } => {
                 let mass = *mass;
                 let law = MobilityLaw::analytic(move |s: Complex64| 1.0 / (mass * s));
-                Arc::new(law.free(mass).map_err(|error| RodlabError::step("a rigid mass", error))?)
+                Arc::new(
+                    law.free(mass)
+                        .map_err(|error| RodlabError::step("a rigid mass", error))?,
+                )
             }
             Self::Lump { impedance, .. } => {
                 let impedance = *impedance;
-                Arc::new(MobilityLaw::analytic(move |_| Complex64::from(1.0 / impedance)))
+                Arc::new(MobilityLaw::analytic(move |_| {
+                    Complex64::from(1.0 / impedance)
+                }))
             }
         })
     }

@@ -164,9 +164,7 @@ impl MaterialSheet {
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match &self.law {
-            LawSheet::Elastic { modulus } => {
-                Arc::new(Elastic::new(modulus.si()).map_err(refused)?)
-            }
+            LawSheet::Elastic { modulus } => Arc::new(Elastic::new(modulus.si()).map_err(refused)?),
             LawSheet::ConstantQ {
                 modulus,
                 loss_factor,
