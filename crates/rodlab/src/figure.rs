@@ -10,8 +10,9 @@ mod thinning;
 mod ticks;
 
 pub use draw::svg_of;
-pub(crate) use draw::svg_without_title;
+pub(crate) use draw::{svg_of_thinned, svg_without_title};
 pub use thinning::thinned;
+pub(crate) use ticks::superscript;
 
 use serde::Serialize;
 

@@ -12,6 +12,7 @@
 //! | [`records`] | files to calibrated records |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
+//! | [`report`] | the page that is read |
 //! | [`output`] | the files that are written of it, whole or not at all |
 //!
 //! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
@@ -23,6 +24,7 @@ pub mod job;
 pub mod outcome;
 pub mod output;
 pub mod records;
+pub mod report;
 pub mod sheet;
 
 pub use error::RodlabError;

@@ -1,11 +1,17 @@
 //! The files that are written of an outcome, each whole or not at all.
 
+mod layout;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use crate::RodlabError;
-use crate::outcome::{Cells, Outcome, Table};
+use crate::figure::{Figure, svg_of_thinned, thinned};
+use crate::outcome::{Cells, InputFile, LogEntry, Outcome, Quantity, Setting, Table, Verdict};
+use crate::report::html_of;
 
 /// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
 pub const RESULT_VERSION: u32 = 1;
@@ -20,13 +26,19 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
     sheet.with_file_name(format!("{stem}-result"))
 }
 
+/// Name of the page that is read.
+pub const REPORT: &str = "report.html";
+
+/// The program and its version, as they stand in everything that is written.
+pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
+
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
 ///
 /// Each file appears whole; `result.json` is the last.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`].
+/// [`RodlabError::Write`]; [`RodlabError::Step`] if a file cannot be put together.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
@@ -35,7 +47,18 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    files.push((RESULT.to_owned(), json_of(outcome)?.into_bytes()));
+    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
+    for figure in &figures {
+        files.push((
+            format!("{}.svg", figure.name),
+            svg_of_thinned(figure).into_bytes(),
+        ));
+    }
+    files.push((REPORT.to_owned(), html_of(outcome, &figures)?.into_bytes()));
+    files.push((
+        RESULT.to_owned(),
+        json_with(outcome, &figures)?.into_bytes(),
+    ));
     let mut paths = Vec::with_capacity(files.len());
     for (name, bytes) in files {
         let path = folder.join(name);
@@ -74,27 +97,72 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// `result.json`: version of its structure and of the software, and the outcome.
+/// `result.json`: version of its structure and of the software, and the outcome. Its structure is in `docs/result.schema.json`.
+///
+/// Figures are as they are drawn: series of many samples are [thinned].
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] if a number of the outcome cannot be written.
 pub fn json_of(outcome: &Outcome) -> Result<String, RodlabError> {
+    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
+    json_with(outcome, &figures)
+}
+
+fn json_with(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabError> {
     #[derive(serde::Serialize)]
     struct Result<'a> {
         result_version: u32,
         software: &'static str,
-        #[serde(flatten)]
-        outcome: &'a Outcome,
+        job: &'a str,
+        title: &'a str,
+        verdict: &'a Verdict,
+        summary: &'a [String],
+        warnings: &'a [String],
+        inputs: &'a [InputFile],
+        settings: &'a [Setting],
+        log: &'a [LogEntry],
+        quantities: &'a [Quantity],
+        tables: &'a [Table],
+        figures: &'a [Figure],
     }
+    // every field by name, so that a new one is not forgotten here
+    let Outcome {
+        job,
+        title,
+        verdict,
+        summary,
+        warnings,
+        inputs,
+        settings,
+        log,
+        quantities,
+        tables,
+        figures: _,
+        attachments: _,
+    } = outcome;
     let result = Result {
         result_version: RESULT_VERSION,
-        software: concat!("rodlab ", env!("CARGO_PKG_VERSION")),
-        outcome,
+        software: SOFTWARE,
+        job,
+        title,
+        verdict,
+        summary,
+        warnings,
+        inputs,
+        settings,
+        log,
+        quantities,
+        tables,
+        figures,
     };
-    serde_json::to_string_pretty(&result)
-        .map(|text| text + "\n")
-        .map_err(|error| RodlabError::step("writing result.json", error))
+    let mut bytes = Vec::new();
+    let refused = |error: serde_json::Error| RodlabError::step("writing result.json", error);
+    let mut serializer =
+        serde_json::Serializer::with_formatter(&mut bytes, layout::ArraysOnOneLine::default());
+    result.serialize(&mut serializer).map_err(refused)?;
+    bytes.push(b'\n');
+    String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
 }
 
 /// A table as comma-separated values: names, units, rows. What is not a number is an empty cell.

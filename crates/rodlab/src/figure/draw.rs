@@ -29,10 +29,15 @@ const BETWEEN: f64 = 14.0;
 /// Series of many samples are [`thinned`]. Text is text. The same figure gives the same bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
-    svg(&thinned(figure), true)
+    svg_of_thinned(&thinned(figure))
 }
 
-/// The same of a figure that is thinned already, for a page that has the title in its own type.
+/// The same of a figure that is thinned already.
+pub(crate) fn svg_of_thinned(figure: &Figure) -> String {
+    svg(figure, true)
+}
+
+/// The same of a thinned figure, for a page that has the title in its own type.
 pub(crate) fn svg_without_title(figure: &Figure) -> String {
     svg(figure, false)
 }

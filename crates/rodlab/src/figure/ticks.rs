@@ -107,7 +107,8 @@ fn places(count: f64) -> usize {
     count.clamp(0.0, 17.0) as usize
 }
 
-fn superscript(power: f64) -> String {
+/// A power of ten as it stands above the line.
+pub(crate) fn superscript(power: f64) -> String {
     format!("{power:.0}")
         .chars()
         .map(|c| match c {

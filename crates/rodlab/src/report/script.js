@@ -135,7 +135,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       }
       m.x.forEach((x, i) => {
         const a = fx(x), b = fy(m.y[i]);
-        if (is(a + b)) d += pen++ ? ` ${a} ${b}` : `M${a} ${b}h0`.replace("h0", "l0 0L" + `${a} ${b}`);
+        if (is(a + b)) d += pen++ ? ` ${a} ${b}` : `M${a} ${b}L${a} ${b}`;
         else pen = 0;
       });
       return `<path class="l s${m.r}" d="${d}"/>`;
