@@ -5,6 +5,7 @@
     reason = "a failing test should say so at once"
 )]
 
+#[expect(dead_code, reason = "the browser needs more of it")]
 mod rich;
 
 use std::collections::BTreeSet;

@@ -51,13 +51,14 @@ let clips = 0;
 function figure(box) {
   const data = JSON.parse(box.querySelector("script").textContent);
   const views = {}, panels = data.p.map(panel);
-  const draw = (view) => panels.forEach((p) => (!view || p.view === view) && p.draw());
   let width = 0;
-  new ResizeObserver(() => box.clientWidth !== width && ((width = box.clientWidth), draw())).observe(box);
+  const fit = () => box.clientWidth !== width && ((width = box.clientWidth), panels.forEach((p) => p.draw()));
+  addEventListener("resize", fit);
+  fit();
 
   function panel(p) {
     const view = (views[title(p.x)] ??= { log: p.x.s, zoom: null });
-    const own = { view, log: p.y.s, zoom: null, draw };
+    const own = { view, log: p.y.s, zoom: null };
     const hidden = new Set(), clip = `c${clips++}`;
     const curves = p.m.filter((m) => m.t !== "a"), at = p.m.filter((m) => m.t === "a");
     curves.forEach((m) => (m.x = data.x[m.x]));
@@ -143,10 +144,10 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
     function draw() {
       spans();
       const w = Math.max(box.clientWidth, 240);
-      right = w - 14;
+      right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
-      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny).major.map((t) => t[1].length), 1);
+      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny).major.map((t) => t[1].length), 5);
       if (p.e && !view.log && !own.log) {
         const k = Math.max((rx[1] - rx[0]) / (right - left), (ry[1] - ry[0]) / high);
         const wide = (r, n) => [(r[0] + r[1] - k * n) / 2, (r[0] + r[1] + k * n) / 2];
@@ -163,7 +164,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       top = 8 + 14 * Math.max(0, ...lines.map((l) => l.row + 1));
       bottom = top + high;
       fy = map(own.log, ry, bottom, top);
-      const tx = ticks(view.log, rx, Math.floor((right - left) / 85)), ty = ticks(own.log, ry, ny);
+      const tx = ticks(view.log, rx, Math.floor((right - left) / 75)), ty = ticks(own.log, ry, ny);
       let grid = "", frame = `M${left} ${top}H${right}V${bottom}H${left}z`, text = "";
       tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${fx(v)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
       ty.major.forEach(([v, t]) => ((grid += `M${left} ${fy(v)}H${right}`), (frame += `M${left} ${fy(v)}h-5`), (text += `<text x="${left - 8}" y="${fy(v) + 4}" text-anchor="end">${t}</text>`)));

@@ -82,21 +82,30 @@ fn histories() -> Figure {
     }
 }
 
+/// Real and imaginary part of the response of two resonators.
+fn resonators(f: f64) -> (f64, f64) {
+    let part = |f0: f64, damping: f64| {
+        let ratio = f / f0;
+        let (real, imaginary) = (1.0 - ratio * ratio, damping * ratio);
+        let square = real * real + imaginary * imaginary;
+        (real / square, -imaginary / square)
+    };
+    let (low, high) = (part(120.0, 0.06), part(2300.0, 0.04));
+    (low.0 + 1e-3 * high.0, low.1 + 1e-3 * high.1)
+}
+
+/// Magnitude of the response in the figure [m/s/N].
+pub(crate) fn magnitude(f: f64) -> f64 {
+    let (real, imaginary) = resonators(f);
+    3e-5 * real.hypot(imaginary)
+}
+
 /// A frequency response with its phase and coherence.
 fn response() -> Figure {
     let frequency: Vec<f64> = steps(800, 0.5, 4.0)
         .iter()
         .map(|e| 10_f64.powf(*e))
         .collect();
-    let at = |f: f64| {
-        let (one, two) = (f / 120.0, f / 2300.0);
-        let real = (1.0 - one * one) / ((1.0 - one * one).powi(2) + (0.06 * one).powi(2))
-            + 1e-3 * (1.0 - two * two) / ((1.0 - two * two).powi(2) + (0.04 * two).powi(2));
-        let imaginary = -0.06 * one / ((1.0 - one * one).powi(2) + (0.06 * one).powi(2))
-            - 1e-3 * 0.04 * two / ((1.0 - two * two).powi(2) + (0.04 * two).powi(2));
-        (real, imaginary)
-    };
-    let magnitude = |f: f64| 3e-5 * at(f).0.hypot(at(f).1);
     let error = |f: f64| 0.03 + 0.4 * (f / 9000.0).powi(2);
     let band = Mark::Band {
         name: "one standard error".into(),
@@ -132,7 +141,8 @@ fn response() -> Figure {
                 axis(),
                 Axis::linear("phase", "°").within([-180.0, 180.0]),
                 vec![line("measured", Role::First, &frequency, |f| {
-                    at(f).1.atan2(at(f).0).to_degrees()
+                    let (real, imaginary) = resonators(f);
+                    imaginary.atan2(real).to_degrees()
                 })],
             ),
             panel(
@@ -277,7 +287,7 @@ fn nyquist() -> Figure {
 }
 
 /// The outcome.
-pub fn outcome() -> Outcome {
+pub(crate) fn outcome() -> Outcome {
     let mut outcome = Outcome::of(
         "modulus",
         "Polypropylene rod, test 6 </script><script>alert(1)</script>",
