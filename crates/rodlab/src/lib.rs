@@ -14,6 +14,7 @@
 //! | [`records`] | files to calibrated records |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
+//! | [`report`] | the page that is read |
 //! | [`output`] | the files that are written of it, whole or not at all |
 //!
 //! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
@@ -29,6 +30,7 @@ pub mod output;
 pub mod program;
 pub mod progress;
 pub mod records;
+pub mod report;
 pub mod sheet;
 pub mod templates;
 

@@ -186,25 +186,13 @@ impl Column {
 }
 
 /// The cells of a [`Column`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Cells {
     /// Numbers in the unit of the column; NaN where there is none (empty in CSV, null in JSON).
     Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),
-}
-
-/// An array on one line, however the rest is laid out: a number a line makes a file that nobody can read.
-impl Serialize for Cells {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let text = match self {
-            Self::Numbers(values) => serde_json::to_string(values),
-            Self::Words(words) => serde_json::to_string(words),
-        };
-        text.and_then(serde_json::value::RawValue::from_string)
-            .map_err(serde::ser::Error::custom)?
-            .serialize(serializer)
-    }
 }
 
 impl Cells {
