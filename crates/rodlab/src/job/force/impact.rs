@@ -258,14 +258,17 @@ fn answer(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
     let prediction = &found.prediction;
     let peak = prediction.peak();
     let error = peak_error(found).map_or_else(String::new, |error| format!(" ± {error:.2} N"));
+    let impulse = prediction.balance().impulse;
+    let counts = |contact: &&impulse::ContactInterval| contact.impulse > 1e-3 * impulse;
+    let counting = prediction.contacts.iter().filter(counts).count();
     outcome.summary.push(format!(
-        "The force comes to {:.1} N{error} at {:.4} ms, at an impact velocity of {}; the faces part at {:.4} ms after {} contact{}.",
+        "The force comes to {:.1} N{error} at {:.4} ms, at an impact velocity of {}; the last of {} contact{} with more than a thousandth of the impulse ends at {:.4} ms.",
         peak.force,
         1e3 * peak.time,
         sheet.velocity,
+        counting,
+        if counting == 1 { "" } else { "s" },
         1e3 * prediction.duration(),
-        prediction.contacts.len(),
-        if prediction.contacts.len() == 1 { "" } else { "s" },
     ));
     let balance = prediction.balance();
     let restitution = balance.restitution.map_or_else(
