@@ -3,10 +3,26 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+
+use crate::batch::Shard;
+use crate::templates::JobName;
 
 /// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with their errors.
 #[derive(Debug, Parser)]
-#[command(name = "rodlab", version, max_term_width = 100)]
+#[command(
+    name = "rodlab",
+    version,
+    max_term_width = 100,
+    after_help = "Examples:
+  rodlab inspect hits.uff                 what is in a recording
+  rodlab init modulus rod.ron             a commented test sheet to fill in
+  rodlab check rod.ron                    what is wrong with it, before anything is computed
+  rodlab modulus rod.ron                  the result in rod-result/, its page in rod-result/report.html
+  rodlab batch campaign/ --out results    all sheets of a folder, with one summary
+
+Exit status: 0 done; 1 the data do not allow the result; 2 a sheet, a file or a folder is wrong; 130 interrupted."
+)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -14,7 +30,7 @@ pub struct Arguments {
     /// Say nothing but errors.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Print result.json on the standard output instead of words.
+    /// Print the result as JSON on the standard output, instead of words.
     #[arg(long, global = true)]
     pub json: bool,
 }
@@ -23,20 +39,107 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 #[non_exhaustive]
 pub enum Command {
+    /// What is in a recording: channels, units, rates, and what looks wrong.
+    #[command(after_help = "Example:\n  rodlab inspect hits.uff")]
+    Inspect {
+        /// A file in any of the known formats; its content decides which.
+        file: PathBuf,
+    },
+    /// Another format for a recording; the name of the new file says which.
+    #[command(after_help = "Example:\n  rodlab convert hits.tdms hits.csv")]
+    Convert {
+        /// The file to read.
+        input: PathBuf,
+        /// The file to write.
+        output: PathBuf,
+        /// Replace the output if it is there.
+        #[arg(long)]
+        force: bool,
+    },
     /// Frequency responses of hits, with coherence and errors.
+    #[command(after_help = "Example:\n  rodlab frf hammer.ron --out hammer-frf")]
     Frf(SheetCommand),
     /// Complex modulus of a rod from the motion of its sections.
+    #[command(after_help = "Example:\n  rodlab modulus rod.ron")]
     Modulus(SheetCommand),
     /// Loss factor from creep recovery.
+    #[command(after_help = "Example:\n  rodlab recovery creep.ron")]
     Recovery(SheetCommand),
     /// Constitutive law from two histories of an impacted rod.
+    #[command(after_help = "Example:\n  rodlab identify shots.ron")]
     Identify(SheetCommand),
     /// Mobility of an impact face, screened and completed.
+    #[command(after_help = "Example:\n  rodlab mobility cone.ron")]
     Mobility(SheetCommand),
     /// Force between two bodies that meet, or from a measured response.
+    #[command(after_help = "Example:\n  rodlab force cone-on-rod.ron")]
     Force(SheetCommand),
     /// A virtual test, for planning and for trying the other commands.
+    #[command(
+        after_help = "Example:\n  rodlab simulate plan.ron && rodlab modulus plan-result/modulus.ron"
+    )]
     Simulate(SheetCommand),
+    /// Write a commented sheet to begin with.
+    #[command(after_help = "Example:\n  rodlab init modulus rod.ron")]
+    Init {
+        /// The job.
+        job: JobName,
+        /// The new sheet; by default the name of the job with the extension ron.
+        path: Option<PathBuf>,
+    },
+    /// Read sheets and their files, and say what is wrong with them; nothing is computed.
+    #[command(after_help = "Example:\n  rodlab check campaign/*.ron")]
+    Check {
+        /// The sheets.
+        #[arg(required = true)]
+        sheets: Vec<PathBuf>,
+    },
+    /// Many sheets side by side, whatever their jobs.
+    #[command(after_help = "Examples:
+  rodlab batch campaign --out results
+  rodlab batch campaign --out results --resume          only what is not done or has changed
+  rodlab batch campaign --out results --shard 3/8       the third part of eight; `rodlab merge results` at the end")]
+    Batch {
+        /// Sheets, folders of sheets, or patterns in quotes.
+        #[arg(required = true)]
+        sheets: Vec<String>,
+        /// Folder that receives a folder of each test, and the summary.
+        #[arg(long, value_name = "FOLDER")]
+        out: PathBuf,
+        /// Leave out the tests that have a result of the same sheet, files and software.
+        #[arg(long)]
+        resume: bool,
+        /// Do only part I of N, and write no summary.
+        #[arg(long, value_name = "I/N")]
+        shard: Option<Shard>,
+        /// Number of tests at a time; by default that of the processors.
+        #[arg(long, value_name = "N")]
+        jobs: Option<std::num::NonZeroUsize>,
+    },
+    /// One summary of what parts of a campaign have written.
+    #[command(after_help = "Example:\n  rodlab merge results")]
+    Merge {
+        /// Folders of results.
+        #[arg(required = true)]
+        folders: Vec<PathBuf>,
+        /// Folder that receives the summary; by default the first of the folders.
+        #[arg(long, value_name = "FOLDER")]
+        out: Option<PathBuf>,
+    },
+    /// Completions for a shell, on the standard output.
+    #[command(
+        after_help = "Example:\n  rodlab completions bash > ~/.local/share/bash-completion/completions/rodlab"
+    )]
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Write the manual pages to a folder.
+    #[command(after_help = "Example:\n  rodlab man ~/.local/share/man/man1")]
+    Man {
+        /// The folder.
+        folder: PathBuf,
+    },
 }
 
 /// A sheet, and where its results go.
@@ -44,7 +147,7 @@ pub enum Command {
 pub struct SheetCommand {
     /// The test sheet.
     pub sheet: PathBuf,
-    /// Folder for the results; by default beside the sheet, with its name.
+    /// Folder for the results; by default beside the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
 }
@@ -52,15 +155,16 @@ pub struct SheetCommand {
 impl Command {
     /// The job and the sheet of a command that has one.
     #[must_use]
-    pub fn sheet(&self) -> Option<(&'static str, &SheetCommand)> {
+    pub fn sheet(&self) -> Option<(JobName, &SheetCommand)> {
         match self {
-            Self::Frf(sheet) => Some(("frf", sheet)),
-            Self::Modulus(sheet) => Some(("modulus", sheet)),
-            Self::Recovery(sheet) => Some(("recovery", sheet)),
-            Self::Identify(sheet) => Some(("identify", sheet)),
-            Self::Mobility(sheet) => Some(("mobility", sheet)),
-            Self::Force(sheet) => Some(("force", sheet)),
-            Self::Simulate(sheet) => Some(("simulate", sheet)),
+            Self::Frf(sheet) => Some((JobName::Frf, sheet)),
+            Self::Modulus(sheet) => Some((JobName::Modulus, sheet)),
+            Self::Recovery(sheet) => Some((JobName::Recovery, sheet)),
+            Self::Identify(sheet) => Some((JobName::Identify, sheet)),
+            Self::Mobility(sheet) => Some((JobName::Mobility, sheet)),
+            Self::Force(sheet) => Some((JobName::Force, sheet)),
+            Self::Simulate(sheet) => Some((JobName::Simulate, sheet)),
+            _ => None,
         }
     }
 }

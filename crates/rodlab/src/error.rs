@@ -62,6 +62,9 @@ pub enum RodlabError {
     /// Somebody wanted the job to stop.
     #[error("interrupted")]
     Interrupted,
+    /// Everything has been read, and nothing more was asked for.
+    #[error("everything has been read")]
+    ReadOnly,
     /// A crate refuses; `what` is the step that failed.
     #[error("{what}: {source}")]
     Step {

@@ -1,5 +1,6 @@
 //! What each command does: a sheet in, an [`Outcome`] out.
 
+mod about;
 pub mod force;
 pub mod frf;
 pub mod identify;
@@ -7,6 +8,8 @@ pub mod mobility;
 pub mod modulus;
 pub mod recovery;
 pub mod simulate;
+
+pub use about::About;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +26,8 @@ pub struct Surroundings<'a> {
     pub progress: &'a dyn Progress,
     /// Set when the job should stop.
     pub interrupted: &'a AtomicBool,
+    /// Whether the job ends once it has read everything ([`check`]).
+    pub only_reads: bool,
 }
 
 impl Surroundings<'_> {
@@ -36,6 +41,19 @@ impl Surroundings<'_> {
             Err(RodlabError::Interrupted)
         } else {
             Ok(())
+        }
+    }
+
+    /// Every job calls this when it has read all its files and understood its sheet, before it computes.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::ReadOnly`] if nothing is to be computed.
+    pub fn has_read_all(&self) -> Result<(), RodlabError> {
+        if self.only_reads {
+            Err(RodlabError::ReadOnly)
+        } else {
+            self.go_on()
         }
     }
 }
@@ -67,18 +85,47 @@ pub fn run(
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Outcome, RodlabError> {
+    run_in(
+        sheet,
+        &Surroundings {
+            folder: sheet.folder(),
+            progress,
+            interrupted,
+            only_reads: false,
+        },
+    )
+}
+
+/// Reads what `sheet` names and computes nothing.
+///
+/// # Errors
+///
+/// [`RodlabError`] where the sheet or a file is wrong.
+pub fn check(
+    sheet: &Sheet,
+    progress: &dyn Progress,
+    interrupted: &AtomicBool,
+) -> Result<(), RodlabError> {
     let around = Surroundings {
         folder: sheet.folder(),
         progress,
         interrupted,
+        only_reads: true,
     };
+    match run_in(sheet, &around) {
+        Ok(_) | Err(RodlabError::ReadOnly) => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     match &sheet.job {
-        Job::Frf(sheet) => frf::run(sheet, &around),
-        Job::Modulus(sheet) => modulus::run(sheet, &around),
-        Job::Recovery(sheet) => recovery::run(sheet, &around),
-        Job::Identify(sheet) => identify::run(sheet, &around),
-        Job::Mobility(sheet) => mobility::run(sheet, &around),
-        Job::Force(sheet) => force::run(sheet, &around),
-        Job::Simulate(sheet) => simulate::run(sheet, &around),
+        Job::Frf(sheet) => frf::run(sheet, around),
+        Job::Modulus(sheet) => modulus::run(sheet, around),
+        Job::Recovery(sheet) => recovery::run(sheet, around),
+        Job::Identify(sheet) => identify::run(sheet, around),
+        Job::Mobility(sheet) => mobility::run(sheet, around),
+        Job::Force(sheet) => force::run(sheet, around),
+        Job::Simulate(sheet) => simulate::run(sheet, around),
     }
 }

@@ -7,23 +7,32 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`arguments`] | the command line |
+//! | [`arguments`], [`program`], [`progress`] | the command line and what is done with it |
+//! | [`finished`], [`batch`] | one sheet from file to result; many of them |
+//! | [`templates`] | commented sheets to begin with |
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
+//! | [`report`] | the page that is read |
 //! | [`output`] | the files that are written of it, whole or not at all |
 //!
 //! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
 
 pub mod arguments;
+pub mod batch;
 pub mod error;
 pub mod figure;
+pub mod finished;
 pub mod job;
 pub mod outcome;
 pub mod output;
+pub mod program;
+pub mod progress;
 pub mod records;
+pub mod report;
 pub mod sheet;
+pub mod templates;
 
 pub use error::RodlabError;
 pub use outcome::Outcome;

@@ -1,6 +1,6 @@
 //! What a job hands back: everything that a report, a table or another program can want of it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::figure::Figure;
 
@@ -29,7 +29,8 @@ pub struct Outcome {
     pub quantities: Vec<Quantity>,
     /// Tables; each becomes a file of comma-separated values.
     pub tables: Vec<Table>,
-    /// Figures; each becomes a file of scalable graphics and a part of the report.
+    /// Figures; each becomes a file of scalable graphics and a part of the report. Their numbers are those of the tables.
+    #[serde(serialize_with = "names_of_figures")]
     pub figures: Vec<Figure>,
     /// Files for other programs, as a frequency response in universal file format.
     #[serde(skip)]
@@ -57,9 +58,27 @@ impl Outcome {
     }
 }
 
+/// What `result.json` says of a figure; its numbers are in the tables.
+fn names_of_figures<S: serde::Serializer>(
+    figures: &[Figure],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Named<'a> {
+        name: &'a str,
+        title: &'a str,
+        caption: &'a str,
+    }
+    serializer.collect_seq(figures.iter().map(|figure| Named {
+        name: &figure.name,
+        title: &figure.title,
+        caption: &figure.caption,
+    }))
+}
+
 /// Whether the data allow an answer.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "verdict")]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "answer")]
 pub enum Verdict {
     /// They do.
     Answered,
@@ -71,7 +90,7 @@ pub enum Verdict {
 }
 
 /// A file that was read.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct InputFile {
     /// Path as the sheet says it, relative to the sheet.
     pub path: String,
@@ -106,7 +125,7 @@ pub struct LogEntry {
 }
 
 /// A number that was found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
     /// Name in the field's words.
     pub name: String,

@@ -1,17 +1,36 @@
 //! The files that are written of an outcome, each whole or not at all.
 
+mod layout;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+use tempfile::NamedTempFile;
+
 use crate::RodlabError;
+use crate::figure::{Figure, svg_of_thinned, thinned};
 use crate::outcome::{Cells, Outcome, Table};
+use crate::report::html_of;
 
 /// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
 pub const RESULT_VERSION: u32 = 1;
 
+/// Name and version of what has made a result.
+pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
+
 /// Name of the file that is written last: where it is, everything is.
 pub const RESULT: &str = "result.json";
+
+/// The sheet that a result is of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SheetIdentity {
+    /// Name of the file.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
 
 /// The folder that a sheet's files go to if none is asked for: beside the sheet, with its name.
 #[must_use]
@@ -20,14 +39,21 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
     sheet.with_file_name(format!("{stem}-result"))
 }
 
+/// Name of the page that is read.
+pub const REPORT: &str = "report.html";
+
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
 ///
 /// Each file appears whole; `result.json` is the last.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`].
-pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {
+/// [`RodlabError::Write`]; [`RodlabError::Step`] if a file cannot be put together.
+pub fn write(
+    outcome: &Outcome,
+    sheet: &SheetIdentity,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
         files.push((format!("{}.csv", table.name), csv_of(table)?));
@@ -35,11 +61,24 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    files.push((RESULT.to_owned(), json_of(outcome)?.into_bytes()));
+    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
+    for figure in &figures {
+        files.push((
+            format!("{}.svg", figure.name),
+            svg_of_thinned(figure).into_bytes(),
+        ));
+    }
+    files.push((REPORT.to_owned(), html_of(outcome, &figures)?.into_bytes()));
+    files.push((RESULT.to_owned(), json_of(outcome, sheet)?.into_bytes()));
+    // all of them are on the disk before the first takes its name: a disk that becomes full leaves what was there
+    let staged = files
+        .iter()
+        .map(|(name, bytes)| staged(&folder.join(name), bytes))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut paths = Vec::with_capacity(files.len());
-    for (name, bytes) in files {
+    for ((name, _), file) in files.iter().zip(staged) {
         let path = folder.join(name);
-        write_whole(&path, &bytes)?;
+        named(file, &path)?;
         paths.push(path);
     }
     Ok(paths)
@@ -51,10 +90,12 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
 ///
 /// [`RodlabError::Write`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
-    let fail = |source: io::Error| RodlabError::Write {
-        path: path.to_path_buf(),
-        source,
-    };
+    named(staged(path, bytes)?, path)
+}
+
+/// `bytes` under a temporary name in the folder of `path`; gone when it is dropped.
+fn staged(path: &Path, bytes: &[u8]) -> Result<NamedTempFile, RodlabError> {
+    let fail = |source: io::Error| refusal(path, source);
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -70,31 +111,50 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     }
     let mut file = builder.tempfile_in(folder).map_err(fail)?;
     file.write_all(bytes).map_err(fail)?;
-    file.persist(path).map_err(|error| fail(error.error))?;
-    Ok(())
+    Ok(file)
 }
 
-/// `result.json`: version of its structure and of the software, and the outcome.
+fn named(file: NamedTempFile, path: &Path) -> Result<(), RodlabError> {
+    match file.persist(path) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(refusal(path, error.error)),
+    }
+}
+
+fn refusal(path: &Path, source: io::Error) -> RodlabError {
+    RodlabError::Write {
+        path: path.to_path_buf(),
+        source,
+    }
+}
+
+/// `result.json`: version of its structure and of the software, the sheet, and the outcome; `docs/result.schema.json` describes it.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] if a number of the outcome cannot be written.
-pub fn json_of(outcome: &Outcome) -> Result<String, RodlabError> {
+pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
     #[derive(serde::Serialize)]
     struct Result<'a> {
         result_version: u32,
         software: &'static str,
+        sheet: &'a SheetIdentity,
         #[serde(flatten)]
         outcome: &'a Outcome,
     }
     let result = Result {
         result_version: RESULT_VERSION,
-        software: concat!("rodlab ", env!("CARGO_PKG_VERSION")),
+        software: SOFTWARE,
+        sheet,
         outcome,
     };
-    serde_json::to_string_pretty(&result)
-        .map(|text| text + "\n")
-        .map_err(|error| RodlabError::step("writing result.json", error))
+    let mut bytes = Vec::new();
+    let refused = |error: serde_json::Error| RodlabError::step("writing result.json", error);
+    let mut serializer =
+        serde_json::Serializer::with_formatter(&mut bytes, layout::ArraysOnOneLine::default());
+    result.serialize(&mut serializer).map_err(refused)?;
+    bytes.push(b'\n');
+    String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
 }
 
 /// A table as comma-separated values: names, units, rows. What is not a number is an empty cell.

@@ -12,13 +12,15 @@
 //!
 //! Quantities are texts with a unit and, where it is known, a standard uncertainty ([`Stated`]). Paths are relative to the sheet.
 
+pub mod body;
 mod diagnostic;
+pub mod material;
 mod stated;
 
 pub use diagnostic::SheetError;
 pub use stated::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
-    Ratio, SpecificImpedance, Stated, Temperature, Time, Velocity, Written,
+    Ratio, SpecificImpedance, Stated, Stiffness, Temperature, Time, Velocity, Viscosity, Written,
 };
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
@@ -46,19 +48,19 @@ pub struct Sheet {
 #[non_exhaustive]
 pub enum Job {
     /// Frequency responses of hits.
-    Frf(job::frf::FrfSheet),
+    Frf(Box<job::frf::FrfSheet>),
     /// Complex modulus of a rod.
-    Modulus(job::modulus::ModulusSheet),
+    Modulus(Box<job::modulus::ModulusSheet>),
     /// Loss factor from creep recovery.
-    Recovery(job::recovery::RecoverySheet),
+    Recovery(Box<job::recovery::RecoverySheet>),
     /// Constitutive law from two velocity histories.
-    Identify(job::identify::IdentifySheet),
+    Identify(Box<job::identify::IdentifySheet>),
     /// Mobility of an impact face.
-    Mobility(job::mobility::MobilitySheet),
+    Mobility(Box<job::mobility::MobilitySheet>),
     /// Force between two bodies, or from a response.
-    Force(job::force::ForceSheet),
+    Force(Box<job::force::ForceSheet>),
     /// A virtual test.
-    Simulate(job::simulate::SimulateSheet),
+    Simulate(Box<job::simulate::SimulateSheet>),
 }
 
 impl Job {

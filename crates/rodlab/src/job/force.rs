@@ -1,8 +1,14 @@
-//! Force between two bodies, or from a measured response.
+//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force that a measured response tells of.
+
+mod impact;
+mod impact_figures;
+
+pub use impact::{ContactSheet, ImpactSheet, Line};
 
 use serde::Deserialize;
 
-use super::Surroundings;
+use super::{About, Surroundings};
+use crate::sheet::material::Materials;
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -11,8 +17,33 @@ use crate::{Outcome, RodlabError};
 pub struct ForceSheet {
     /// Title of the test.
     pub title: String,
+    /// Free texts for the report.
+    #[serde(default)]
+    pub about: About,
+    /// Materials of the bodies, by name.
+    #[serde(default)]
+    pub materials: Materials,
+    /// What is sought.
+    pub problem: Problem,
 }
 
-pub(crate) fn run(sheet: &ForceSheet, _around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("force", sheet.title.as_str()))
+/// What is sought.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a sheet has one problem; it is read once and never moved about"
+)]
+pub enum Problem {
+    /// The force when two bodies meet.
+    Impact(ImpactSheet),
+}
+
+pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("force", sheet.title.as_str());
+    sheet.about.tell(&mut outcome);
+    match &sheet.problem {
+        Problem::Impact(problem) => impact::run(problem, &sheet.materials, around, &mut outcome)?,
+    }
+    Ok(outcome)
 }

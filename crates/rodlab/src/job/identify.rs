@@ -1,9 +1,22 @@
-//! Constitutive law from velocity histories.
+//! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D): parameters with errors and verdicts, and
+//! which law the data support.
 
+mod figures;
+mod laws;
+mod tests_of_sheet;
+
+pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
+
+use maxwellid::profile::{self, Profile};
+use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
+use maxwellid::{DEFAULT_CELL, RodTest};
 use serde::Deserialize;
 
-use super::Surroundings;
+use super::{About, Surroundings};
+use crate::outcome::{Column, Setting, Table, Verdict};
+use crate::sheet::{Density, Length, Stated};
 use crate::{Outcome, RodlabError};
+use laws::FittedLaw;
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -11,11 +24,245 @@ use crate::{Outcome, RodlabError};
 pub struct IdentifySheet {
     /// Title of the test.
     pub title: String,
+    /// Free texts for the report.
+    #[serde(default)]
+    pub about: About,
+    /// The rod.
+    pub specimen: SpecimenSheet,
+    /// The tests that are explained together.
+    pub tests: Vec<TestSheet>,
+    /// How displacements are differentiated.
+    #[serde(default)]
+    pub differentiator: DifferentiatorSheet,
+    /// Laws whose parameters are sought.
+    #[serde(default = "all_laws")]
+    pub laws: Vec<LawName>,
+    /// Whether the laws are compared with each other and with linear competitors.
+    #[serde(default = "yes")]
+    pub compare: bool,
+    /// Whether profile likelihoods are computed for the law that comes out, or else for the most probable one.
+    #[serde(default = "yes")]
+    pub profiles: bool,
+}
+
+/// The rod.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenSheet {
+    /// Distance from the section of excitation to the free end.
+    pub length: Stated<Length>,
+    /// Density.
+    pub density: Stated<Density>,
+}
+
+/// An inelastic law of paper D.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum LawName {
+    /// Linear: strain rate proportional to stress.
+    Maxwell,
+    /// A power of the stress.
+    Norton,
+    /// An exponential of the stress.
+    GurevichRabinovich,
+}
+
+fn all_laws() -> Vec<LawName> {
+    vec![
+        LawName::Maxwell,
+        LawName::Norton,
+        LawName::GurevichRabinovich,
+    ]
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Everything that was computed.
+struct Found {
+    tests: Vec<RodTest>,
+    /// Of each test [m/s].
+    impact_velocities: Vec<f64>,
+    laws: Vec<FittedLaw>,
+    comparison: Option<Comparison>,
+    profiles: Vec<Profile>,
 }
 
 pub(crate) fn run(
     sheet: &IdentifySheet,
-    _around: &Surroundings<'_>,
+    around: &Surroundings<'_>,
 ) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("identify", sheet.title.as_str()))
+    let mut outcome = Outcome::of("identify", sheet.title.as_str());
+    sheet.about.tell(&mut outcome);
+    settings(sheet, &mut outcome);
+    let tests = tests_of_sheet::read(sheet, around, &mut outcome)?;
+    if sheet.laws.is_empty() {
+        return Err(RodlabError::request("laws", "empty", "at least one law"));
+    }
+    around.has_read_all()?;
+
+    let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
+    around.progress.begins("identification", steps);
+    let mut laws = Vec::with_capacity(sheet.laws.len());
+    for law in &sheet.laws {
+        laws.push(laws::fit(*law, &tests)?);
+        around.progress.one_more();
+        around.go_on()?;
+    }
+    let comparison = sheet
+        .compare
+        .then(|| Selection::new(Candidate::standard())?.compare(&tests))
+        .transpose()
+        .map_err(|error| RodlabError::step("comparing the laws", error))?;
+    around.progress.one_more();
+    around.go_on()?;
+    let profiles = if sheet.profiles {
+        profiles(&laws, comparison.as_ref(), &tests)?
+    } else {
+        Vec::new()
+    };
+    let velocity = |test: &TestSheet| test.impact_velocity.si();
+    let found = Found {
+        tests,
+        impact_velocities: sheet.tests.iter().map(velocity).collect(),
+        laws,
+        comparison,
+        profiles,
+    };
+    answer(&found, &mut outcome);
+    for law in &found.laws {
+        law.tell(&mut outcome);
+    }
+    if let Some(comparison) = &found.comparison {
+        outcome.tables.push(table_of(comparison));
+    }
+    outcome.tables.extend(figures::tables(&found));
+    outcome.figures = figures::all(&found);
+    Ok(outcome)
+}
+
+/// Of the law that is named; else of the most probable one that was fitted.
+fn profiles(
+    laws: &[FittedLaw],
+    comparison: Option<&Comparison>,
+    tests: &[RodTest],
+) -> Result<Vec<Profile>, RodlabError> {
+    let named = comparison.and_then(Comparison::law).map(|law| &law.name);
+    let best = laws
+        .iter()
+        .min_by(|a, b| a.relative_error.total_cmp(&b.relative_error))
+        .map(|law| &law.name);
+    let Some(candidate) = Candidate::standard()
+        .into_iter()
+        .find(|candidate| Some(candidate.name()) == named.or(best).map(String::as_str))
+    else {
+        return Ok(Vec::new());
+    };
+    profile::profiles(&candidate, tests, DEFAULT_CELL)
+        .map_err(|error| RodlabError::step("profile likelihoods", error))
+}
+
+fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
+    let mut say = |name: &str, value: String, by_default: bool| {
+        outcome.settings.push(Setting {
+            name: name.to_owned(),
+            value,
+            by_default,
+        });
+    };
+    say("specimen.length", sheet.specimen.length.to_string(), false);
+    say(
+        "specimen.density",
+        sheet.specimen.density.to_string(),
+        false,
+    );
+    let laws: Vec<String> = sheet.laws.iter().map(|law| format!("{law:?}")).collect();
+    say("laws", laws.join(", "), sheet.laws == all_laws());
+    say("compare", sheet.compare.to_string(), sheet.compare);
+    say("profiles", sheet.profiles.to_string(), sheet.profiles);
+    let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
+    say(
+        "differentiator",
+        format!("{} points, degree {degree}", 2 * half_width + 1),
+        sheet.differentiator == DifferentiatorSheet::default(),
+    );
+}
+
+/// The first sentences, the verdict and the warnings.
+fn answer(found: &Found, outcome: &mut Outcome) {
+    let identified = found.laws.iter().any(FittedLaw::has_identified_damping);
+    match &found.comparison {
+        Some(comparison) => {
+            let name = |index: usize| comparison.laws[index].name.clone();
+            outcome.summary.push(match &comparison.decision {
+                Decision::Law {
+                    candidate,
+                    probability,
+                } => format!(
+                    "The data support the law {} with a probability of {probability:.3}.",
+                    name(*candidate)
+                ),
+                Decision::CannotTell { between, reason } => {
+                    let names: Vec<String> = between.iter().map(|index| name(*index)).collect();
+                    format!(
+                        "The data cannot tell the laws {} apart: {reason}.",
+                        names.join(", ")
+                    )
+                }
+                Decision::NoneOfThese { best, adequacy } => format!(
+                    "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
+                    name(*best)
+                ),
+                other => format!("The comparison ended with {other:?}."),
+            });
+            for advice in &comparison.advice {
+                outcome.warnings.push(advice.to_string());
+            }
+        }
+        None => outcome.warnings.push(
+            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
+                .to_owned(),
+        ),
+    }
+    for law in &found.laws {
+        outcome.summary.push(law.in_words());
+        for flag in &law.flags {
+            outcome.warnings.push(format!("{}: {flag}", law.name));
+        }
+    }
+    for profile in &found.profiles {
+        outcome
+            .summary
+            .push(format!("{}: {}.", profile.parameter, profile.reason()));
+    }
+    if !identified {
+        outcome.verdict = Verdict::NotAllowed {
+            reason: "no law has a damping that these data determine: within their noise the rod is elastic".to_owned(),
+        };
+    }
+}
+
+fn table_of(comparison: &Comparison) -> Table {
+    let laws = &comparison.laws;
+    let numbers = |name: &str, of: &dyn Fn(&maxwellid::selection::ComparedLaw) -> f64| {
+        Column::numbers(name, "", laws.iter().map(of).collect())
+    };
+    Table {
+        name: "laws".to_owned(),
+        title: "Laws compared".to_owned(),
+        columns: vec![
+            Column::words("law", laws.iter().map(|law| law.name.clone()).collect()),
+            Column::words(
+                "kind",
+                laws.iter()
+                    .map(|law| if law.is_linear { "linear" } else { "nonlinear" }.to_owned())
+                    .collect(),
+            ),
+            numbers("probability", &|law| law.probability),
+            numbers("chi-square", &|law| law.chi_square),
+            numbers("independent samples", &|_| comparison.effective_samples),
+            numbers("adequacy", &|law| law.adequacy.unwrap_or(f64::NAN)),
+            numbers("parameters that the data determine", &|law| law.determined),
+        ],
+    }
 }

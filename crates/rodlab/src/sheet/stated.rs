@@ -245,6 +245,10 @@ kinds! {
     Pressure: "a modulus or stress", "\"2.6 GPa\"", dimension(-1, 1, -2, 0), true;
     /// A characteristic impedance above 0 [kg/s].
     SpecificImpedance: "a characteristic impedance", "\"1000 kg/s\" or \"1000 N s/m\"", dimension(0, 1, -1, 0), true;
+    /// A stiffness above 0 [N/m].
+    Stiffness: "a stiffness", "\"20 MN/m\"", dimension(0, 1, -2, 0), true;
+    /// A viscosity above 0 [Pa s].
+    Viscosity: "a viscosity", "\"20 kPa s\"", dimension(-1, 1, -1, 0), true;
     /// A temperature \[K\].
     Temperature: "a temperature", "\"23 degC\" or \"296 K\"", dimension(0, 0, 0, 1), true;
     /// A pure number above 0.

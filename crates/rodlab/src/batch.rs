@@ -1,0 +1,183 @@
+//! Many sheets side by side: one line a test, a summary, and no test that stops another.
+
+mod row;
+mod sheets;
+mod summary;
+
+pub use row::{Row, Status};
+pub use sheets::{Test, tests_of};
+pub use summary::{Summary, collect};
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use crate::RodlabError;
+use crate::finished;
+use crate::job::{Progress, Silent};
+use crate::outcome::Verdict;
+use crate::output;
+
+/// A part of a campaign: the tests whose number leaves the remainder `number - 1` by `of`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub number: usize,
+    /// Of how many.
+    pub of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// As `3/8`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || format!("`{text}` is no part of a campaign, expected as 3/8: from 1/8 to 8/8");
+        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+        let number = number.parse().map_err(|_| wrong())?;
+        let of = of.parse().map_err(|_| wrong())?;
+        if number == 0 || number > of {
+            return Err(wrong());
+        }
+        Ok(Self { number, of })
+    }
+}
+
+/// What is to be done with many sheets.
+#[derive(Debug, Clone)]
+pub struct Batch {
+    /// The tests, in order of their names.
+    pub tests: Vec<Test>,
+    /// Folder that receives a folder of each test.
+    pub out: PathBuf,
+    /// Leaves out what has a result of the same sheet, the same files and the same software.
+    pub resume: bool,
+    /// Only this part.
+    pub shard: Option<Shard>,
+}
+
+impl Batch {
+    /// Does all of it. `say` gets one line a test, when it is done.
+    ///
+    /// The rows are in the order of the tests. An interruption leaves out the tests that were not done.
+    pub fn run(
+        &self,
+        say: &(dyn Fn(&Row) + Sync),
+        progress: &dyn Progress,
+        interrupted: &AtomicBool,
+    ) -> Vec<Row> {
+        let mine: Vec<&Test> = self
+            .tests
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| {
+                self.shard
+                    .is_none_or(|shard| index % shard.of == shard.number - 1)
+            })
+            .map(|(_, test)| test)
+            .collect();
+        progress.begins("tests", mine.len());
+        mine.par_iter()
+            .filter_map(|test| {
+                if interrupted.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let row = self.one(test, interrupted)?;
+                say(&row);
+                progress.one_more();
+                Some(row)
+            })
+            .collect()
+    }
+
+    /// One test; `None` if it was interrupted.
+    fn one(&self, test: &Test, interrupted: &AtomicBool) -> Option<Row> {
+        let folder = self.out.join(&test.name);
+        if self.resume
+            && let Some(row) = row::current(test, &folder)
+        {
+            return Some(row);
+        }
+        match finished::finish(&test.sheet, None, &folder, &Silent, interrupted) {
+            Ok(done) => {
+                row::forget_failure(&folder);
+                Some(Row {
+                    test: test.name.clone(),
+                    job: done.outcome.job.to_owned(),
+                    title: done.outcome.title,
+                    status: match &done.outcome.verdict {
+                        Verdict::Answered => Status::Answered,
+                        Verdict::NotAllowed { .. } => Status::NotAllowed,
+                    },
+                    headline: match done.outcome.verdict {
+                        Verdict::NotAllowed { reason } => reason,
+                        Verdict::Answered => {
+                            done.outcome.summary.into_iter().next().unwrap_or_default()
+                        }
+                    },
+                    quantities: done.outcome.quantities,
+                })
+            }
+            Err(RodlabError::Interrupted) => None,
+            Err(error) => {
+                let row = Row::failed(&test.name, &in_one_line(&error));
+                // where not even this can be written the line on the terminal has to do
+                let _ = row::remember_failure(&row, &folder);
+                Some(row)
+            }
+        }
+    }
+}
+
+/// An error with its causes in one line.
+#[must_use]
+pub fn in_one_line(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let more = error.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = error.source();
+    }
+    text
+}
+
+/// Writes summary, quantities and the combined report of `summary` to `out`.
+///
+/// # Errors
+///
+/// [`RodlabError::Write`].
+pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, RodlabError> {
+    let files = [
+        ("summary.csv", summary.to_csv()?),
+        ("quantities.csv", summary.quantities_to_csv()?),
+        ("summary.json", summary.to_json()?),
+        ("index.html", summary.to_html()?),
+    ];
+    let mut paths = Vec::with_capacity(files.len());
+    for (name, text) in files {
+        let path = out.join(name);
+        output::write_whole(&path, text.as_bytes())?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shard_is_a_number_of_a_number() {
+        assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
+        for wrong in ["0/8", "9/8", "3", "a/8", "3/", "-1/8", "1/0"] {
+            let error = wrong.parse::<Shard>().unwrap_err();
+            assert!(error.contains("expected as 3/8"), "{wrong}: {error}");
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! What a campaign remembers of one test, in memory and on disk.
+
+use std::fs;
+use std::path::Path;
+
+use labio::ContentHash;
+use serde::{Deserialize, Serialize};
+
+use super::Test;
+use crate::RodlabError;
+use crate::outcome::{InputFile, Quantity, Verdict};
+use crate::output::{self, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
+
+/// Name of the file that says why a test has no result.
+const FAILURE: &str = "failure.json";
+
+/// How a test ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// With an answer.
+    Answered,
+    /// The data do not allow one.
+    NotAllowed,
+    /// The sheet or a file is wrong.
+    Failed,
+}
+
+impl Status {
+    /// In a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Answered => "answered",
+            Self::NotAllowed => "not allowed",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// One test in a summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the test, which is the path of its result in the campaign.
+    pub test: String,
+    /// The job; empty if the sheet could not be read.
+    pub job: String,
+    /// Title of the sheet.
+    pub title: String,
+    /// How it ended.
+    pub status: Status,
+    /// The answer, the reason why there is none, or the error.
+    pub headline: String,
+    /// Single numbers that were found.
+    pub quantities: Vec<Quantity>,
+}
+
+impl Row {
+    pub(super) fn failed(test: &str, error: &str) -> Self {
+        Self {
+            test: test.to_owned(),
+            job: String::new(),
+            title: String::new(),
+            status: Status::Failed,
+            headline: error.to_owned(),
+            quantities: Vec::new(),
+        }
+    }
+
+    /// The row of the result, or of the failure, in `folder`; `None` if there is neither or it cannot be read.
+    pub(super) fn read(test: &str, folder: &Path) -> Option<Self> {
+        if let Ok(text) = fs::read_to_string(folder.join(FAILURE)) {
+            let row = serde_json::from_str(&text).ok()?;
+            return Some(Self {
+                test: test.to_owned(),
+                ..row
+            });
+        }
+        Some(result_in(folder)?.row(test))
+    }
+}
+
+/// What is read back of `result.json`.
+#[derive(Deserialize)]
+struct StoredResult {
+    result_version: u32,
+    software: String,
+    sheet: SheetIdentity,
+    job: String,
+    title: String,
+    verdict: Verdict,
+    summary: Vec<String>,
+    inputs: Vec<InputFile>,
+    quantities: Vec<Quantity>,
+}
+
+impl StoredResult {
+    fn row(self, test: &str) -> Row {
+        let (status, headline) = match self.verdict {
+            Verdict::Answered => (
+                Status::Answered,
+                self.summary.into_iter().next().unwrap_or_default(),
+            ),
+            Verdict::NotAllowed { reason } => (Status::NotAllowed, reason),
+        };
+        Row {
+            test: test.to_owned(),
+            job: self.job,
+            title: self.title,
+            status,
+            headline,
+            quantities: self.quantities,
+        }
+    }
+}
+
+fn result_in(folder: &Path) -> Option<StoredResult> {
+    let text = fs::read_to_string(folder.join(RESULT)).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// The row of a result in `folder` that is the one that would come out again: same software, sheet and files.
+pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
+    let stored = result_in(folder)?;
+    let hash = |path: &Path| Some(ContentHash::of(&fs::read(path).ok()?).to_string());
+    let base = test.sheet.parent()?;
+    let same = stored.result_version == RESULT_VERSION
+        && stored.software == SOFTWARE
+        && hash(&test.sheet)? == stored.sheet.sha256
+        && stored
+            .inputs
+            .iter()
+            .all(|input| hash(&base.join(&input.path)).as_ref() == Some(&input.sha256));
+    same.then(|| stored.row(&test.name))
+}
+
+pub(super) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
+    // an older result of a sheet that has become wrong is none any longer
+    let _ = fs::remove_file(folder.join(RESULT));
+    let text = serde_json::to_string_pretty(row)
+        .map_err(|error| RodlabError::step("writing failure.json", error))?;
+    output::write_whole(&folder.join(FAILURE), (text + "\n").as_bytes())
+}
+
+pub(super) fn forget_failure(folder: &Path) {
+    let _ = fs::remove_file(folder.join(FAILURE));
+}
+
+/// Whether `folder` holds the result or the failure of a test.
+pub(super) fn is_result(folder: &Path) -> bool {
+    folder.join(RESULT).is_file() || folder.join(FAILURE).is_file()
+}

@@ -1,0 +1,248 @@
+//! All tests of a campaign on one page.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::Status;
+use super::row::{self, Row};
+use crate::RodlabError;
+use crate::output::SOFTWARE;
+
+/// The rows of a campaign, in order of their names.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    software: &'static str,
+    answered: usize,
+    not_allowed: usize,
+    failed: usize,
+    tests: Vec<Row>,
+}
+
+impl Summary {
+    /// Of these rows.
+    #[must_use]
+    pub fn of(mut tests: Vec<Row>) -> Self {
+        tests.sort_by(|a, b| a.test.cmp(&b.test));
+        let count = |status| tests.iter().filter(|row| row.status == status).count();
+        Self {
+            software: SOFTWARE,
+            answered: count(Status::Answered),
+            not_allowed: count(Status::NotAllowed),
+            failed: count(Status::Failed),
+            tests,
+        }
+    }
+
+    /// How many tests ended with this status.
+    #[must_use]
+    pub fn count(&self, status: Status) -> usize {
+        match status {
+            Status::Answered => self.answered,
+            Status::NotAllowed => self.not_allowed,
+            Status::Failed => self.failed,
+        }
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn tests(&self) -> &[Row] {
+        &self.tests
+    }
+
+    /// In one sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        format!(
+            "{} tests: {} answered, {} not allowed by their data, {} failed",
+            self.tests.len(),
+            self.answered,
+            self.not_allowed,
+            self.failed
+        )
+    }
+
+    /// One line a test.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if the table cannot be written.
+    pub fn to_csv(&self) -> Result<String, RodlabError> {
+        let rows = self.tests.iter().map(|row| {
+            [
+                &row.test,
+                &row.job,
+                &row.title,
+                row.status.word(),
+                &row.headline,
+            ]
+            .map(str::to_owned)
+        });
+        table(
+            "summary.csv",
+            ["test", "job", "title", "status", "result"],
+            rows,
+        )
+    }
+
+    /// One line a number of a test.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if the table cannot be written.
+    pub fn quantities_to_csv(&self) -> Result<String, RodlabError> {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let rows = self.tests.iter().flat_map(|row| {
+            row.quantities.iter().map(move |quantity| {
+                [
+                    row.test.clone(),
+                    quantity.name.clone(),
+                    quantity.unit.clone(),
+                    number(quantity.value),
+                    number(quantity.standard_error),
+                    quantity.valid.to_string(),
+                    quantity.verdict.clone(),
+                ]
+            })
+        });
+        let heads = [
+            "test",
+            "quantity",
+            "unit",
+            "value",
+            "standard error",
+            "valid",
+            "verdict",
+        ];
+        table("quantities.csv", heads, rows)
+    }
+
+    /// For programs.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if it cannot be written.
+    pub fn to_json(&self) -> Result<String, RodlabError> {
+        serde_json::to_string_pretty(self)
+            .map(|text| text + "\n")
+            .map_err(|error| RodlabError::step("writing summary.json", error))
+    }
+
+    /// One page with a link to the report of each test.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if the page cannot be made.
+    pub fn to_html(&self) -> Result<String, RodlabError> {
+        let refused = |error| RodlabError::step("writing index.html", error);
+        let mut pages = minijinja::Environment::new();
+        pages
+            .add_template("index.html", include_str!("index.html"))
+            .map_err(refused)?;
+        let page = pages.get_template("index.html").map_err(refused)?;
+        let rows: Vec<_> = self
+            .tests
+            .iter()
+            .map(|row| {
+                minijinja::context! {
+                    link => (row.status != Status::Failed).then(|| link(&row.test)),
+                    test => &row.test, job => &row.job, title => &row.title,
+                    status => row.status.word(), headline => &row.headline,
+                }
+            })
+            .collect();
+        page.render(minijinja::context! {
+            sentence => self.sentence(), software => self.software, rows,
+        })
+        .map_err(refused)
+    }
+}
+
+/// The report of a test as an address, from the folder of the campaign.
+fn link(test: &str) -> String {
+    let mut address = String::new();
+    for byte in test.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
+            address.push(char::from(byte));
+        } else {
+            address.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    address + "/report.html"
+}
+
+fn table<const N: usize>(
+    name: &str,
+    heads: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> Result<String, RodlabError> {
+    let refused = |error| RodlabError::step(format!("writing {name}"), error);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(heads).map_err(refused)?;
+    for row in rows {
+        writer.write_record(row).map_err(refused)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| RodlabError::step(format!("writing {name}"), error))?;
+    String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
+}
+
+/// The results and failures below `folders`, by the names of their folders; of several folders each name begins with that of its
+/// folder.
+///
+/// # Errors
+///
+/// [`RodlabError::Read`] for a folder that cannot be read, [`RodlabError::NoFile`] for one without results.
+pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
+    let mut rows = Vec::new();
+    for folder in folders {
+        let before = rows.len();
+        let prefix = if folders.len() > 1 {
+            format!(
+                "{}/",
+                folder
+                    .to_string_lossy()
+                    .replace('\\', "/")
+                    .trim_end_matches('/')
+            )
+        } else {
+            String::new()
+        };
+        results_below(folder, folder, &prefix, &mut rows)?;
+        if rows.len() == before {
+            return Err(RodlabError::NoFile {
+                pattern: "result.json or failure.json".to_owned(),
+                folder: folder.clone(),
+            });
+        }
+    }
+    Ok(Summary::of(rows))
+}
+
+fn results_below(
+    folder: &Path,
+    root: &Path,
+    prefix: &str,
+    rows: &mut Vec<Row>,
+) -> Result<(), RodlabError> {
+    let fail = |source| RodlabError::Read {
+        path: folder.to_path_buf(),
+        source,
+    };
+    if row::is_result(folder) {
+        let short = folder.strip_prefix(root).unwrap_or(folder);
+        let name = format!("{prefix}{}", short.to_string_lossy().replace('\\', "/"));
+        let row = Row::read(&name, folder)
+            .unwrap_or_else(|| Row::failed(&name, "its result cannot be read: do the test again"));
+        rows.push(row);
+    }
+    for entry in fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if path.is_dir() {
+            results_below(&path, root, prefix, rows)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! A figure as scalable graphics.
+//!
+//! The elements are kuva's, and kuva writes them. The arrangement is ours: legends stand above the axes, where they hide nothing; a logarithmic
+//! axis goes down to any positive value and does not end at full decades; the names of clipping paths do not depend on what else
+//! was drawn in the same process.
+
+mod legend;
+mod panel;
+mod text;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::render::color::Color;
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+
+use self::panel::{Arranged, Place};
+use super::{Figure, thinned};
+
+/// Width of a figure in pixels.
+const WIDTH: f64 = 760.0;
+/// Free space around it.
+const EDGE: f64 = 12.0;
+/// Size of the heading.
+const TITLE: u32 = 15;
+/// Free space between panels.
+const BETWEEN: f64 = 14.0;
+
+/// `figure` as a file of scalable graphics: its title, and its panels one above the other, on white.
+///
+/// Series of many samples are [`thinned`]. Text is text. The same figure gives the same bytes.
+#[must_use]
+pub fn svg_of(figure: &Figure) -> String {
+    svg_of_thinned(&thinned(figure))
+}
+
+/// The same of a figure that is thinned already.
+pub(crate) fn svg_of_thinned(figure: &Figure) -> String {
+    svg(figure, true)
+}
+
+/// The same of a thinned figure, for a page that has the title in its own type.
+pub(crate) fn svg_without_title(figure: &Figure) -> String {
+    svg(figure, false)
+}
+
+fn svg(figure: &Figure, titled: bool) -> String {
+    let mut elements = Vec::new();
+    let mut top = EDGE;
+    if titled {
+        let line = f64::from(TITLE) * 1.3;
+        for words in text::lines(&figure.title, f64::from(TITLE), WIDTH - 2.0 * EDGE) {
+            top += line;
+            elements.push(Primitive::Text {
+                x: EDGE,
+                y: top - 0.3 * line,
+                content: words,
+                size: TITLE,
+                anchor: TextAnchor::Start,
+                rotate: None,
+                bold: true,
+                color: Some(Color::from(panel::INK)),
+            });
+        }
+        top += 6.0;
+    }
+    let arranged: Vec<Arranged<'_>> = figure.panels.iter().map(Arranged::of).collect();
+    // axes of all panels are in line
+    let left = arranged
+        .iter()
+        .map(Arranged::left_margin)
+        .fold(0.0, f64::max);
+    let mut clips = Vec::new();
+    for (index, panel) in arranged.iter().enumerate() {
+        let place = Place {
+            left: (EDGE + left).ceil(),
+            right: WIDTH - EDGE - 6.0,
+            top,
+            clip: format!("{}-{}", identifier(&figure.name), index + 1),
+        };
+        top = panel.draw(&place, &mut elements, &mut clips) + BETWEEN;
+    }
+    let mut scene = Scene::new(WIDTH, (top - BETWEEN + EDGE).ceil());
+    scene.font_family =
+        Some("Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif".into());
+    scene.elements = elements;
+    scene.defs = clips;
+    let written = SvgBackend::new().render_scene(&scene);
+    // what has no view box is cut off where it should shrink
+    let frame = format!(r#"<svg viewBox="0 0 {} {}" "#, scene.width, scene.height);
+    written.replacen("<svg ", &frame, 1)
+}
+
+/// A name that can stand in an attribute.
+fn identifier(name: &str) -> String {
+    name.chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,148 @@
+//! The names of what is drawn, in rows above the axes.
+
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, TextAnchor};
+
+use super::panel::{GREY, GREY_OPACITY, INK, marker, outlined, stroke};
+use super::text;
+use crate::figure::palette::look;
+use crate::figure::{Mark, Panel, Role};
+
+/// Size of the names.
+const SIZE: u32 = 12;
+/// Height of a row.
+pub(super) const ROW: f64 = 18.0;
+const SWATCH: f64 = 26.0;
+const AFTER_SWATCH: f64 = 6.0;
+const BETWEEN: f64 = 16.0;
+
+/// What stands beside a name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Swatch {
+    Line(Role),
+    Points(Role),
+    Band(Role),
+    Grey,
+}
+
+/// Names in rows.
+#[derive(Debug)]
+pub(super) struct Legend {
+    rows: Vec<Vec<(Swatch, String)>>,
+}
+
+impl Legend {
+    /// The legend of `panel` in rows of `width`.
+    pub(super) fn of(panel: &Panel, width: f64) -> Self {
+        let mut entries: Vec<(Swatch, String)> = Vec::new();
+        let mut add = |swatch: Swatch, name: &String| {
+            let entry = (swatch, name.clone());
+            if !name.is_empty() && !entries.contains(&entry) {
+                entries.push(entry);
+            }
+        };
+        for mark in &panel.marks {
+            match mark {
+                Mark::Line { name, role, .. } => add(Swatch::Line(*role), name),
+                Mark::Points { name, role, .. } => add(Swatch::Points(*role), name),
+                Mark::Band { name, role, .. } => add(Swatch::Band(*role), name),
+                Mark::At { .. } => {}
+            }
+        }
+        for greyed in &panel.greyed {
+            add(Swatch::Grey, &greyed.because);
+        }
+        let mut rows: Vec<Vec<(Swatch, String)>> = Vec::new();
+        let mut used = f64::INFINITY;
+        for entry in entries {
+            let needs = length(&entry.1);
+            if used + needs > width + BETWEEN {
+                rows.push(Vec::new());
+                used = 0.0;
+            }
+            used += needs;
+            if let Some(row) = rows.last_mut() {
+                row.push(entry);
+            }
+        }
+        Self { rows }
+    }
+
+    /// Its height.
+    pub(super) fn height(&self) -> f64 {
+        let mut rows = 0.0;
+        for _ in &self.rows {
+            rows += ROW;
+        }
+        rows
+    }
+
+    /// Draws it from `left`, `top` to the right and down.
+    pub(super) fn draw(&self, left: f64, top: f64, elements: &mut Vec<Primitive>) {
+        let mut middle = (top + 0.5 * ROW).round();
+        for row in &self.rows {
+            let mut x = left.round();
+            for (swatch, name) in row {
+                draw_swatch(*swatch, x, middle, elements);
+                elements.push(Primitive::Text {
+                    x: x + SWATCH + AFTER_SWATCH,
+                    y: middle + 4.0,
+                    content: name.clone(),
+                    size: SIZE,
+                    anchor: TextAnchor::Start,
+                    rotate: None,
+                    bold: false,
+                    color: Some(Color::from(INK)),
+                });
+                x += length(name);
+            }
+            middle += ROW;
+        }
+    }
+}
+
+fn length(name: &str) -> f64 {
+    (SWATCH + AFTER_SWATCH + text::width(name, f64::from(SIZE)) + BETWEEN).ceil()
+}
+
+fn draw_swatch(swatch: Swatch, x: f64, middle: f64, elements: &mut Vec<Primitive>) {
+    match swatch {
+        Swatch::Line(role) => {
+            let look = look(role);
+            elements.push(stroke(
+                &[(x, middle), (x + SWATCH, middle)],
+                look.color,
+                look.width,
+                look.dash,
+            ));
+        }
+        Swatch::Points(role) => {
+            let mut outline = String::new();
+            marker(&mut outline, role, x + 0.5 * SWATCH, middle);
+            elements.push(outlined(outline, role));
+        }
+        Swatch::Band(role) => {
+            let look = look(role);
+            elements.push(Primitive::Path(Box::new(PathData {
+                d: rectangle(x, middle),
+                fill: Some(Color::from(look.color)),
+                stroke: Color::None,
+                stroke_width: 0.0,
+                opacity: Some(0.22),
+                stroke_dasharray: None,
+            })));
+        }
+        Swatch::Grey => elements.push(Primitive::Path(Box::new(PathData {
+            d: rectangle(x, middle),
+            fill: Some(Color::from(GREY)),
+            stroke: Color::None,
+            stroke_width: 0.0,
+            opacity: Some(GREY_OPACITY),
+            stroke_dasharray: None,
+        }))),
+    }
+}
+
+fn rectangle(x: f64, middle: f64) -> String {
+    format!("M{x} {}h{SWATCH}v11h-{SWATCH}z", middle - 5.5)
+}

@@ -1,0 +1,32 @@
+//! How long a text is, about.
+
+/// Width of `text` in a sans-serif face of `size` pixels. A program without fonts can only estimate; long rather than short.
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    let em: f64 = text
+        .chars()
+        .map(|c| match c {
+            'i' | 'j' | 'l' | '\'' | '.' | ',' | ':' | ';' | '|' | '!' => 0.28,
+            'f' | 't' | 'r' | 'I' | ' ' | '(' | ')' | '[' | ']' | '/' | '-' => 0.34,
+            'm' | 'w' | 'M' | 'W' | '%' | '@' => 0.88,
+            'A'..='Z' => 0.69,
+            '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' | '⁻' => 0.40,
+            _ => 0.57,
+        })
+        .sum();
+    em * size
+}
+
+/// `text` in lines no longer than `most` where its words allow it.
+pub(super) fn lines(text: &str, size: f64, most: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width(line, size) + width(word, size) + 0.34 * size <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

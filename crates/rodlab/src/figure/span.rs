@@ -1,0 +1,206 @@
+//! The range of an axis that shows what is drawn. `report/script.js` does the same.
+
+use super::{Axis, Mark, Panel, Scale};
+
+/// Share of the span of the data that is left free above and below.
+const MARGIN: f64 = 0.05;
+/// How far bars and bands may widen the range of the points and lines that they belong to, in parts of their span: an error that
+/// is many times the value must not flatten the curve.
+const REACH: f64 = 0.6;
+
+/// Ranges of both axes.
+pub(super) fn spans(panel: &Panel) -> [[f64; 2]; 2] {
+    let x = panel.x.range.unwrap_or_else(|| {
+        let (seen, points) = abscissae(panel);
+        let margin = if points || panel.equal_axes {
+            MARGIN
+        } else {
+            0.0
+        };
+        widened(seen, &panel.x, margin)
+    });
+    let y = panel
+        .y
+        .range
+        .unwrap_or_else(|| widened(ordinates(panel, x), &panel.y, MARGIN));
+    [x, y]
+}
+
+/// Whether an axis can show `value`.
+pub(super) fn on(axis: &Axis, value: f64) -> bool {
+    value.is_finite() && (axis.scale == Scale::Linear || value > 0.0)
+}
+
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+fn with([least, greatest]: [f64; 2], value: f64) -> [f64; 2] {
+    [least.min(value), greatest.max(value)]
+}
+
+fn abscissae(panel: &Panel) -> ([f64; 2], bool) {
+    let mut seen = NOTHING;
+    let mut points = false;
+    for mark in &panel.marks {
+        let x = match mark {
+            Mark::Line { x, .. } | Mark::Band { x, .. } => x.as_slice(),
+            Mark::Points { x, .. } => {
+                points = true;
+                x
+            }
+            Mark::At { x, .. } => std::slice::from_ref(x),
+        };
+        for &x in x.iter().filter(|&&x| on(&panel.x, x)) {
+            seen = with(seen, x);
+        }
+    }
+    (seen, points)
+}
+
+fn ordinates(panel: &Panel, shown: [f64; 2]) -> [f64; 2] {
+    let mut core = NOTHING;
+    let mut reach = NOTHING;
+    let inside = |x: &f64| on(&panel.x, *x) && (shown[0]..=shown[1]).contains(x);
+    for mark in &panel.marks {
+        let (x, rows, to): (&[f64], [&[f64]; 2], &mut [f64; 2]) = match mark {
+            Mark::Line { x, y, .. } | Mark::Points { x, y, .. } => (x, [y, &[]], &mut core),
+            Mark::Band {
+                x, lower, upper, ..
+            } => (x, [lower, upper], &mut reach),
+            Mark::At { .. } => continue,
+        };
+        for row in rows {
+            for (_, &y) in x
+                .iter()
+                .zip(row)
+                .filter(|(x, y)| inside(x) && on(&panel.y, **y))
+            {
+                *to = with(*to, y);
+            }
+        }
+        if let Mark::Points { x, y, error, .. } = mark {
+            for ((_, y), error) in x.iter().zip(y).zip(error).filter(|((x, _), _)| inside(x)) {
+                for end in [y - error, y + error] {
+                    if on(&panel.y, end) {
+                        reach = with(reach, end);
+                    }
+                }
+            }
+        }
+    }
+    if core[0] > core[1] {
+        return reach;
+    }
+    if reach[0] > reach[1] {
+        return core;
+    }
+    let logarithmic = panel.y.scale == Scale::Logarithmic;
+    let (to, back): (fn(f64) -> f64, fn(f64) -> f64) = if logarithmic {
+        (f64::log10, |power| 10_f64.powf(power))
+    } else {
+        (|value| value, |value| value)
+    };
+    let span = to(core[1]) - to(core[0]);
+    if span <= 0.0 {
+        return with(with(core, reach[0]), reach[1]);
+    }
+    [
+        core[0].min(reach[0].max(back(to(core[0]) - REACH * span))),
+        core[1].max(reach[1].min(back(to(core[1]) + REACH * span))),
+    ]
+}
+
+fn widened([least, greatest]: [f64; 2], axis: &Axis, margin: f64) -> [f64; 2] {
+    let logarithmic = axis.scale == Scale::Logarithmic;
+    if least > greatest {
+        return if logarithmic { [1.0, 10.0] } else { [0.0, 1.0] };
+    }
+    if logarithmic {
+        let factor = (greatest / least).powf(margin);
+        return if greatest / least < 1.0 + 1e-9 {
+            [least / 2.0, greatest * 2.0]
+        } else {
+            [least / factor, greatest * factor]
+        };
+    }
+    let span = greatest - least;
+    if span <= 1e-12 * greatest.abs().max(least.abs()) {
+        let free = if greatest.abs() > 0.0 {
+            0.1 * greatest.abs()
+        } else {
+            1.0
+        };
+        return [least - free, greatest + free];
+    }
+    [least - margin * span, greatest + margin * span]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Role;
+
+    fn panel(y: Axis, marks: Vec<Mark>) -> Panel {
+        Panel {
+            x: Axis::linear("frequency", "kHz"),
+            y,
+            marks,
+            greyed: vec![],
+            equal_axes: false,
+        }
+    }
+
+    fn line(x: Vec<f64>, y: Vec<f64>) -> Mark {
+        Mark::Line {
+            name: String::new(),
+            role: Role::First,
+            x,
+            y,
+        }
+    }
+
+    #[test]
+    fn an_error_of_a_hundred_times_the_value_does_not_flatten_the_curve() {
+        let band = Mark::Band {
+            name: String::new(),
+            role: Role::First,
+            x: vec![0.0, 1.0],
+            lower: vec![1.9, -300.0],
+            upper: vec![2.1, 300.0],
+        };
+        let [_, [from, to]] = spans(&panel(
+            Axis::linear("E'", "GPa"),
+            vec![band, line(vec![0.0, 1.0], vec![2.0, 3.0])],
+        ));
+        assert!(from < 1.9 && from > 1.0, "from {from}");
+        assert!(to > 3.0 && to < 4.0, "to {to}");
+    }
+
+    #[test]
+    fn only_what_is_shown_sets_the_height() {
+        let mut panel = panel(
+            Axis::linear("acceleration", "m/s2"),
+            vec![line(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 1000.0])],
+        );
+        panel.x = panel.x.within([0.0, 1.5]);
+        assert!(spans(&panel)[1][1] < 2.2, "{:?}", spans(&panel));
+    }
+
+    #[test]
+    fn zero_is_not_on_a_logarithmic_axis() {
+        let [_, [from, to]] = spans(&panel(
+            Axis::logarithmic("mobility", "m/s/N"),
+            vec![line(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, -1.0, 1e-13, 1e-9])],
+        ));
+        assert!(from > 1e-14 && from < 1e-13, "from {from}");
+        assert!(to > 1e-9 && to < 1e-8, "to {to}");
+    }
+
+    #[test]
+    fn nothing_and_a_constant_have_a_range_too() {
+        let empty = spans(&panel(Axis::linear("y", ""), vec![]));
+        assert!(empty.iter().all(|[from, to]| from < to), "{empty:?}");
+        let flat = line(vec![0.0, 1.0], vec![5.0, 5.0]);
+        let [_, [from, to]] = spans(&panel(Axis::linear("y", ""), vec![flat]));
+        assert!(from < 5.0 && to > 5.0, "{from} to {to}");
+    }
+}

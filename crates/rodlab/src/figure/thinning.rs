@@ -1,0 +1,370 @@
+//! What of a long series can be seen.
+//!
+//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of all samples that fall on one column
+//! of pixels the first, the least, the greatest and the last are kept, so that no peak is lost and a curve looks the same. A curve
+//! that runs back and forth, as in a Nyquist plot, is followed in steps of a fraction of a pixel.
+
+use super::{Axis, Figure, Mark, Panel, Scale};
+
+/// Columns of the range that is shown, and of everything outside it.
+const COLUMNS: f64 = 500.0;
+/// Samples that nobody needs to thin.
+const FEW: usize = 1200;
+/// Samples that a curve running back and forth is followed by at most.
+const MOST: usize = 3000;
+
+/// The figure as it is drawn: series of many samples by their extremes over 1/500 of the horizontal axis.
+///
+/// Series of up to 1200 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
+/// of 500 columns of the range that is shown, and as many of what lies outside it; the least and the greatest sample are among them.
+#[must_use]
+pub fn thinned(figure: &Figure) -> Figure {
+    Figure {
+        panels: figure.panels.iter().map(thinned_panel).collect(),
+        ..Figure {
+            name: figure.name.clone(),
+            title: figure.title.clone(),
+            caption: figure.caption.clone(),
+            panels: Vec::new(),
+        }
+    }
+}
+
+fn thinned_panel(panel: &Panel) -> Panel {
+    let picked = |values: &[f64], kept: &[usize]| -> Vec<f64> {
+        kept.iter()
+            .map(|&index| values.get(index).copied().unwrap_or(f64::NAN))
+            .collect()
+    };
+    let marks = panel.marks.iter().map(|mark| match mark {
+        Mark::Line { name, role, x, y } => {
+            let kept = kept(&panel.x, x, y, y);
+            Mark::Line {
+                name: name.clone(),
+                role: *role,
+                x: picked(x, &kept),
+                y: picked(y, &kept),
+            }
+        }
+        Mark::Points {
+            name,
+            role,
+            x,
+            y,
+            error,
+        } => {
+            let kept = if error.is_empty() {
+                kept(&panel.x, x, y, y)
+            } else {
+                // a bar without an end hides nothing of its point
+                let end = |sign: f64| -> Vec<f64> {
+                    let reach = |(y, error): (&f64, &f64)| {
+                        if error.is_finite() {
+                            y + sign * error
+                        } else {
+                            *y
+                        }
+                    };
+                    y.iter().zip(error).map(reach).collect()
+                };
+                kept(&panel.x, x, &end(-1.0), &end(1.0))
+            };
+            Mark::Points {
+                name: name.clone(),
+                role: *role,
+                x: picked(x, &kept),
+                y: picked(y, &kept),
+                error: if error.is_empty() {
+                    Vec::new()
+                } else {
+                    picked(error, &kept)
+                },
+            }
+        }
+        Mark::Band {
+            name,
+            role,
+            x,
+            lower,
+            upper,
+        } => {
+            let kept = kept(&panel.x, x, lower, upper);
+            Mark::Band {
+                name: name.clone(),
+                role: *role,
+                x: picked(x, &kept),
+                lower: picked(lower, &kept),
+                upper: picked(upper, &kept),
+            }
+        }
+        Mark::At { .. } => mark.clone(),
+    });
+    Panel {
+        x: panel.x.clone(),
+        y: panel.y.clone(),
+        marks: marks.collect(),
+        greyed: panel.greyed.clone(),
+        equal_axes: panel.equal_axes,
+    }
+}
+
+/// Indices of the samples that are drawn; `low` and `high` are the same but for a band or bars.
+fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
+    let samples = x.len().min(low.len()).min(high.len());
+    if samples <= FEW {
+        return (0..samples).collect();
+    }
+    let logarithmic = axis.scale == Scale::Logarithmic;
+    let place = |x: f64| if logarithmic { x.log10() } else { x };
+    let along: Vec<f64> = x[..samples]
+        .iter()
+        .map(|&x| Some(place(x)).filter(|p| p.is_finite()).unwrap_or(f64::NAN))
+        .collect();
+    let there = |index: usize| {
+        along[index].is_finite() && low[index].is_finite() && high[index].is_finite()
+    };
+    let all = extent(along.iter().copied());
+    let backwards = along
+        .iter()
+        .filter(|place| place.is_finite())
+        .try_fold(f64::NEG_INFINITY, |last, &place| {
+            (place >= last).then_some(place)
+        })
+        .is_none();
+    if backwards {
+        return followed(&along, low, samples, &there);
+    }
+    let shown = axis
+        .range
+        .map(|range| range.map(place))
+        .filter(|range| range[0].is_finite() && range[1] > range[0])
+        .unwrap_or(all);
+    by_columns(low, high, samples, &there, &|index| {
+        column(along[index], shown, all)
+    })
+}
+
+/// Number of the column, below -1 outside the range that is shown.
+fn column(place: f64, shown: [f64; 2], all: [f64; 2]) -> f64 {
+    let part = |range: [f64; 2]| (place - range[0]) / (range[1] - range[0]);
+    if (shown[0]..=shown[1]).contains(&place) {
+        (part(shown) * COLUMNS).floor()
+    } else {
+        (part(all) * COLUMNS).floor() - 2.0 * COLUMNS
+    }
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.filter(|value| value.is_finite()).fold(
+        [f64::INFINITY, f64::NEG_INFINITY],
+        |[least, greatest], value| [least.min(value), greatest.max(value)],
+    )
+}
+
+/// First, least, greatest and last sample of each column, and one sample that is none where there is a gap between columns.
+fn by_columns(
+    low: &[f64],
+    high: &[f64],
+    samples: usize,
+    there: &dyn Fn(usize) -> bool,
+    column: &dyn Fn(usize) -> f64,
+) -> Vec<usize> {
+    let mut kept = Vec::new();
+    let mut gap = None;
+    let mut run: Option<(f64, [usize; 4])> = None;
+    let end = |kept: &mut Vec<usize>, mut run: [usize; 4]| {
+        run.sort_unstable();
+        for index in run {
+            if kept.last() != Some(&index) {
+                kept.push(index);
+            }
+        }
+    };
+    for index in 0..samples {
+        if !there(index) {
+            gap = gap.or(Some(index));
+            continue;
+        }
+        let here = column(index);
+        match &mut run {
+            Some((column, [_, least, greatest, last])) if here.total_cmp(column).is_eq() => {
+                if low[index] < low[*least] {
+                    *least = index;
+                }
+                if high[index] > high[*greatest] {
+                    *greatest = index;
+                }
+                *last = index;
+            }
+            _ => {
+                if let Some((_, run)) = run {
+                    end(&mut kept, run);
+                    kept.extend(gap);
+                }
+                run = Some((here, [index; 4]));
+            }
+        }
+        // within one column a gap cannot be seen
+        gap = None;
+    }
+    if let Some((_, run)) = run {
+        end(&mut kept, run);
+    }
+    kept
+}
+
+/// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that leaves too many samples.
+fn followed(
+    along: &[f64],
+    across: &[f64],
+    samples: usize,
+    there: &dyn Fn(usize) -> bool,
+) -> Vec<usize> {
+    let step = |values: &[f64]| {
+        let [least, greatest] = extent(values.iter().copied());
+        ((greatest - least) / COLUMNS).max(f64::MIN_POSITIVE)
+    };
+    let (along_step, across_step) = (step(along), step(across));
+    let mut tolerance = 0.25;
+    loop {
+        let mut kept: Vec<usize> = Vec::new();
+        let mut last: Option<usize> = None;
+        let mut gap = None;
+        for index in 0..samples {
+            if !there(index) {
+                gap = gap.or(Some(index));
+                continue;
+            }
+            let far = last.is_none_or(|last| {
+                let moved = |values: &[f64], step: f64| (values[index] - values[last]).abs() / step;
+                moved(along, along_step).max(moved(across, across_step)) >= tolerance
+            });
+            if far || gap.is_some() || index + 1 == samples {
+                if last.is_some() {
+                    kept.extend(gap);
+                }
+                kept.push(index);
+                last = Some(index);
+            }
+            gap = None;
+        }
+        if kept.len() <= MOST || tolerance > COLUMNS {
+            return kept;
+        }
+        tolerance *= 2.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Role;
+
+    fn line(x: Vec<f64>, y: Vec<f64>, axis: Axis) -> (Vec<f64>, Vec<f64>) {
+        let figure = Figure {
+            name: "a".into(),
+            title: String::new(),
+            caption: String::new(),
+            panels: vec![Panel {
+                x: axis,
+                y: Axis::linear("y", ""),
+                marks: vec![Mark::Line {
+                    name: String::new(),
+                    role: Role::First,
+                    x,
+                    y,
+                }],
+                greyed: vec![],
+                equal_axes: false,
+            }],
+        };
+        match thinned(&figure).panels.remove(0).marks.remove(0) {
+            Mark::Line { x, y, .. } => (x, y),
+            other => panic!("a line became {other:?}"),
+        }
+    }
+
+    fn time(samples: u32) -> Vec<f64> {
+        (0..samples).map(|i| f64::from(i) * 1e-5).collect()
+    }
+
+    #[test]
+    fn the_one_sample_that_sticks_out_stays_wherever_it_is() {
+        for at in [0, 1, 777, 50_000, 99_998, 99_999] {
+            let mut y = vec![0.0; 100_000];
+            y[at] = -3.0;
+            let (x, y) = line(time(100_000), y, Axis::linear("t", "s"));
+            assert!(x.len() <= 2000, "{} samples are left of 1e5", x.len());
+            let peak = y.iter().position(|&y| y < -2.0).map(|index| x[index]);
+            let truth = f64::from(u32::try_from(at).unwrap()) * 1e-5;
+            assert!(
+                peak.is_some_and(|peak| (peak - truth).abs() < 1e-12),
+                "the peak at {truth} s is found at {peak:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_short_series_is_untouched() {
+        let x = time(1200);
+        let y: Vec<f64> = x.iter().map(|x| (1e4 * x).sin()).collect();
+        assert_eq!(line(x.clone(), y.clone(), Axis::linear("t", "s")), (x, y));
+    }
+
+    #[test]
+    fn a_gap_wider_than_a_column_stays_a_gap_and_a_narrower_one_goes() {
+        let mut y = vec![1.0; 100_000];
+        y[40_000..41_000].fill(f64::NAN);
+        y[70_050] = f64::NAN; // columns are 200 samples wide
+        let (x, y) = line(time(100_000), y, Axis::linear("t", "s"));
+        let gaps: Vec<f64> = (0..y.len())
+            .filter(|&i| y[i].is_nan())
+            .map(|i| x[i])
+            .collect();
+        assert_eq!(gaps.len(), 1, "gaps at {gaps:?} s");
+        assert!((gaps[0] - 0.4).abs() < 1e-9, "gap at {} s", gaps[0]);
+    }
+
+    #[test]
+    fn what_is_shown_is_thinned_by_what_is_shown() {
+        let y: Vec<f64> = (0..100_000).map(|i| f64::from(i % 7)).collect();
+        let axis = Axis::linear("t", "s").within([0.5, 0.502]); // 200 samples
+        let (x, _) = line(time(100_000), y, axis);
+        let shown = x.iter().filter(|x| (0.5..=0.502).contains(*x)).count();
+        assert!(shown >= 200, "{shown} of 201 samples in the range are left");
+        assert!(x.len() <= 2300, "{} samples are left in all", x.len());
+    }
+
+    #[test]
+    fn decades_are_thinned_alike() {
+        let x: Vec<f64> = (1..=100_000).map(f64::from).collect();
+        let y = vec![0.0; 100_000];
+        let (x, _) = line(x, y, Axis::logarithmic("f", "Hz"));
+        let in_decade = |from: f64| {
+            x.iter()
+                .filter(|x| (from..10.0 * from).contains(*x))
+                .count()
+        };
+        assert_eq!(in_decade(1.0), 9, "the nine lines of the first decade");
+        // 100 columns a decade, two samples in each where y is constant
+        assert!(
+            (190..=202).contains(&in_decade(1e4)),
+            "{} samples in the last decade",
+            in_decade(1e4)
+        );
+    }
+
+    #[test]
+    fn a_circle_run_through_many_times_stays_a_circle() {
+        let angle = |i: u32| f64::from(i) * 1e-2;
+        let x: Vec<f64> = (0..100_000).map(|i| angle(i).cos()).collect();
+        let y: Vec<f64> = (0..100_000).map(|i| angle(i).sin()).collect();
+        let (x, y) = line(x, y, Axis::linear("real part", "Pa"));
+        assert!(x.len() <= MOST, "{} samples are left", x.len());
+        let off = x.iter().zip(&y).map(|(x, y)| (x.hypot(*y) - 1.0).abs());
+        assert!(
+            off.fold(0.0, f64::max) < 1e-12,
+            "samples are kept, not moved"
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! Where the ticks of an axis are and what is written at them. `report/script.js` does the same.
+
+use super::Scale;
+
+/// The ticks of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ticks {
+    /// Places with their labels.
+    pub major: Vec<(f64, String)>,
+    /// Places without labels.
+    pub minor: Vec<f64>,
+}
+
+/// About `wanted` labelled ticks between `from` and `to`, at multiples of 1, 2 or 5 of a power of ten, or at the decades.
+pub(super) fn ticks(scale: Scale, [from, to]: [f64; 2], wanted: f64) -> Ticks {
+    match scale {
+        Scale::Linear => linear([from, to], wanted),
+        Scale::Logarithmic => logarithmic([from, to], wanted),
+    }
+}
+
+/// The least of 1, 2, 5 times a power of ten that is no less than `least`.
+fn round_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|step| step * power >= least * (1.0 - 1e-9));
+    step.unwrap_or(10.0) * power
+}
+
+fn linear([from, to]: [f64; 2], wanted: f64) -> Ticks {
+    let step = round_step((to - from) / wanted);
+    let mut major = Vec::new();
+    let mut count = (from / step - 1e-9).ceil();
+    while count * step <= to + 1e-9 * step {
+        let value = count * step;
+        major.push((value, label(value, step)));
+        count += 1.0;
+    }
+    Ticks {
+        major,
+        minor: Vec::new(),
+    }
+}
+
+fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
+    let decades = (to / from).log10();
+    if decades < 1.0 {
+        return linear([from, to], wanted);
+    }
+    let inside = |value: &f64| (from * (1.0 - 1e-9)..=to * (1.0 + 1e-9)).contains(value);
+    let every = (decades / wanted).ceil().max(1.0);
+    let mut ticks = Ticks {
+        major: Vec::new(),
+        minor: Vec::new(),
+    };
+    let mut exponent = from.log10().floor();
+    while exponent <= to.log10() + 1e-9 {
+        for digit in 1..10_u8 {
+            let value = f64::from(digit) * 10_f64.powf(exponent);
+            let labelled = digit == 1 && (exponent / every).fract().abs() < 1e-9
+                || decades < 1.6 && (digit == 2 || digit == 5);
+            if inside(&value) && labelled {
+                // many decades are all written as powers
+                let label = if decades > 5.5 && exponent.abs() > 0.5 {
+                    format!("10{}", superscript(exponent))
+                } else {
+                    label(value, value)
+                };
+                ticks.major.push((value, label));
+            } else if inside(&value) && every < 1.5 {
+                ticks.minor.push(value);
+            }
+        }
+        exponent += 1.0;
+    }
+    ticks
+}
+
+/// `value` with the digits that tell it from its neighbours, which are `step` away.
+pub(super) fn label(value: f64, step: f64) -> String {
+    if value.abs() < 1e-6 * step {
+        return "0".to_owned();
+    }
+    let exponent = |value: f64| (value.abs().log10() + 1e-9).floor();
+    if value.abs() >= 99_999.5 || step < 0.99e-3 && value.abs() < 0.1 {
+        let power = exponent(value);
+        let digits = places(power - exponent(step));
+        let mantissa = format!("{:.digits$}", value / 10_f64.powf(power));
+        // a mantissa of one is not written
+        return match mantissa.as_str() {
+            "1" => format!("10{}", superscript(power)),
+            "-1" => format!("−10{}", superscript(power)),
+            _ => format!("{}×10{}", mantissa.replace('-', "−"), superscript(power)),
+        };
+    }
+    let digits = places(-exponent(step));
+    format!("{value:.digits$}").replace('-', "−")
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of decimal places from 0 to 17"
+)]
+fn places(count: f64) -> usize {
+    count.clamp(0.0, 17.0) as usize
+}
+
+/// A power of ten as it stands above the line.
+pub(crate) fn superscript(power: f64) -> String {
+    format!("{power:.0}")
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            '6' => '⁶',
+            '7' => '⁷',
+            '8' => '⁸',
+            '9' => '⁹',
+            _ => '⁰',
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: Scale, range: [f64; 2], wanted: f64) -> String {
+        let ticks = ticks(scale, range, wanted);
+        let labels: Vec<String> = ticks.major.into_iter().map(|(_, label)| label).collect();
+        labels.join(" ")
+    }
+
+    #[test]
+    fn ticks_are_round_and_their_labels_tell_them_apart() {
+        use Scale::{Linear, Logarithmic};
+        let shown = [
+            (Linear, [0.0, 1.0], 5.0),
+            (Linear, [-0.31, 0.29], 6.0),
+            (Linear, [2.5601, 2.5649], 5.0),
+            (Linear, [0.0, 65_536.0], 5.0),
+            (Linear, [-2.1e9, 3.2e9], 5.0),
+            (Linear, [0.0, 4.2e-4], 5.0),
+            (Linear, [1000.0, 1000.4], 4.0),
+            (Logarithmic, [0.1, 8000.0], 6.0),
+            (Logarithmic, [110.0, 900.0], 6.0),
+            (Logarithmic, [300.0, 900.0], 6.0),
+            (Logarithmic, [1e-12, 1e7], 6.0),
+        ]
+        .map(|(scale, range, wanted)| labels(scale, range, wanted))
+        .join("\n");
+        insta::assert_snapshot!(shown, @r"
+        0 0.2 0.4 0.6 0.8 1.0
+        −0.3 −0.2 −0.1 0 0.1 0.2
+        2.561 2.562 2.563 2.564
+        0 20000 40000 60000
+        −2×10⁹ 0 2×10⁹
+        0 10⁻⁴ 2×10⁻⁴ 3×10⁻⁴ 4×10⁻⁴
+        1000.0 1000.1 1000.2 1000.3 1000.4
+        0.1 1 10 100 1000
+        200 400 600 800
+        300 400 500 600 700 800 900
+        10⁻¹² 10⁻⁸ 10⁻⁴ 1 10⁴
+        ");
+    }
+
+    #[test]
+    fn a_decade_has_eight_ticks_without_labels() {
+        let ticks = ticks(Scale::Logarithmic, [1.0, 1000.0], 6.0);
+        assert_eq!(ticks.major.len(), 4);
+        assert_eq!(ticks.minor.len(), 3 * 8);
+    }
+}

@@ -1,0 +1,66 @@
+//! One sheet from its file to the files of its result.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use labio::ContentHash;
+
+use crate::job::{self, Progress};
+use crate::output::{self, SheetIdentity};
+use crate::sheet::Sheet;
+use crate::{Outcome, RodlabError};
+
+/// A sheet that was worked through.
+#[derive(Debug)]
+pub struct Finished {
+    /// What came out.
+    pub outcome: Outcome,
+    /// The sheet it came from.
+    pub sheet: SheetIdentity,
+    /// Files that were written, in order; `result.json` is the last.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads the sheet at `path`, does its job and writes the result to `folder`.
+///
+/// `expected` is the job that the sheet must be for, if one is asked for.
+///
+/// # Errors
+///
+/// [`RodlabError`] where the sheet, a file or the folder is wrong. Nothing has been written then, or only whole files of the
+/// result without `result.json`.
+pub fn finish(
+    path: &Path,
+    expected: Option<&'static str>,
+    folder: &Path,
+    progress: &dyn Progress,
+    interrupted: &AtomicBool,
+) -> Result<Finished, RodlabError> {
+    let sheet = Sheet::read(path)?;
+    let found = sheet.job.name();
+    if let Some(expected) = expected.filter(|expected| *expected != found) {
+        return Err(RodlabError::OtherJob {
+            path: path.to_path_buf(),
+            found,
+            expected,
+        });
+    }
+    let identity = identity_of(&sheet);
+    let outcome = job::run(&sheet, progress, interrupted)?;
+    let files = output::write(&outcome, &identity, folder)?;
+    Ok(Finished {
+        outcome,
+        sheet: identity,
+        files,
+    })
+}
+
+/// Name and hash of a sheet.
+#[must_use]
+pub fn identity_of(sheet: &Sheet) -> SheetIdentity {
+    let name = sheet.path.file_name().unwrap_or_default();
+    SheetIdentity {
+        file: name.to_string_lossy().into_owned(),
+        sha256: ContentHash::of(sheet.text.as_bytes()).to_string(),
+    }
+}

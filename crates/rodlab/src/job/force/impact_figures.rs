@@ -1,0 +1,197 @@
+//! Figures of an impact: the force with its contacts, the faces, the mobilities.
+
+use super::impact::{Found, ImpactSheet};
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
+use crate::sheet::body::ComputedBody;
+
+/// Lines on which mobilities are drawn.
+const LINES: usize = 400;
+
+pub(super) fn all(
+    found: &Found,
+    bodies: [&ComputedBody; 2],
+    sheet: &ImpactSheet,
+) -> Result<Vec<Figure>, RodlabError> {
+    Ok(vec![force(found), faces(found), mobilities(bodies, sheet)?])
+}
+
+fn milliseconds(found: &Found) -> Vec<f64> {
+    let history = &found.prediction.history;
+    (0..history.force().len())
+        .map(|step| 1e3 * history.time_at(step))
+        .collect()
+}
+
+/// Where the faces are apart.
+fn apart(found: &Found) -> Vec<Greyed> {
+    let contacts = &found.prediction.contacts;
+    let because = "the faces are apart".to_owned();
+    let mut greyed = Vec::new();
+    for (contact, next) in contacts
+        .iter()
+        .zip(contacts.iter().skip(1).map(Some).chain([None]))
+    {
+        if let Some(end) = contact.end {
+            greyed.push(Greyed {
+                from: 1e3 * end,
+                to: next.map_or(f64::INFINITY, |next| 1e3 * next.begin),
+                because: because.clone(),
+            });
+        }
+    }
+    greyed
+}
+
+fn force(found: &Found) -> Figure {
+    let time = milliseconds(found);
+    let newtons = found.prediction.history.force();
+    let mut marks = Vec::new();
+    if let Some(errors) = found.force_errors() {
+        let edge = |sign: f64| -> Vec<f64> {
+            let pairs = newtons.iter().zip(&errors);
+            pairs.map(|(f, e)| f + sign * 2.0 * e).collect()
+        };
+        marks.push(Mark::Band {
+            name: "two standard errors (velocity)".to_owned(),
+            role: Role::First,
+            x: time.clone(),
+            lower: edge(-1.0),
+            upper: edge(1.0),
+        });
+    }
+    if let Some(lines) = &found.on_lines {
+        let history = &lines.history;
+        let shown = || {
+            (0..history.force().len()).filter(|n| {
+                let time = 1e3 * history.time_at(*n);
+                time >= -0.1 && time <= time_end(found)
+            })
+        };
+        marks.push(Mark::Line {
+            name: "stick force on lines".to_owned(),
+            role: Role::Reference,
+            x: shown().map(|n| 1e3 * history.time_at(n)).collect(),
+            y: shown().map(|n| history.force()[n]).collect(),
+        });
+    }
+    marks.push(Mark::Line {
+        name: "force".to_owned(),
+        role: Role::First,
+        x: time,
+        y: newtons.to_vec(),
+    });
+    Figure {
+        name: "force".to_owned(),
+        title: "Impact force".to_owned(),
+        caption: "Positive in compression. Where it is grey the faces are apart.".to_owned(),
+        panels: vec![Panel {
+            x: Axis::linear("time", "ms"),
+            y: Axis::linear("force", "N"),
+            marks,
+            greyed: apart(found),
+            equal_axes: false,
+        }],
+    }
+}
+
+fn time_end(found: &Found) -> f64 {
+    let history = &found.prediction.history;
+    1e3 * history.time_at(history.force().len().saturating_sub(1))
+}
+
+fn faces(found: &Found) -> Figure {
+    let time = milliseconds(found);
+    let prediction = &found.prediction;
+    let [first, second] = &prediction.face_velocity;
+    let line = |name: &str, role: Role, y: Vec<f64>| Mark::Line {
+        name: name.to_owned(),
+        role,
+        x: time.clone(),
+        y,
+    };
+    Figure {
+        name: "faces".to_owned(),
+        title: "Velocities and approach of the faces".to_owned(),
+        caption: "The approach is negative where there is a gap.".to_owned(),
+        panels: vec![
+            Panel {
+                x: Axis::linear("time", "ms"),
+                y: Axis::linear("velocity", "m/s"),
+                marks: vec![
+                    line("first body", Role::First, first.clone()),
+                    line("second body", Role::Second, second.clone()),
+                ],
+                greyed: apart(found),
+                equal_axes: false,
+            },
+            Panel {
+                x: Axis::linear("time", "ms"),
+                y: Axis::linear("approach", "µm"),
+                marks: vec![line(
+                    "",
+                    Role::First,
+                    prediction.approach.iter().map(|d| 1e6 * d).collect(),
+                )],
+                greyed: apart(found),
+                equal_axes: false,
+            },
+        ],
+    }
+}
+
+fn mobilities(bodies: [&ComputedBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
+    // three decades up to where the force has its band, or to what a step of a thousandth of the duration resolves
+    let highest = sheet
+        .lines
+        .as_ref()
+        .map_or(100.0 / sheet.duration.si(), |lines| lines.up_to.si());
+    let frequencies: Vec<f64> = (0..LINES)
+        .map(|line| highest * 10f64.powf(-3.0 * (1.0 - line as f64 / (LINES - 1) as f64)))
+        .collect();
+    let mut panels = [
+        (Axis::logarithmic("mobility", "m/(N s)"), Vec::new()),
+        (
+            Axis::linear("phase", "deg").within([-100.0, 100.0]),
+            Vec::new(),
+        ),
+    ];
+    for ((body, name), role) in bodies
+        .iter()
+        .zip(["first body", "second body"])
+        .zip([Role::First, Role::Second])
+    {
+        let values = frequencies
+            .iter()
+            .map(|f| body.mobility(*f))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|error| RodlabError::step(format!("mobility of the {name}"), error))?;
+        let curves = [
+            values.iter().map(|g| g.norm()).collect(),
+            values.iter().map(|g| g.arg().to_degrees()).collect(),
+        ];
+        for ((_, marks), y) in panels.iter_mut().zip(curves) {
+            marks.push(Mark::Line {
+                name: name.to_owned(),
+                role,
+                x: frequencies.iter().map(|f| 1e-3 * f).collect(),
+                y,
+            });
+        }
+    }
+    Ok(Figure {
+        name: "mobilities".to_owned(),
+        title: "Mobilities of the impact faces".to_owned(),
+        caption: "A passive body has a phase between -90 and 90 degrees.".to_owned(),
+        panels: panels
+            .into_iter()
+            .map(|(y, marks)| Panel {
+                x: Axis::logarithmic("frequency", "kHz"),
+                y,
+                marks,
+                greyed: Vec::new(),
+                equal_axes: false,
+            })
+            .collect(),
+    })
+}

@@ -1,0 +1,195 @@
+//! Figures and tables of an identification: responses, residuals, profiles.
+
+use super::Found;
+use super::laws::FittedLaw;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::outcome::{Column, Table};
+
+/// Rise of chi-square at the ends of an interval of 95 %.
+const AT_95_PER_CENT: f64 = 3.84;
+
+pub(super) fn all(found: &Found) -> Vec<Figure> {
+    let mut figures = vec![responses(found), residuals(found)];
+    if !found.profiles.is_empty() {
+        figures.push(profiles(found));
+    }
+    figures
+}
+
+/// The law whose response is nearest.
+fn best(found: &Found) -> Option<&FittedLaw> {
+    found
+        .laws
+        .iter()
+        .min_by(|a, b| a.relative_error.total_cmp(&b.relative_error))
+}
+
+fn milliseconds(times: &[f64]) -> Vec<f64> {
+    times.iter().map(|time| 1e3 * time).collect()
+}
+
+fn responses(found: &Found) -> Figure {
+    let best = best(found);
+    let panels = found
+        .tests
+        .iter()
+        .enumerate()
+        .map(|(number, test)| {
+            let time = milliseconds(&test.times());
+            let mut marks = vec![Mark::Line {
+                name: "free end, measured".to_owned(),
+                role: Role::First,
+                x: time.clone(),
+                y: test.response().to_vec(),
+            }];
+            if let Some((law, simulated)) =
+                best.and_then(|law| Some((law, law.simulated(found, number)?)))
+            {
+                marks.push(Mark::Line {
+                    name: format!("simulated, {}", law.name),
+                    role: Role::Second,
+                    x: time,
+                    y: simulated,
+                });
+            }
+            Panel {
+                x: Axis::linear("time", "ms"),
+                y: Axis::linear(format!("velocity, {}", test.name()), "m/s"),
+                marks,
+                greyed: Vec::new(),
+                equal_axes: false,
+            }
+        })
+        .collect();
+    Figure {
+        name: "responses".to_owned(),
+        title: "Velocity of the free end".to_owned(),
+        caption:
+            "Measured, and simulated from the measured excitation with the law that is nearest."
+                .to_owned(),
+        panels,
+    }
+}
+
+fn residuals(found: &Found) -> Figure {
+    let panels = found
+        .tests
+        .iter()
+        .enumerate()
+        .map(|(number, test)| {
+            let time = milliseconds(&test.times());
+            let marks = found
+                .laws
+                .iter()
+                .enumerate()
+                .filter_map(|(index, law)| {
+                    let residual = law.residuals.get(number)?;
+                    Some(Mark::Line {
+                        name: law.name.clone(),
+                        role: Role::of_series(index),
+                        x: time.iter().copied().take(residual.len()).collect(),
+                        y: residual.iter().map(|r| 100.0 * r).collect(),
+                    })
+                })
+                .collect();
+            Panel {
+                x: Axis::linear("time", "ms"),
+                y: Axis::linear(format!("residual, {}", test.name()), "% of impact velocity"),
+                marks,
+                greyed: Vec::new(),
+                equal_axes: false,
+            }
+        })
+        .collect();
+    Figure {
+        name: "residuals".to_owned(),
+        title: "Simulated minus measured response".to_owned(),
+        caption: "What is left should look like the noise before the wave arrives.".to_owned(),
+        panels,
+    }
+}
+
+fn profiles(found: &Found) -> Figure {
+    let panels = found
+        .profiles
+        .iter()
+        .map(|profile| {
+            let (x, y): (Vec<f64>, Vec<f64>) = profile.curve.iter().copied().unzip();
+            let ends = [
+                x.first().copied().unwrap_or(profile.range.0),
+                x.last().copied().unwrap_or(profile.range.1),
+            ];
+            Panel {
+                x: Axis::linear(profile.parameter.replace('_', " "), ""),
+                y: Axis::linear("rise of chi-square", "").within([0.0, 12.0]),
+                marks: vec![
+                    Mark::Line {
+                        name: "profile".to_owned(),
+                        role: Role::First,
+                        x,
+                        y,
+                    },
+                    Mark::Line {
+                        name: "95 %".to_owned(),
+                        role: Role::Reference,
+                        x: ends.to_vec(),
+                        y: vec![AT_95_PER_CENT; 2],
+                    },
+                    Mark::At {
+                        name: "minimum".to_owned(),
+                        x: profile.value,
+                    },
+                ],
+                greyed: Vec::new(),
+                equal_axes: false,
+            }
+        })
+        .collect();
+    Figure {
+        name: "profiles".to_owned(),
+        title: "Profile likelihoods".to_owned(),
+        caption: "Values where the curve is above the line are excluded at 95 %.".to_owned(),
+        panels,
+    }
+}
+
+/// Histories and residuals of each test.
+pub(super) fn tables(found: &Found) -> Vec<Table> {
+    let of_test = |(number, test): (usize, &maxwellid::RodTest)| {
+        let mut columns = vec![
+            Column::numbers("time", "s", test.times()),
+            Column::numbers("measured response", "m/s", test.response().to_vec()),
+        ];
+        for law in &found.laws {
+            if let Some(simulated) = law.simulated(found, number) {
+                columns.push(Column::numbers(
+                    format!("simulated response, {}", law.name),
+                    "m/s",
+                    simulated,
+                ));
+            }
+        }
+        Table {
+            name: format!("response-{}", number + 1),
+            title: format!("Responses of test {}", test.name()),
+            columns,
+        }
+    };
+    found.tests.iter().enumerate().map(of_test).collect()
+}
+
+impl FittedLaw {
+    /// The simulated response of a test [m/s].
+    fn simulated(&self, found: &Found, number: usize) -> Option<Vec<f64>> {
+        let test = found.tests.get(number)?;
+        let velocity = found.impact_velocities.get(number)?;
+        let residual = self.residuals.get(number)?;
+        let measured = test.response().iter();
+        Some(
+            measured
+                .zip(residual)
+                .map(|(v, r)| v + velocity * r)
+                .collect(),
+        )
+    }
+}

@@ -1,0 +1,262 @@
+//! The tests of a sheet: two histories each, as velocities with their noise.
+
+use labio::{Quantity, Record};
+use maxwellid::{Differentiator, DisplacementTransducers, Provenance, RodTest, RodTestData};
+use serde::Deserialize;
+
+use super::IdentifySheet;
+use crate::job::Surroundings;
+use crate::outcome::{LogEntry, Setting};
+use crate::records::{Records, expect_quantity};
+use crate::sheet::{Length, Stated, Time, Velocity};
+use crate::{Outcome, RodlabError};
+
+/// One test.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestSheet {
+    /// Name of the test.
+    pub name: String,
+    /// Its record: one file with both histories.
+    pub records: Records,
+    /// Channel of the section of excitation: a velocity or a displacement, positive away from the striker.
+    pub excitation: String,
+    /// Channel of the free end, of the same quantity.
+    pub response: String,
+    /// Impact velocity, to which errors are referred.
+    pub impact_velocity: Stated<Velocity>,
+    /// Time at which the part that is used begins; the rod must be at rest there.
+    #[serde(default)]
+    pub from: Option<Stated<Time>>,
+    /// Time at which the comparison ends.
+    #[serde(default)]
+    pub to: Option<Stated<Time>>,
+    /// Noise of the histories; from the time before the wave arrives, unless stated.
+    #[serde(default)]
+    pub noise: NoiseSheet,
+    /// Range of displacement transducers: what has moved further is out of sight.
+    #[serde(default)]
+    pub range: Option<Stated<Length>>,
+    /// For a virtual test the name of the solver that made it.
+    #[serde(default)]
+    pub generator: Option<String>,
+}
+
+/// Noise of the two histories, as standard deviations of a sample.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum NoiseSheet {
+    /// From the time before the wave arrives.
+    #[default]
+    BeforeArrival,
+    /// Of velocities.
+    Velocities {
+        /// Of the excitation.
+        excitation: Stated<Velocity>,
+        /// Of the response.
+        response: Stated<Velocity>,
+    },
+    /// Of displacements.
+    Displacements {
+        /// Of the excitation.
+        excitation: Stated<Length>,
+        /// Of the response.
+        response: Stated<Length>,
+    },
+}
+
+/// Savitzky-Golay differentiator for displacements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DifferentiatorSheet {
+    /// Samples to either side.
+    pub half_width: usize,
+    /// Degree of the polynomial.
+    pub degree: usize,
+}
+
+impl Default for DifferentiatorSheet {
+    /// Nine points and degree 4: a hundredth of the slope is lost at a tenth of the sampling rate.
+    fn default() -> Self {
+        Self {
+            half_width: 4,
+            degree: 4,
+        }
+    }
+}
+
+/// Reads all tests of `sheet`, and tells `outcome` of files, settings and flags.
+pub(super) fn read(
+    sheet: &IdentifySheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<Vec<RodTest>, RodlabError> {
+    if sheet.tests.is_empty() {
+        return Err(RodlabError::request("tests", "empty", "at least one test"));
+    }
+    around.progress.begins("reading", sheet.tests.len());
+    let mut tests = Vec::with_capacity(sheet.tests.len());
+    for (number, of_sheet) in sheet.tests.iter().enumerate() {
+        let field = format!("tests[{number}]");
+        let test = one(of_sheet, sheet, &field, around, outcome)?;
+        outcome.log.push(LogEntry {
+            what: format!("test `{}`", of_sheet.name),
+            accepted: true,
+            reasons: test.flags().iter().map(ToString::to_string).collect(),
+        });
+        tests.push(test);
+        around.progress.one_more();
+        around.go_on()?;
+    }
+    Ok(tests)
+}
+
+fn one(
+    test: &TestSheet,
+    sheet: &IdentifySheet,
+    field: &str,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<RodTest, RodlabError> {
+    let records_field = format!("{field}.records");
+    let mut loaded = test.records.load(around.folder, &records_field)?;
+    outcome.inputs.append(&mut loaded.inputs);
+    outcome.settings.append(&mut loaded.settings);
+    outcome.settings.push(Setting {
+        name: format!("{field}.impact_velocity"),
+        value: test.impact_velocity.to_string(),
+        by_default: false,
+    });
+    let found = loaded.records.len();
+    let Some(record) = loaded.records.pop().filter(|_| found == 1) else {
+        return Err(RodlabError::request(
+            records_field,
+            format!("{found} records"),
+            "one: each test has its own entry in `tests`",
+        ));
+    };
+    let record = part(record.record, test, field)?;
+    let quantity = quantity_of(&record, test, field)?;
+    let samples = |channel: &str| -> Result<Vec<f64>, RodlabError> {
+        let samples = record.channel(channel);
+        Ok(samples
+            .map_err(|error| RodlabError::step(field, error))?
+            .to_vec())
+    };
+    let data = RodTestData {
+        name: test.name.clone(),
+        length: sheet.specimen.length.si(),
+        density: sheet.specimen.density.si(),
+        impact_velocity: test.impact_velocity.si(),
+        sampling_rate_hz: record.sampling_rate_hz(),
+        excitation: samples(&test.excitation)?,
+        response: samples(&test.response)?,
+        provenance: match &test.generator {
+            Some(generator) => Provenance::Virtual {
+                generator: generator.clone(),
+            },
+            None => Provenance::Measured,
+        },
+    };
+    let refused = |error| RodlabError::step(field, error);
+    let rod_test = if quantity == Quantity::Displacement {
+        of_displacements(data, test, sheet, field)?
+    } else {
+        let rod_test = RodTest::new(data).map_err(refused)?;
+        match &test.noise {
+            NoiseSheet::BeforeArrival => rod_test.with_noise_of_quiet_part(),
+            NoiseSheet::Velocities {
+                excitation,
+                response,
+            } => rod_test.with_noise(excitation.si(), response.si()),
+            NoiseSheet::Displacements { .. } => {
+                return Err(RodlabError::request(
+                    format!("{field}.noise"),
+                    "that of displacements",
+                    "Velocities(..), which the histories are",
+                ));
+            }
+        }
+        .map_err(refused)?
+    };
+    match &test.to {
+        Some(to) => rod_test
+            .with_window(to.si() - record.start_time())
+            .map_err(|error| RodlabError::step(format!("{field}.to"), error)),
+        None => Ok(rod_test),
+    }
+}
+
+fn of_displacements(
+    data: RodTestData,
+    test: &TestSheet,
+    sheet: &IdentifySheet,
+    field: &str,
+) -> Result<RodTest, RodlabError> {
+    let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
+    let differentiator = Differentiator::new(half_width, degree)
+        .map_err(|error| RodlabError::step("differentiator", error))?;
+    let noise = match &test.noise {
+        NoiseSheet::BeforeArrival => None,
+        NoiseSheet::Displacements {
+            excitation,
+            response,
+        } => Some((excitation.si(), response.si())),
+        NoiseSheet::Velocities { .. } => {
+            return Err(RodlabError::request(
+                format!("{field}.noise"),
+                "that of velocities",
+                "Displacements(..), which the histories are",
+            ));
+        }
+    };
+    let transducers = DisplacementTransducers {
+        range: test.range.as_ref().map_or(f64::INFINITY, Stated::si),
+        noise,
+        differentiator,
+    };
+    RodTest::from_displacements(data, &transducers).map_err(|error| RodlabError::step(field, error))
+}
+
+/// The quantity that both histories are.
+fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantity, RodlabError> {
+    let of = |name: &str| {
+        let mut channels = record.channels().iter();
+        channels
+            .find(|channel| channel.name() == name)
+            .map(labio::Channel::quantity)
+    };
+    let wanted = match of(&test.excitation) {
+        Some(Quantity::Displacement) => Quantity::Displacement,
+        _ => Quantity::Velocity,
+    };
+    for (name, role) in [
+        (&test.excitation, "excitation"),
+        (&test.response, "response"),
+    ] {
+        expect_quantity(record, name, wanted, &format!("{field}.{role}"))?;
+    }
+    Ok(wanted)
+}
+
+/// The part of the record from `from` on.
+fn part(record: Record, test: &TestSheet, field: &str) -> Result<Record, RodlabError> {
+    let Some(from) = &test.from else {
+        return Ok(record);
+    };
+    let last = record.n_samples();
+    let first = (0..last).find(|sample| record.time_at(*sample) >= from.si());
+    let begin = first.ok_or_else(|| {
+        RodlabError::request(
+            format!("{field}.from"),
+            from.to_string(),
+            format!(
+                "a time before the end of the record, {} s",
+                record.time_at(last - 1)
+            ),
+        )
+    })?;
+    record
+        .part(begin..last)
+        .map_err(|error| RodlabError::step(format!("{field}.from"), error))
+}

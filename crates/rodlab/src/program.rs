@@ -1,0 +1,314 @@
+//! What the program does with its command line, and the status with which it ends.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use clap::CommandFactory;
+
+use crate::arguments::{Arguments, Command, SheetCommand};
+use crate::batch::{self, Batch, Row, Status, Summary, in_one_line};
+use crate::finished::{self, finish};
+use crate::job::{self, Silent};
+use crate::outcome::Verdict;
+use crate::progress::Bar;
+use crate::sheet::Sheet;
+use crate::templates::{self, JobName};
+use crate::{RodlabError, output};
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Status 0.
+    Done,
+    /// Status 1: the data do not allow the result; it has been said why.
+    NotAllowed,
+    /// Status 2: a sheet, a file or a folder is wrong; it has been said where.
+    Wrong,
+    /// Status 130.
+    Interrupted,
+}
+
+impl Ending {
+    /// The exit status.
+    #[must_use]
+    pub fn status(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::NotAllowed => 1,
+            Self::Wrong => 2,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// Does what the command line asks for. Words go to `out`, diagnostics to `err`.
+pub fn run(
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut (dyn Write + Send),
+    err: &mut dyn Write,
+) -> Ending {
+    match dispatch(arguments, interrupted, out, err) {
+        Ok(ending) => ending,
+        Err(RodlabError::Interrupted) => {
+            let _ = writeln!(err, "interrupted: files that are there are whole");
+            Ending::Interrupted
+        }
+        // a reader that has seen enough, as `head`
+        Err(RodlabError::Write { source, .. }) if source.kind() == io::ErrorKind::BrokenPipe => {
+            Ending::Done
+        }
+        Err(error) => {
+            complain(error, err);
+            Ending::Wrong
+        }
+    }
+}
+
+/// Says what is wrong: with an excerpt, if it is a sheet.
+fn complain(error: RodlabError, err: &mut dyn Write) {
+    let _ = match error {
+        RodlabError::Sheet(error) => write!(err, "{:?}", miette::Report::new(*error)),
+        error => writeln!(err, "error: {}", in_one_line(&error)),
+    };
+}
+
+fn dispatch(
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut (dyn Write + Send),
+    err: &mut dyn Write,
+) -> Result<Ending, RodlabError> {
+    if let Some((job, command)) = arguments.command.sheet() {
+        return one_sheet(job, command, arguments, interrupted, out, err);
+    }
+    match &arguments.command {
+        Command::Init { job, path } => {
+            let path = path
+                .clone()
+                .unwrap_or_else(|| PathBuf::from(format!("{}.ron", job.name())));
+            templates::init(*job, &path)?;
+            if !arguments.quiet {
+                let path = path.display();
+                say(
+                    out,
+                    &format!("{path} is there: fill it in, then `rodlab check {path}`"),
+                )?;
+            }
+            Ok(Ending::Done)
+        }
+        Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
+        Command::Batch {
+            sheets,
+            out: folder,
+            resume,
+            shard,
+            jobs,
+        } => {
+            let batch = Batch {
+                tests: batch::tests_of(sheets)?,
+                out: folder.clone(),
+                resume: *resume,
+                shard: *shard,
+            };
+            many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out)
+        }
+        Command::Merge { folders, out: into } => {
+            let summary = batch::collect(folders)?;
+            let into = into.as_ref().or(folders.first());
+            let into = into.map_or(Path::new("."), PathBuf::as_path);
+            batch::write_summary(&summary, into)?;
+            conclude(&summary, into, arguments, out)
+        }
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(*shell, &mut Arguments::command(), "rodlab", &mut text);
+            out.write_all(&text).map_err(to_terminal)?;
+            Ok(Ending::Done)
+        }
+        Command::Man { folder } => {
+            let pages = manual()?;
+            for (name, page) in &pages {
+                output::write_whole(&folder.join(name), page)?;
+            }
+            if !arguments.quiet {
+                say(
+                    out,
+                    &format!("{} pages in {}", pages.len(), folder.display()),
+                )?;
+            }
+            Ok(Ending::Done)
+        }
+        _ => Ok(Ending::Done),
+    }
+}
+
+fn one_sheet(
+    job: JobName,
+    command: &SheetCommand,
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<Ending, RodlabError> {
+    let folder = command
+        .out
+        .clone()
+        .unwrap_or_else(|| output::default_folder(&command.sheet));
+    let bar = Bar::new(arguments.quiet || arguments.json);
+    let done = finish(&command.sheet, Some(job.name()), &folder, &bar, interrupted);
+    drop(bar);
+    let done = done?;
+    if arguments.json {
+        let json = output::json_of(&done.outcome, &done.sheet)?;
+        out.write_all(json.as_bytes()).map_err(to_terminal)?;
+    } else if !arguments.quiet {
+        for sentence in &done.outcome.summary {
+            say(out, sentence)?;
+        }
+        for warning in &done.outcome.warnings {
+            say(out, &format!("warning: {warning}"))?;
+        }
+        let count = done.files.len();
+        say(out, &format!("{count} files in {}", folder.display()))?;
+    }
+    match &done.outcome.verdict {
+        Verdict::Answered => Ok(Ending::Done),
+        Verdict::NotAllowed { reason } => {
+            let _ = writeln!(err, "the data do not allow the result: {reason}");
+            Ok(Ending::NotAllowed)
+        }
+    }
+}
+
+/// Reads every sheet and its files; the first that is wrong does not hide the others.
+fn check(
+    sheets: &[PathBuf],
+    quiet: bool,
+    interrupted: &AtomicBool,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<Ending, RodlabError> {
+    let mut ending = Ending::Done;
+    for path in sheets {
+        match Sheet::read(path).and_then(|sheet| {
+            job::check(&sheet, &Silent, interrupted)?;
+            Ok(sheet)
+        }) {
+            Ok(sheet) => {
+                if !quiet {
+                    let hash = finished::identity_of(&sheet).sha256;
+                    let job = sheet.job.name();
+                    say(
+                        out,
+                        &format!(
+                            "{}: a sheet for `{job}`, its files can be read ({})",
+                            path.display(),
+                            &hash[..12]
+                        ),
+                    )?;
+                }
+            }
+            Err(RodlabError::Interrupted) => return Err(RodlabError::Interrupted),
+            Err(error) => {
+                ending = Ending::Wrong;
+                complain(error, err);
+            }
+        }
+    }
+    Ok(ending)
+}
+
+fn many_sheets(
+    batch: &Batch,
+    jobs: Option<usize>,
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut (dyn Write + Send),
+) -> Result<Ending, RodlabError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs.unwrap_or(0))
+        .build()
+        .map_err(|error| RodlabError::step("starting threads", error))?;
+    let bar = Bar::new(arguments.quiet || arguments.json);
+    let words = !(arguments.quiet || arguments.json);
+    let tell = |row: &Row| {
+        if words {
+            bar.say(&line(row));
+        }
+    };
+    let rows = pool.install(|| batch.run(&tell, &bar, interrupted));
+    drop(bar);
+    if interrupted.load(std::sync::atomic::Ordering::Relaxed) {
+        return Err(RodlabError::Interrupted);
+    }
+    let summary = Summary::of(rows);
+    if batch.shard.is_none() {
+        batch::write_summary(&summary, &batch.out)?;
+    }
+    conclude(&summary, &batch.out, arguments, out)
+}
+
+/// The line of one test.
+fn line(row: &Row) -> String {
+    format!("{:<11}  {}: {}", row.status.word(), row.test, row.headline)
+}
+
+fn conclude(
+    summary: &Summary,
+    folder: &Path,
+    arguments: &Arguments,
+    out: &mut (dyn Write + Send),
+) -> Result<Ending, RodlabError> {
+    if arguments.json {
+        out.write_all(summary.to_json()?.as_bytes())
+            .map_err(to_terminal)?;
+    } else if !arguments.quiet {
+        say(
+            out,
+            &format!("{}; {}", summary.sentence(), folder.display()),
+        )?;
+    }
+    Ok(if summary.count(Status::Failed) > 0 {
+        Ending::Wrong
+    } else if summary.count(Status::NotAllowed) > 0 {
+        Ending::NotAllowed
+    } else {
+        Ending::Done
+    })
+}
+
+/// The manual pages, as file names and contents.
+fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
+    let refused = |error| RodlabError::step("making the manual pages", error);
+    let mut program = Arguments::command();
+    program.build();
+    let mut pages = Vec::new();
+    let mut page_of = |command: clap::Command, name: String| -> Result<(), RodlabError> {
+        let mut page = Vec::new();
+        clap_mangen::Man::new(command)
+            .title(name.to_uppercase())
+            .date("") // the same pages on every day
+            .render(&mut page)
+            .map_err(refused)?;
+        pages.push((format!("{name}.1"), page));
+        Ok(())
+    };
+    for command in program.get_subcommands().filter(|c| c.get_name() != "help") {
+        page_of(command.clone(), format!("rodlab-{}", command.get_name()))?;
+    }
+    page_of(program.clone(), "rodlab".to_owned())?;
+    Ok(pages)
+}
+
+fn say(out: &mut dyn Write, line: &str) -> Result<(), RodlabError> {
+    writeln!(out, "{line}").map_err(to_terminal)
+}
+
+fn to_terminal(source: io::Error) -> RodlabError {
+    RodlabError::Write {
+        path: PathBuf::from("the standard output"),
+        source,
+    }
+}

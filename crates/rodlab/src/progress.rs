@@ -1,0 +1,72 @@
+//! How far long work is, on a terminal.
+
+use std::io::IsTerminal;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::job::Progress;
+
+/// A bar on the standard error; nothing where that is no terminal.
+#[derive(Debug)]
+pub struct Bar {
+    bar: ProgressBar,
+}
+
+impl Bar {
+    /// A bar, hidden if `quiet` or if nobody sees it.
+    #[must_use]
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet || !std::io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            let bar = ProgressBar::new_spinner();
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        };
+        Self { bar }
+    }
+
+    /// Prints a line above the bar, or plainly where there is none.
+    pub fn say(&self, line: &str) {
+        if self.bar.is_hidden() {
+            #[allow(clippy::print_stdout, reason = "one line a test is what was asked for")]
+            {
+                println!("{line}");
+            }
+        } else {
+            self.bar.suspend(|| {
+                #[allow(clippy::print_stdout, reason = "one line a test is what was asked for")]
+                {
+                    println!("{line}");
+                }
+            });
+        }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn begins(&self, step: &str, of: usize) {
+        let style = if of == 0 {
+            ProgressStyle::with_template("{spinner} {msg}")
+        } else {
+            ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")
+        };
+        if let Ok(style) = style {
+            self.bar.set_style(style);
+        }
+        self.bar.set_length(of as u64);
+        self.bar.set_position(0);
+        self.bar.set_message(step.to_owned());
+    }
+
+    fn one_more(&self) {
+        self.bar.inc(1);
+    }
+}

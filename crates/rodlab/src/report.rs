@@ -1,0 +1,139 @@
+//! The report: one page that a person reads, prints and files, with nothing to load from anywhere.
+//!
+//! The page has what an [`Outcome`] has, the answer first. Its figures are drawn twice: by a short script that reads values, zooms
+//! and changes scales, and, for a reader without scripts, as they are in the files. It holds no date and no path that the sheet does
+//! not have: the same outcome gives the same bytes.
+
+mod compact;
+mod number;
+mod rows;
+
+use minijinja::Environment;
+use minijinja::value::Serde;
+use serde::Serialize;
+
+use crate::RodlabError;
+use crate::figure::{Figure, Mark, svg_without_title};
+use crate::outcome::{Outcome, Verdict};
+use rows::{QuantityRow, TableRows};
+
+const TEMPLATE: &str = include_str!("report/template.html");
+const STYLE: &str = include_str!("report/style.css");
+const SCRIPT: &str = include_str!("report/script.js");
+
+/// What the template is given.
+#[derive(Serialize)]
+struct Page<'a> {
+    software: &'a str,
+    job: &'a str,
+    title: &'a str,
+    refusal: Option<&'a str>,
+    summary: &'a [String],
+    warnings: &'a [String],
+    quantities: Vec<QuantityRow<'a>>,
+    figures: Vec<Drawn<'a>>,
+    tables: Vec<TableRows<'a>>,
+    log: &'a [crate::outcome::LogEntry],
+    log_summary: String,
+    settings: &'a [crate::outcome::Setting],
+    inputs: &'a [crate::outcome::InputFile],
+    attachments: Vec<&'a str>,
+    style: &'a str,
+    script: &'a str,
+}
+
+/// A figure, for readers with scripts and without.
+#[derive(Serialize)]
+struct Drawn<'a> {
+    name: &'a str,
+    title: &'a str,
+    caption: &'a str,
+    thinned: Option<String>,
+    data: String,
+    drawing: String,
+}
+
+/// The page for `outcome`, whose figures are drawn from `figures`: the same figures [thinned](crate::figure::thinned).
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] if the page cannot be put together.
+pub fn html_of(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabError> {
+    let refused = |error| RodlabError::step("writing report.html", error);
+    let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
+    let page = Page {
+        software: crate::output::SOFTWARE,
+        job: outcome.job,
+        title: &outcome.title,
+        refusal: match &outcome.verdict {
+            Verdict::Answered => None,
+            Verdict::NotAllowed { reason } => Some(reason),
+        },
+        summary: &outcome.summary,
+        warnings: &outcome.warnings,
+        quantities: outcome.quantities.iter().map(QuantityRow::of).collect(),
+        figures: outcome
+            .figures
+            .iter()
+            .zip(figures)
+            .map(|(whole, figure)| Drawn {
+                name: &figure.name,
+                title: &figure.title,
+                caption: &figure.caption,
+                thinned: thinning(whole, figure),
+                data: compact::json_of(figure),
+                drawing: svg_without_title(figure),
+            })
+            .collect(),
+        tables: outcome.tables.iter().map(TableRows::of).collect(),
+        log: &outcome.log,
+        log_summary: format!(
+            "{accepted} of {} accepted, {} rejected.",
+            outcome.log.len(),
+            outcome.log.len() - accepted
+        ),
+        settings: &outcome.settings,
+        inputs: &outcome.inputs,
+        attachments: outcome
+            .attachments
+            .iter()
+            .map(|a| a.name.as_str())
+            .collect(),
+        style: STYLE,
+        script: SCRIPT,
+    };
+    let mut environment = Environment::new();
+    environment
+        .add_template("report.html", TEMPLATE)
+        .map_err(refused)?;
+    environment
+        .get_template("report.html")
+        .and_then(|template| template.render(Serde(&page)))
+        .map_err(refused)
+}
+
+/// Says of the longest curve how much of it is drawn, if not all.
+fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
+    let samples = |figure: &Figure| -> Vec<usize> {
+        figure
+            .panels
+            .iter()
+            .flat_map(|panel| &panel.marks)
+            .map(|mark| match mark {
+                Mark::Line { x, .. } | Mark::Points { x, .. } | Mark::Band { x, .. } => x.len(),
+                Mark::At { .. } => 1,
+            })
+            .collect()
+    };
+    samples(whole)
+        .into_iter()
+        .zip(samples(drawn))
+        .filter(|(all, drawn)| drawn < all)
+        .max()
+        .map(|(all, drawn)| {
+            format!("Curves of many samples are drawn by their extremes: the longest by {drawn} of {all}.")
+        })
+}
+
+#[cfg(test)]
+mod tests;

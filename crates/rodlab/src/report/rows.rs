@@ -1,0 +1,104 @@
+//! Tables and quantities as rows of text.
+
+use serde::Serialize;
+
+use super::number::{alone, with_error};
+use crate::outcome::{Cells, Quantity, Table};
+
+/// Rows that are seen at once.
+const FIRST: usize = 12;
+/// Rows of the page in all; the file has the rest.
+const IN_ALL: usize = 400;
+
+/// A quantity.
+#[derive(Serialize)]
+pub(super) struct QuantityRow<'a> {
+    name: &'a str,
+    value: String,
+    unit: &'a str,
+    valid: bool,
+    verdict: &'a str,
+}
+
+impl<'a> QuantityRow<'a> {
+    pub(super) fn of(quantity: &'a Quantity) -> Self {
+        Self {
+            name: &quantity.name,
+            value: with_error(quantity.value, quantity.standard_error),
+            unit: &quantity.unit,
+            valid: quantity.valid,
+            verdict: &quantity.verdict,
+        }
+    }
+}
+
+/// A table: its first rows, the rows to unfold, and how many are left to the file.
+#[derive(Serialize)]
+pub(super) struct TableRows<'a> {
+    title: &'a str,
+    file: String,
+    columns: Vec<Heading<'a>>,
+    rows: Vec<Vec<Cell>>,
+    more: Vec<Vec<Cell>>,
+    more_label: String,
+    total: usize,
+    left_out: usize,
+}
+
+#[derive(Serialize)]
+struct Heading<'a> {
+    name: &'a str,
+    unit: &'a str,
+    numeric: bool,
+}
+
+#[derive(Serialize)]
+struct Cell {
+    text: String,
+    numeric: bool,
+}
+
+impl<'a> TableRows<'a> {
+    pub(super) fn of(table: &'a Table) -> Self {
+        let total = table
+            .columns
+            .iter()
+            .map(|c| c.cells.len())
+            .max()
+            .unwrap_or(0);
+        // a few rows more are not worth folding
+        let first = if total <= FIRST + 4 { total } else { FIRST };
+        let shown = total.min(IN_ALL);
+        let row = |row: usize| -> Vec<Cell> {
+            let cell = |cells: &Cells| match cells {
+                Cells::Numbers(values) => Cell {
+                    text: values.get(row).copied().map(alone).unwrap_or_default(),
+                    numeric: true,
+                },
+                Cells::Words(words) => Cell {
+                    text: words.get(row).cloned().unwrap_or_default(),
+                    numeric: false,
+                },
+            };
+            table.columns.iter().map(|c| cell(&c.cells)).collect()
+        };
+        Self {
+            title: &table.title,
+            file: format!("{}.csv", table.name),
+            columns: table
+                .columns
+                .iter()
+                .map(|column| Heading {
+                    name: &column.name,
+                    unit: &column.unit,
+                    numeric: matches!(column.cells, Cells::Numbers(_)),
+                })
+                .collect(),
+            rows: (0..first).map(row).collect(),
+            more: (first..shown).map(row).collect(),
+            more_label: format!("Rows {} to {shown}", first + 1),
+            total,
+            left_out: total - shown,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+use super::*;
+
+fn page(outcome: &Outcome) -> String {
+    html_of(outcome, &outcome.figures).unwrap()
+}
+
+#[test]
+fn a_title_is_text_whatever_it_contains() {
+    let mut outcome = Outcome::of(
+        "modulus",
+        "</title></script><script>alert(1)</script> & \"x\" 'y'",
+    );
+    outcome.summary = vec!["<img src=x onerror=alert(2)>".into()];
+    outcome.figures = vec![Figure {
+        name: "a".into(),
+        title: "</script><script>alert(3)</script>".into(),
+        caption: "<b>".into(),
+        panels: vec![crate::figure::Panel {
+            x: crate::figure::Axis::linear("</script>", "</noscript>"),
+            y: crate::figure::Axis::linear("<g>", ""),
+            marks: vec![Mark::Line {
+                name: "</noscript></script>".into(),
+                role: crate::figure::Role::First,
+                x: vec![0.0, 1.0],
+                y: vec![0.0, 1.0],
+            }],
+            greyed: vec![],
+            equal_axes: false,
+        }],
+    }];
+    let page = page(&outcome);
+    // the script, the data of one figure, and no more
+    assert_eq!(page.matches("<script").count(), 2, "{page}");
+    assert_eq!(page.matches("</script>").count(), 2);
+    assert_eq!(page.matches("</noscript>").count(), 1);
+    assert_eq!(page.matches("</title>").count(), 1);
+    assert!(!page.contains("<img"), "{page}");
+}
+
+#[test]
+fn nothing_is_loaded_from_anywhere() {
+    let page = page(&Outcome::of("frf", "title"));
+    for from_elsewhere in ["http://", "https://", "src=", "@import", "url("] {
+        let found = page.matches(from_elsewhere).count();
+        assert_eq!(found, 0, "{from_elsewhere} in the page");
+    }
+}
+
+#[test]
+fn the_page_says_first_that_there_is_no_answer_and_why() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    outcome.verdict = Verdict::NotAllowed {
+        reason: "Two hits of ten were accepted; three are needed.".into(),
+    };
+    outcome.warnings = vec!["The coherence is below 0.9.".into()];
+    let page = page(&outcome);
+    let at = |text: &str| page.find(text).unwrap_or(usize::MAX);
+    assert!(at("No answer:") < at("Two hits of ten"));
+    assert!(at("Two hits of ten") < at("The coherence"));
+    assert!(at("The coherence") < at("Software and citation"));
+}
+
+#[test]
+fn a_long_table_is_folded_and_says_what_it_leaves_to_the_file() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    let lines = 1000_u32;
+    outcome.tables = vec![crate::outcome::Table {
+        name: "modulus".into(),
+        title: "Modulus".into(),
+        columns: vec![crate::outcome::Column::numbers(
+            "frequency",
+            "Hz",
+            (0..lines).map(|i| 125.0 * f64::from(i)).collect(),
+        )],
+    }];
+    let page = page(&outcome);
+    assert!(page.contains("<summary>Rows 13 to 400</summary>"), "{page}");
+    assert!(
+        page.contains("1000 rows in <a href=\"modulus.csv\">"),
+        "{page}"
+    );
+    assert!(page.contains("600 are not shown here"), "{page}");
+}

@@ -1,0 +1,325 @@
+//! Bodies of a sheet that are computed: rows of elements and single lumps.
+
+use std::sync::Arc;
+
+use impulse::{Domain, ImpactBody, ImpulseError, MobilityLaw};
+use num_complex::Complex64;
+use rodwave::chain::{
+    AnalyticChain, AngularFrequency, Chain, ChainBuilder, LaplaceVariable, Termination,
+};
+use rodwave::element::Circle;
+use serde::Deserialize;
+
+use super::material::{Material, Materials, material_called};
+use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
+use crate::RodlabError;
+
+/// A body as a row of elements from its impact face, or a lump.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum BodySheet {
+    /// Elements one behind the other.
+    Chain {
+        /// From the impact face on.
+        elements: Vec<ElementSheet>,
+        /// What stands behind the last; nothing unless stated.
+        #[serde(default)]
+        end: EndSheet,
+    },
+    /// A rigid body.
+    RigidMass(Stated<ImpactMass>),
+    /// A long rod from which nothing returns, by its material and diameter.
+    LongRod {
+        /// Name of its material.
+        material: String,
+        /// Diameter.
+        diameter: Stated<Length>,
+    },
+    /// A long rod by its characteristic impedance.
+    Impedance(Stated<SpecificImpedance>),
+}
+
+/// An element of a body.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ElementSheet {
+    /// A round rod.
+    Rod {
+        /// Name of its material.
+        material: String,
+        /// Diameter.
+        diameter: Stated<Length>,
+        /// Length.
+        length: Stated<Length>,
+    },
+    /// A truncated cone.
+    Cone {
+        /// Name of its material.
+        material: String,
+        /// Diameter at the side of the impact face.
+        near: Stated<Length>,
+        /// Diameter at the other side.
+        far: Stated<Length>,
+        /// Length.
+        length: Stated<Length>,
+    },
+    /// An exponential horn.
+    Horn {
+        /// Name of its material.
+        material: String,
+        /// Diameter at the side of the impact face.
+        near: Stated<Length>,
+        /// Diameter at the other side.
+        far: Stated<Length>,
+        /// Length.
+        length: Stated<Length>,
+    },
+    /// A rigid mass.
+    Mass(Stated<AddedMass>),
+    /// A massless spring.
+    Spring(Stated<Stiffness>),
+    /// A massless dashpot.
+    Dashpot(Stated<SpecificImpedance>),
+}
+
+/// What stands behind the last element.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum EndSheet {
+    /// Nothing.
+    #[default]
+    Free,
+    /// A rigid wall.
+    Fixed,
+    /// A rigid mass, as an accelerometer.
+    Mass(Stated<ImpactMass>),
+    /// A dashpot to the ground.
+    Dashpot(Stated<SpecificImpedance>),
+    /// A long rod from which nothing returns.
+    LongRod {
+        /// Name of its material.
+        material: String,
+        /// Diameter.
+        diameter: Stated<Length>,
+    },
+}
+
+/// A body that is computed.
+#[derive(Debug, Clone)]
+pub enum ComputedBody {
+    /// Of materials that are known in the right half plane.
+    Analytic(AnalyticChain),
+    /// With a material that is known for real frequencies only.
+    OnAxis(Chain),
+    /// A lump.
+    Lump {
+        /// Mass of a rigid body.
+        mass: Option<f64>,
+        /// Characteristic impedance of a long rod.
+        impedance: f64,
+    },
+}
+
+impl BodySheet {
+    /// The body; `field` is its place in the sheet.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError`] with the element and what is wrong with it.
+    pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
+        match self {
+            Self::RigidMass(mass) => Ok(ComputedBody::Lump {
+                mass: Some(mass.si()),
+                impedance: 0.0,
+            }),
+            Self::Impedance(impedance) => Ok(ComputedBody::Lump {
+                mass: None,
+                impedance: impedance.si(),
+            }),
+            Self::LongRod { material, diameter } => chain(
+                &[],
+                &EndSheet::LongRod {
+                    material: material.clone(),
+                    diameter: diameter.clone(),
+                },
+                materials,
+                field,
+            ),
+            Self::Chain { elements, end } => chain(elements, end, materials, field),
+        }
+    }
+}
+
+/// A material of each element that has one, and of the end.
+struct Placed {
+    elements: Vec<Option<Material>>,
+    end: Option<Material>,
+}
+
+fn chain(
+    elements: &[ElementSheet],
+    end: &EndSheet,
+    materials: &Materials,
+    field: &str,
+) -> Result<ComputedBody, RodlabError> {
+    let mut placed = Placed {
+        elements: Vec::with_capacity(elements.len()),
+        end: None,
+    };
+    for (at, element) in elements.iter().enumerate() {
+        let name = match element {
+            ElementSheet::Rod { material, .. }
+            | ElementSheet::Cone { material, .. }
+            | ElementSheet::Horn { material, .. } => Some(material),
+            _ => None,
+        };
+        let place = format!("{field}.elements[{at}].material");
+        placed.elements.push(
+            name.map(|name| material_called(materials, name, &place))
+                .transpose()?,
+        );
+    }
+    if let EndSheet::LongRod { material, .. } = end {
+        let place = format!("{field}.end.material");
+        placed.end = Some(material_called(materials, material, &place)?);
+    }
+    let analytic = placed
+        .elements
+        .iter()
+        .flatten()
+        .chain(&placed.end)
+        .all(|material| matches!(material, Material::Analytic(_)));
+    let refused = |error| RodlabError::step(field, error);
+    if analytic {
+        analytic_chain(elements, end, &placed)
+            .map(ComputedBody::Analytic)
+            .map_err(refused)
+    } else {
+        axis_chain(elements, end, &placed)
+            .map(ComputedBody::OnAxis)
+            .map_err(refused)
+    }
+}
+
+/// Builders of chains differ in the argument of their media alone, which no trait of `rodwave` hides from a caller with
+/// materials of both kinds: the two functions below are made by one macro.
+macro_rules! chain_of {
+    ($name:ident, $argument:ty, $begin:expr, $($kind:ident)|+) => {
+        fn $name(
+            elements: &[ElementSheet],
+            end: &EndSheet,
+            placed: &Placed,
+        ) -> Result<Chain<$argument>, rodwave::RodwaveError> {
+            let mut body: ChainBuilder<$argument> = $begin;
+            for (element, material) in elements.iter().zip(&placed.elements) {
+                body = match (element, material) {
+                    $((ElementSheet::Rod { diameter, length, .. }, Some(Material::$kind(medium))) => {
+                        body.rod(medium, Circle::of_diameter(diameter.si())?, length.si())
+                    })+
+                    $((ElementSheet::Cone { near, far, length, .. }, Some(Material::$kind(medium))) => {
+                        let ends = [Circle::of_diameter(near.si())?, Circle::of_diameter(far.si())?];
+                        body.cone(medium, ends[0], ends[1], length.si())
+                    })+
+                    $((ElementSheet::Horn { near, far, length, .. }, Some(Material::$kind(medium))) => {
+                        let ends = [Circle::of_diameter(near.si())?, Circle::of_diameter(far.si())?];
+                        body.horn(medium, ends[0], ends[1], length.si())
+                    })+
+                    (ElementSheet::Mass(mass), _) => body.mass(mass.si()),
+                    (ElementSheet::Spring(stiffness), _) => body.spring(stiffness.si()),
+                    (ElementSheet::Dashpot(resistance), _) => body.dashpot(resistance.si()),
+                    // a material of the other kind: `chain` has chosen the function by the kinds
+                    _ => body,
+                };
+            }
+            body.end(match (end, &placed.end) {
+                $((EndSheet::LongRod { diameter, .. }, Some(Material::$kind(medium))) => {
+                    Termination::semi_infinite(medium, Circle::of_diameter(diameter.si())?)
+                })+
+                (EndSheet::Fixed, _) => Termination::Fixed,
+                (EndSheet::Mass(mass), _) => Termination::Mass(mass.si()),
+                (EndSheet::Dashpot(resistance), _) => Termination::Dashpot(resistance.si()),
+                _ => Termination::Free,
+            })
+        }
+    };
+}
+
+chain_of!(
+    analytic_chain,
+    LaplaceVariable,
+    AnalyticChain::analytic_from_impact_face(),
+    Analytic
+);
+chain_of!(
+    axis_chain,
+    AngularFrequency,
+    Chain::from_impact_face(),
+    Analytic | OnAxis
+);
+
+impl ComputedBody {
+    /// The body as `impulse` takes it.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if it is none.
+    pub fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
+        Ok(match self {
+            Self::Analytic(chain) => Arc::new(chain.clone()),
+            Self::OnAxis(chain) => Arc::new(chain.clone()),
+            Self::Lump {
+                mass: Some(mass), ..
+            } => {
+                let mass = *mass;
+                let law = MobilityLaw::analytic(move |s: Complex64| 1.0 / (mass * s));
+                Arc::new(
+                    law.free(mass)
+                        .map_err(|error| RodlabError::step("a rigid mass", error))?,
+                )
+            }
+            Self::Lump { impedance, .. } => {
+                let impedance = *impedance;
+                Arc::new(MobilityLaw::analytic(move |_| {
+                    Complex64::from(1.0 / impedance)
+                }))
+            }
+        })
+    }
+
+    /// Mobility \[m/(N s)\] at `frequency_hz`.
+    ///
+    /// # Errors
+    ///
+    /// What `rodwave` or `impulse` says.
+    pub fn mobility(&self, frequency_hz: f64) -> Result<Complex64, ImpulseError> {
+        let s = Complex64::new(0.0, std::f64::consts::TAU * frequency_hz);
+        match self {
+            Self::Analytic(chain) => chain.mobility_at(s),
+            Self::OnAxis(chain) => chain.mobility_at(s),
+            Self::Lump {
+                mass: Some(mass), ..
+            } => Ok(1.0 / (mass * s)),
+            Self::Lump { impedance, .. } => Ok(Complex64::from(1.0 / impedance)),
+        }
+    }
+
+    /// Mass of a free body \[kg\].
+    #[must_use]
+    pub fn free_mass(&self) -> Option<f64> {
+        match self {
+            Self::Analytic(chain) => ImpactBody::free_mass(chain),
+            Self::OnAxis(chain) => ImpactBody::free_mass(chain),
+            Self::Lump { mass, .. } => *mass,
+        }
+    }
+
+    /// Where the mobility is known.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        match self {
+            Self::Analytic(chain) => chain.domain(),
+            Self::OnAxis(chain) => chain.domain(),
+            Self::Lump { .. } => Domain::RightHalfPlane,
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Commented sheets to begin with: `rodlab init JOB`.
+
+use std::fs::OpenOptions;
+use std::io::{self, Write};
+use std::path::Path;
+
+use clap::ValueEnum;
+
+use crate::RodlabError;
+
+/// A job that has a sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum JobName {
+    /// Frequency responses of hits.
+    Frf,
+    /// Complex modulus of a rod.
+    Modulus,
+    /// Loss factor from creep recovery.
+    Recovery,
+    /// Constitutive law from two histories of an impacted rod.
+    Identify,
+    /// Mobility of an impact face.
+    Mobility,
+    /// Force between two bodies, or from a response.
+    Force,
+    /// A virtual test.
+    Simulate,
+}
+
+impl JobName {
+    /// All jobs.
+    pub const ALL: [Self; 7] = [
+        Self::Frf,
+        Self::Modulus,
+        Self::Recovery,
+        Self::Identify,
+        Self::Mobility,
+        Self::Force,
+        Self::Simulate,
+    ];
+
+    /// Name of the command.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Frf => "frf",
+            Self::Modulus => "modulus",
+            Self::Recovery => "recovery",
+            Self::Identify => "identify",
+            Self::Mobility => "mobility",
+            Self::Force => "force",
+            Self::Simulate => "simulate",
+        }
+    }
+
+    /// The commented sheet of the job.
+    #[must_use]
+    pub fn template(self) -> &'static str {
+        match self {
+            Self::Frf => include_str!("../templates/frf.ron"),
+            Self::Modulus => include_str!("../templates/modulus.ron"),
+            Self::Recovery => include_str!("../templates/recovery.ron"),
+            Self::Identify => include_str!("../templates/identify.ron"),
+            Self::Mobility => include_str!("../templates/mobility.ron"),
+            Self::Force => include_str!("../templates/force.ron"),
+            Self::Simulate => include_str!("../templates/simulate.ron"),
+        }
+    }
+}
+
+/// Writes the commented sheet of `job` to `path`, where nothing may be yet.
+///
+/// # Errors
+///
+/// [`RodlabError::Write`]; a file that is there is never replaced.
+pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
+    let fail = |source: io::Error| RodlabError::Write {
+        path: path.to_path_buf(),
+        source,
+    };
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(path)
+        .map_err(fail)?;
+    file.write_all(job.template().as_bytes()).map_err(fail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sheet;
+
+    #[test]
+    fn every_template_is_a_sheet_of_its_job() {
+        for job in JobName::ALL {
+            let parsed = sheet::parse(Path::new("template.ron"), job.template());
+            assert_eq!(parsed.unwrap().name(), job.name());
+        }
+    }
+}

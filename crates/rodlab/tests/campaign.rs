@@ -1,0 +1,306 @@
+//! Many sheets: one bad test stops no other, what is done is not done again, and parts make a whole.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a call that should succeed and does not is the failure that the test reports"
+)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// A mass that strikes a long rod.
+fn sheet(velocity: &str, duration: &str) -> String {
+    format!(
+        r#"Force(title: "at {velocity}", problem: Impact(first: RigidMass("0.5 kg"), second: Impedance("1000 kg/s"),
+        velocity: "{velocity}", duration: "{duration}", time_step: "10 us"))"#
+    )
+}
+
+/// Seven tests in two folders: five that are good, one whose contact cannot be resolved, one with a mistake.
+fn campaign() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, contents: &str| {
+        let path = folder.path().join("campaign").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, contents).unwrap();
+    };
+    for number in 1..=3 {
+        write(
+            &format!("slow/{number}.ron"),
+            &sheet(&format!("{number} m/s"), "4 ms"),
+        );
+    }
+    for number in 1..=2 {
+        write(
+            &format!("fast/{number}.ron"),
+            &sheet(&format!("{number}0 m/s"), "4 ms"),
+        );
+    }
+    let stiff =
+        sheet("1 m/s", "1 ms").replace("time_step", "contact: Linear(\"1 TN/m\"), time_step");
+    write("fast/stiff.ron", &stiff);
+    write(
+        "slow/wrong.ron",
+        "Force(title: \"wrong\", problem: Impact(first: RigidMass(\"1 m\")))",
+    );
+    folder
+}
+
+/// All files below `folder`, by their names from there, as their lines.
+fn files_below(folder: &Path) -> BTreeMap<PathBuf, String> {
+    fn collect(folder: &Path, root: &Path, found: &mut BTreeMap<PathBuf, String>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                collect(&path, root, found);
+            } else {
+                let name = path.strip_prefix(root).unwrap().to_path_buf();
+                found.insert(name, text(&fs::read(&path).unwrap()));
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    collect(folder, folder, &mut found);
+    found
+}
+
+/// Fails with the first file and line in which two folders differ.
+fn assert_same_files(one: &Path, other: &Path) {
+    let (one, other) = (files_below(one), files_below(other));
+    assert!(
+        one.keys().eq(other.keys()),
+        "{:?} and {:?}",
+        one.keys(),
+        other.keys()
+    );
+    for (name, contents) in &one {
+        for (number, (a, b)) in contents.lines().zip(other[name].lines()).enumerate() {
+            assert_eq!(a, b, "line {} of {}", number + 1, name.display());
+        }
+        assert_eq!(contents.len(), other[name].len(), "{}", name.display());
+    }
+}
+
+#[test]
+fn one_bad_test_stops_no_other() {
+    let folder = campaign();
+    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
+    let said = text(&run.stdout);
+    assert_eq!(said.lines().count(), 8, "{said}");
+    let mut lines: Vec<&str> = said.lines().collect();
+    assert_eq!(
+        lines.pop(),
+        Some("7 tests: 5 answered, 1 not allowed by their data, 1 failed; results")
+    );
+    lines.sort_unstable();
+    assert!(
+        lines[0].starts_with("answered     fast/1: The force comes to "),
+        "{}",
+        lines[0]
+    );
+    assert!(
+        lines[5].starts_with("failed       slow/wrong: campaign/slow/wrong.ron:1:"),
+        "{}",
+        lines[5]
+    );
+    assert!(
+        lines[6].starts_with("not allowed  fast/stiff: "),
+        "{}",
+        lines[6]
+    );
+
+    let summary = fs::read_to_string(folder.path().join("results/summary.csv")).unwrap();
+    let statuses: Vec<&str> = summary
+        .lines()
+        .map(|line| line.split(',').nth(3).unwrap())
+        .collect();
+    // in order of the names
+    assert_eq!(
+        statuses,
+        [
+            "status",
+            "answered",
+            "answered",
+            "not allowed",
+            "answered",
+            "answered",
+            "answered",
+            "failed"
+        ]
+    );
+    let page = fs::read_to_string(folder.path().join("results/index.html")).unwrap();
+    assert!(page.contains("href=\"slow/1/report.html\""));
+    assert!(
+        !page.contains("href=\"slow/wrong/"),
+        "what failed has no report"
+    );
+    let quantities = fs::read_to_string(folder.path().join("results/quantities.csv")).unwrap();
+    assert_eq!(
+        quantities
+            .lines()
+            .filter(|line| line.contains(",peak force,N,"))
+            .count(),
+        6
+    );
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let folder = campaign();
+    for (jobs, out) in [("1", "one"), ("4", "four")] {
+        rodlab(
+            folder.path(),
+            &["batch", "campaign", "--out", out, "--jobs", jobs],
+        );
+    }
+    assert_same_files(&folder.path().join("one"), &folder.path().join("four"));
+}
+
+#[test]
+fn parts_of_a_campaign_make_the_whole() {
+    let folder = campaign();
+    rodlab(folder.path(), &["batch", "campaign", "--out", "whole"]);
+    for part in ["1/3", "2/3", "3/3"] {
+        let run = rodlab(
+            folder.path(),
+            &["batch", "campaign", "--out", "parts", "--shard", part],
+        );
+        assert!(run.status.code().is_some_and(|status| status <= 2));
+        assert!(
+            !folder.path().join("parts/summary.csv").exists(),
+            "a part is no campaign"
+        );
+    }
+    let merged = rodlab(folder.path(), &["merge", "parts"]);
+    assert_eq!(merged.status.code(), Some(2));
+    assert_same_files(&folder.path().join("parts"), &folder.path().join("whole"));
+}
+
+#[test]
+fn what_is_done_is_not_done_again_unless_something_has_changed() {
+    let folder = campaign();
+    rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let before = files_below(&folder.path().join("results"));
+    let written = |name: &str| {
+        let file = folder.path().join("results").join(name).join("result.json");
+        fs::metadata(file).unwrap().modified().unwrap()
+    };
+    let first = written("slow/1");
+    let second = written("slow/2");
+
+    // one sheet changes, one is mended
+    fs::write(
+        folder.path().join("campaign/slow/2.ron"),
+        sheet("2 m/s", "5 ms"),
+    )
+    .unwrap();
+    fs::write(
+        folder.path().join("campaign/slow/wrong.ron"),
+        sheet("9 m/s", "4 ms"),
+    )
+    .unwrap();
+    let run = rodlab(
+        folder.path(),
+        &["batch", "campaign", "--out", "results", "--resume"],
+    );
+    assert_eq!(run.status.code(), Some(1), "one test is still not allowed");
+    assert_eq!(written("slow/1"), first, "done, and the same");
+    assert_ne!(written("slow/2"), second, "its sheet has changed");
+    let after = files_below(&folder.path().join("results"));
+    assert!(!after.contains_key(Path::new("slow/wrong/failure.json")));
+    assert!(after.contains_key(Path::new("slow/wrong/result.json")));
+    assert_eq!(
+        before[Path::new("slow/1/force.csv")],
+        after[Path::new("slow/1/force.csv")]
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_whole_files_and_the_rest_undone() {
+    let folder = TempDir::new().unwrap();
+    let sheets = folder.path().join("campaign");
+    fs::create_dir_all(&sheets).unwrap();
+    for number in 0..2000 {
+        fs::write(
+            sheets.join(format!("{number:04}.ron")),
+            sheet("1 m/s", "20 ms"),
+        )
+        .unwrap();
+    }
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder.path())
+        .args(["batch", "campaign", "--out", "results", "--quiet"])
+        .spawn()
+        .unwrap();
+    // once a few are there, it is told to stop
+    let results = folder.path().join("results");
+    let patience = Instant::now() + Duration::from_secs(60);
+    while fs::read_dir(&results).map_or(0, Iterator::count) < 5 && Instant::now() < patience {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    Command::new("kill").args(["-INT", &id]).status().unwrap();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130));
+    let files = files_below(&results);
+    assert!(files.len() < 2000 * 3, "it had not come to the end");
+    for (name, contents) in &files {
+        let name = name.to_string_lossy();
+        assert!(!name.contains(".rodlab-"), "{name} is a temporary file");
+        if name.ends_with("result.json") {
+            assert!(contents.ends_with("}\n"), "{name} is not whole");
+        }
+    }
+    assert!(!results.join("summary.csv").exists());
+}
+
+#[test]
+fn what_is_no_campaign_is_named() {
+    let folder = campaign();
+    let said = |arguments: &[&str]| {
+        let run = rodlab(folder.path(), arguments);
+        format!(
+            "status {}: {}",
+            run.status.code().unwrap(),
+            text(&run.stderr)
+        )
+    };
+    let all = [
+        said(&["batch", "nowhere", "--out", "results"]),
+        said(&["merge", "campaign"]),
+        said(&["merge", "nowhere"]).replace(
+            "No such file or directory (os error 2)",
+            "(the system's words)",
+        ),
+    ]
+    .concat();
+    insta::assert_snapshot!(all, @r"
+    status 2: error: no file matches `nowhere` in .
+    status 2: error: no file matches `result.json or failure.json` in campaign
+    status 2: error: cannot read nowhere: (the system's words)
+    ");
+    let shard = said(&["batch", "campaign", "--out", "results", "--shard", "4/3"]);
+    assert!(
+        shard.contains("expected as 3/8: from 1/8 to 8/8"),
+        "{shard}"
+    );
+}

@@ -1,0 +1,293 @@
+//! The program as a person calls it: what it says, what it writes, and the status with which it ends.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a call that should succeed and does not is the failure that the test reports"
+)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Status and what was said on the standard error.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = rodlab(folder, arguments);
+    assert_eq!(text(&output.stdout), "");
+    format!(
+        "status {}\n{}",
+        output.status.code().unwrap(),
+        text(&output.stderr)
+    )
+}
+
+fn folder_with(files: &[(&str, &str)]) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    for (name, contents) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, contents).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_misspelt_field_is_shown_with_the_nearest_name() {
+    let folder = folder_with(&[("rod.ron", "// a rod\nModulus(\n    titel: \"a rod\",\n)\n")]);
+    let said = refused(folder.path(), &["modulus", "rod.ron"]);
+    assert!(said.starts_with("status 2\n"), "{said}");
+    for part in [
+        "rod.ron:3:5: Modulus.titel: there is no field `titel`",
+        "3 │     titel: \"a rod\",",
+        "did you mean `title`?",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+}
+
+#[test]
+fn a_sheet_of_another_job_names_its_command() {
+    let folder = folder_with(&[("rod.ron", "Modulus(title: \"a rod\")")]);
+    insta::assert_snapshot!(
+        refused(folder.path(), &["frf", "rod.ron"]),
+        @r"
+    status 2
+    error: rod.ron is a sheet for `modulus`, expected one for `frf`: run `rodlab modulus` on it
+    "
+    );
+}
+
+#[test]
+fn a_sheet_that_is_not_there_is_named() {
+    let folder = folder_with(&[]);
+    let said = refused(folder.path(), &["modulus", "rod.ron"]);
+    assert!(
+        said.starts_with("status 2\nerror: cannot read rod.ron: "),
+        "{said}"
+    );
+}
+
+#[test]
+fn init_replaces_nothing() {
+    let folder = folder_with(&[]);
+    let first = rodlab(folder.path(), &["init", "force"]);
+    assert!(first.status.success());
+    let written = fs::read_to_string(folder.path().join("force.ron")).unwrap();
+    assert!(written.starts_with("//"));
+    let said = refused(folder.path(), &["init", "force"]);
+    assert!(
+        said.starts_with("status 2\nerror: cannot write force.ron: "),
+        "{said}"
+    );
+    assert_eq!(
+        fs::read_to_string(folder.path().join("force.ron")).unwrap(),
+        written
+    );
+}
+
+#[test]
+fn completions_and_manual_pages_know_every_command() {
+    let folder = folder_with(&[]);
+    let completions = rodlab(folder.path(), &["completions", "bash"]);
+    assert!(text(&completions.stdout).contains("identify"));
+    assert!(rodlab(folder.path(), &["man", "pages"]).status.success());
+    let page = fs::read_to_string(folder.path().join("pages/rodlab-batch.1")).unwrap();
+    assert!(page.contains("resume"), "{page}");
+    let help = text(&rodlab(folder.path(), &["--help"]).stdout);
+    for line in help
+        .lines()
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+    {
+        let name = line.split_whitespace().next().unwrap();
+        if name.chars().all(|letter| letter.is_ascii_lowercase())
+            && !["help", "rodlab"].contains(&name)
+        {
+            assert!(
+                folder
+                    .path()
+                    .join(format!("pages/rodlab-{name}.1"))
+                    .exists(),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_takes_nothing_is_said() {
+    let folder = folder_with(&[]);
+    let completions = Command::new("sh")
+        .arg("-c")
+        .arg(format!(
+            "{} completions bash > /dev/full",
+            env!("CARGO_BIN_EXE_rodlab")
+        ))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(completions.status.code(), Some(2));
+    assert!(
+        text(&completions.stderr).starts_with("error: cannot write the standard output: "),
+        "{}",
+        text(&completions.stderr)
+    );
+}
+
+/// A mass that strikes a long rod.
+const FORCE: &str = r#"Force(title: "mass", problem: Impact(first: RigidMass("0.5 kg"), second: Impedance("1000 kg/s"),
+    velocity: "2 m/s ± 1 %", duration: "4 ms", time_step: "10 us"))"#;
+
+#[test]
+fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
+    let folder = folder_with(&[("hit.ron", FORCE)]);
+    let run = rodlab(folder.path(), &["force", "hit.ron"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    assert!(
+        text(&run.stdout).starts_with("The force comes to 19"),
+        "{}",
+        text(&run.stdout)
+    );
+    let result = folder.path().join("hit-result");
+    let mut names: Vec<String> = fs::read_dir(&result)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".csv") || name.ends_with(".json"))
+        .collect();
+    names.sort();
+    assert_eq!(names, ["contacts.csv", "force.csv", "result.json"]);
+    let table = fs::read_to_string(result.join("force.csv")).unwrap();
+    let mut lines = table.lines();
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("time,force,standard error of the force,")
+    );
+    assert!(lines.next().unwrap().starts_with("s,N,N,m/s,m/s,m,"));
+}
+
+#[test]
+fn json_is_the_result_and_nothing_else() {
+    let folder = folder_with(&[("hit.ron", FORCE)]);
+    let run = rodlab(
+        folder.path(),
+        &["force", "hit.ron", "--json", "--out", "here"],
+    );
+    let printed = text(&run.stdout);
+    assert_eq!(
+        printed,
+        fs::read_to_string(folder.path().join("here/result.json")).unwrap()
+    );
+    let result: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(result["result_version"], 1);
+    assert_eq!(result["sheet"]["file"], "hit.ron");
+    assert_eq!(result["quantities"][0]["name"], "peak force");
+    assert_eq!(result["verdict"]["answer"], "answered");
+    let quiet = rodlab(folder.path(), &["force", "hit.ron", "--quiet"]);
+    assert_eq!(text(&quiet.stdout), "");
+}
+
+#[test]
+fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
+    let stiff = FORCE.replace("time_step", "contact: Linear(\"1 TN/m\"), time_step");
+    let folder = folder_with(&[("hit.ron", stiff.as_str())]);
+    let run = rodlab(folder.path(), &["force", "hit.ron"]);
+    assert_eq!(run.status.code(), Some(1));
+    let said = text(&run.stderr);
+    assert!(
+        said.starts_with(
+            "the data do not allow the result: the time step is too long for the contact"
+        ),
+        "{said}"
+    );
+    // what was found out nevertheless is there
+    assert!(folder.path().join("hit-result/result.json").exists());
+}
+
+#[test]
+fn check_reads_everything_and_computes_nothing() {
+    let folder = folder_with(&[
+        ("good.ron", FORCE),
+        ("bad.ron", "Force(title: 1)"),
+        ("worse.ron", "Force("),
+    ]);
+    let run = rodlab(
+        folder.path(),
+        &["check", "good.ron", "bad.ron", "worse.ron"],
+    );
+    assert_eq!(run.status.code(), Some(2));
+    assert!(
+        text(&run.stdout).starts_with("good.ron: a sheet for `force`, its files can be read (")
+    );
+    let said = text(&run.stderr);
+    assert!(said.contains("bad.ron:1:14: Force.title"), "{said}");
+    assert!(said.contains("worse.ron:1:"), "{said}");
+    assert!(!folder.path().join("good-result").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    // a file stands where the folder should be, which no permission of the caller changes
+    let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
+    let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
+    assert!(
+        said.starts_with("status 2\nerror: cannot write taken/"),
+        "{said}"
+    );
+    assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_old_result_whole() {
+    let folder = folder_with(&[("hit.ron", FORCE)]);
+    assert!(
+        rodlab(folder.path(), &["force", "hit.ron"])
+            .status
+            .success()
+    );
+    let result = folder.path().join("hit-result/result.json");
+    let before = fs::read(&result).unwrap();
+    // no file may become longer than a block, as if the disk were full after it
+    fs::write(
+        folder.path().join("hit.ron"),
+        FORCE.replace("2 m/s", "3 m/s"),
+    )
+    .unwrap();
+    let run = Command::new("sh")
+        .arg("-c")
+        .arg(format!(
+            "trap '' XFSZ; ulimit -f 1; exec {} force hit.ron",
+            env!("CARGO_BIN_EXE_rodlab")
+        ))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
+    assert!(
+        text(&run.stderr).starts_with("error: cannot write hit-result/"),
+        "{}",
+        text(&run.stderr)
+    );
+    // the result of the first run is whole, and nothing lies about
+    assert_eq!(fs::read(&result).unwrap(), before);
+    for entry in fs::read_dir(folder.path().join("hit-result")).unwrap() {
+        let name = entry.unwrap().file_name();
+        assert!(!name.to_string_lossy().starts_with(".rodlab-"), "{name:?}");
+    }
+}

@@ -1,0 +1,178 @@
+//! Impact forces from sheets, against closed forms.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a sheet that should have a result and has none is the failure that the test reports"
+)]
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::sheet::{Sheet, parse};
+use rodlab::{RodlabError, output};
+
+fn attempt(text: &str) -> Result<Outcome, RodlabError> {
+    let path = Path::new("test.ron");
+    let sheet = Sheet {
+        path: path.to_path_buf(),
+        text: text.to_owned(),
+        job: parse(path, text)?,
+    };
+    job::run(&sheet, &Silent, &AtomicBool::new(false))
+}
+
+fn value(outcome: &Outcome, name: &str) -> f64 {
+    let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
+    found.value.unwrap()
+}
+
+fn error(outcome: &Outcome, name: &str) -> f64 {
+    let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
+    found.standard_error.unwrap()
+}
+
+fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let column = table.columns.iter().find(|c| c.name == name).unwrap();
+    let Cells::Numbers(values) = &column.cells else {
+        unreachable!("{name} is a column of words");
+    };
+    values
+}
+
+#[test]
+fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
+    let outcome = attempt(
+        r#"Force(title: "mass", problem: Impact(
+            first: RigidMass("0.5 kg"),
+            second: Impedance("1000 kg/s"),
+            velocity: "2 m/s ± 1 %",
+            duration: "4 ms",
+            time_step: "2 us",
+        ))"#,
+    )
+    .unwrap();
+    let (mass, impedance, velocity) = (0.5, 1000.0, 2.0);
+    let time = column(&outcome, "force", "time");
+    let force = column(&outcome, "force", "force");
+    let errors = column(&outcome, "force", "standard error of the force");
+    for ((t, f), error) in time.iter().zip(force).zip(errors) {
+        // of second order in the exponent of a step, Z h/M = 4e-3: 1.6e-5 times a number below 1
+        let exact = impedance * velocity * (-impedance / mass * t).exp();
+        assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
+        // the force is proportional to the velocity
+        assert!((error / (0.01 * f) - 1.0).abs() < 1e-9, "{t}: {error}");
+    }
+    // the mass has lost exp(-8) of its momentum less: 3.4e-4
+    assert!(
+        (value(&outcome, "impulse") / (mass * velocity * (1.0 - (-8.0_f64).exp())) - 1.0).abs()
+            < 1e-6
+    );
+    assert!((error(&outcome, "impulse") / value(&outcome, "impulse") - 0.01).abs() < 1e-9);
+    // it still presses: what is said of the time after is not valid
+    let restitution = outcome
+        .quantities
+        .iter()
+        .find(|q| q.name == "coefficient of restitution")
+        .unwrap();
+    assert!(!restitution.valid, "{restitution:?}");
+    assert_eq!(outcome.warnings, ["the faces still press at the end"]);
+}
+
+#[test]
+fn equal_rods_exchange_their_velocities() {
+    // de Saint-Venant: Z V/2 for one round trip, 2 L/c, and the striker stands still
+    let outcome = attempt(
+        r#"Force(
+            title: "equal rods",
+            materials: { "steel": (density: "7800 kg/m3", law: Elastic(modulus: "200 GPa")) },
+            problem: Impact(
+                first: Chain(elements: [Rod(material: "steel", diameter: "16 mm", length: "0.5 m")]),
+                second: Chain(elements: [Rod(material: "steel", diameter: "16 mm", length: "0.5 m")]),
+                velocity: "3 m/s",
+                duration: "0.6 ms",
+            ),
+        )"#,
+    )
+    .unwrap();
+    let celerity = (200e9_f64 / 7800.0).sqrt();
+    let impedance = 7800.0 * celerity * std::f64::consts::PI * 0.016_f64.powi(2) / 4.0;
+    let plateau = 0.5 * impedance * 3.0;
+    let (time, force) = (
+        column(&outcome, "force", "time"),
+        column(&outcome, "force", "force"),
+    );
+    let during = time
+        .iter()
+        .zip(force)
+        .filter(|(t, _)| **t < 0.99 / celerity);
+    for (t, f) in during {
+        assert!(
+            (f / plateau - 1.0).abs() < 1e-6,
+            "{t}: {f}, expected {plateau}"
+        );
+    }
+    // jumps smear over a step of 0.15 µs in 0.2 ms; the step of the jump itself is off by a fraction of a percent
+    assert!((value(&outcome, "peak force") / plateau - 1.0).abs() < 1e-2);
+    assert!(
+        (value(&outcome, "end of the last contact") / (2e3 * 0.5 / celerity * 1.0) - 1.0).abs()
+            < 2e-3
+    );
+    assert!((value(&outcome, "coefficient of restitution") - 1.0).abs() < 2e-3);
+    assert!(value(&outcome, "velocity of the first body after").abs() < 6e-3);
+    assert!((value(&outcome, "velocity of the second body after") - 3.0).abs() < 6e-3);
+    // no uncertainty was stated, and that is said
+    assert!(
+        outcome
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("no uncertainty of the velocity"))
+    );
+}
+
+#[test]
+fn the_same_sheet_gives_the_same_bytes() {
+    let text = rodlab::templates::JobName::Force.template();
+    let sheet = output::SheetIdentity {
+        file: "force.ron".to_owned(),
+        sha256: String::new(),
+    };
+    let once = output::json_of(&attempt(text).unwrap(), &sheet).unwrap();
+    let again = output::json_of(&attempt(text).unwrap(), &sheet).unwrap();
+    assert_eq!(once, again);
+    assert_eq!(attempt(text).unwrap().verdict, Verdict::Answered);
+}
+
+#[test]
+fn what_cannot_be_is_refused_where_it_stands() {
+    let with = |first: &str, velocity: &str| {
+        let text = format!(
+            r#"Force(title: "x", materials: {{ "steel": (density: "7800 kg/m3", law: Elastic(modulus: "200 GPa")) }},
+            problem: Impact(first: {first}, second: Impedance("1000 kg/s"), velocity: {velocity}, duration: "1 ms"))"#
+        );
+        attempt(&text).unwrap_err().to_string()
+    };
+    let rod = |material: &str, diameter: &str| {
+        format!(
+            r#"Chain(elements: [Mass("10 gram"), Rod(material: "{material}", diameter: "{diameter}", length: "1 m")])"#
+        )
+    };
+    let refusals = [
+        with(&rod("stel", "16 mm"), r#""1 m/s""#),
+        with(&rod("steel", "16 kg"), r#""1 m/s""#),
+        with(&rod("steel", "16 mm"), r#""0 m/s""#),
+        with(&rod("steel", "16 mm"), "1"),
+        with("RigidMass(\"-1 kg\")", r#""1 m/s""#),
+        with("Sphere", r#""1 m/s""#),
+    ]
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r#"
+    problem.first.elements[1].material is `stel`, expected one of the materials `steel`
+    test.ron:2:104: Force.problem.Impact.first.Chain.elements[1].Rod.diameter: `16 kg` has the dimension kg, expected a length, as "800 mm" or "800 mm ± 0.5 mm"
+    test.ron:2:173: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, as "0.93 m/s"
+    test.ron:2:172: Force.problem.Impact.velocity: found the unsigned integer `1`, expected a velocity with its unit in quotes, as "0.93 m/s"
+    test.ron:2:47: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, as "1.5 kg" or "2.9 gram"
+    test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`
+    "#);
+}

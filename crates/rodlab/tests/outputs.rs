@@ -1,0 +1,213 @@
+//! The files of an outcome: their names, their bytes, and the documented structure of `result.json`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a failing test should say so at once"
+)]
+
+#[expect(dead_code, reason = "the browser needs more of it")]
+mod rich;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use rodlab::output;
+use serde_json::Value;
+
+#[test]
+fn every_part_has_its_file_and_the_result_is_the_last() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
+    let names: Vec<&str> = files
+        .iter()
+        .map(|path| path.file_name().unwrap().to_str().unwrap())
+        .collect();
+    insta::assert_snapshot!(names.join("\n"), @r"
+    modulus.csv
+    response.uff
+    histories.svg
+    response.svg
+    modulus.svg
+    cole-cole.svg
+    report.html
+    result.json
+    ");
+    let on_disk = fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(on_disk, names.len(), "nothing else is left in the folder");
+}
+
+#[test]
+fn the_same_outcome_gives_the_same_bytes() {
+    let write = || {
+        let folder = tempfile::tempdir().unwrap();
+        let files = output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
+        let bytes = |path| fs::read(path).unwrap();
+        files.iter().map(bytes).collect::<Vec<_>>()
+    };
+    assert_eq!(write(), write());
+}
+
+#[test]
+fn the_result_has_the_documented_structure_and_the_structure_nothing_that_is_not_there() {
+    let schema = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/result.schema.json");
+    let schema: Value = serde_json::from_str(&fs::read_to_string(schema).unwrap()).unwrap();
+    let mut seen = BTreeSet::new();
+    let mut outcome = rich::outcome();
+    for verdict in [outcome.verdict.clone(), rodlab::outcome::Verdict::Answered] {
+        outcome.verdict = verdict;
+        let result: Value =
+            serde_json::from_str(&output::json_of(&outcome, &rich::sheet()).unwrap()).unwrap();
+        if let Err(wrong) = check(&result, &schema, &schema, "result", &mut seen) {
+            panic!("{wrong}");
+        }
+    }
+    let mut documented = BTreeSet::new();
+    properties(&schema, "", &mut documented);
+    let missing: Vec<&String> = documented.difference(&seen).collect();
+    assert!(
+        missing.is_empty(),
+        "documented, but not in the result: {missing:?}"
+    );
+    assert_eq!(
+        schema["properties"]["result_version"]["const"],
+        output::RESULT_VERSION,
+        "the version of the documentation"
+    );
+}
+
+/// The part of JSON Schema that the documentation uses: `$ref`, `type`, `const`, `enum`, `properties`, `required`,
+/// `additionalProperties`, `items`, `oneOf`, `minItems`, `maxItems`, `pattern` by length. What it does not know is an error.
+fn check(
+    value: &Value,
+    schema: &Value,
+    root: &Value,
+    place: &str,
+    seen: &mut BTreeSet<String>,
+) -> Result<(), String> {
+    let schema = schema.as_object().unwrap();
+    for (key, says) in schema {
+        match key.as_str() {
+            "$schema" | "$defs" | "title" | "description" => {}
+            "$ref" => {
+                let pointer = says.as_str().unwrap().trim_start_matches('#');
+                let target = root
+                    .pointer(pointer)
+                    .unwrap_or_else(|| panic!("{pointer} is missing"));
+                check(value, target, root, place, seen)?;
+            }
+            "type" => {
+                let kinds: Vec<&str> = match says {
+                    Value::Array(kinds) => {
+                        kinds.iter().map(|kind| kind.as_str().unwrap()).collect()
+                    }
+                    kind => vec![kind.as_str().unwrap()],
+                };
+                let is = |kind: &str| match kind {
+                    "object" => value.is_object(),
+                    "array" => value.is_array(),
+                    "string" => value.is_string(),
+                    "number" => value.is_number(),
+                    "integer" => value.is_u64(),
+                    "boolean" => value.is_boolean(),
+                    "null" => value.is_null(),
+                    other => panic!("type {other}"),
+                };
+                if !kinds.iter().any(|kind| is(kind)) {
+                    return Err(format!("{place} is {value}, documented as {says}"));
+                }
+            }
+            "const" => {
+                if value != says {
+                    return Err(format!("{place} is {value}, documented as {says}"));
+                }
+            }
+            "enum" => {
+                if !says.as_array().unwrap().contains(value) {
+                    return Err(format!("{place} is {value}, documented as one of {says}"));
+                }
+            }
+            "oneOf" => {
+                let alternatives = says.as_array().unwrap();
+                let mut wrong = Vec::new();
+                let mut fits = 0;
+                for alternative in alternatives {
+                    let mut here = BTreeSet::new();
+                    match check(value, alternative, root, place, &mut here) {
+                        Ok(()) => {
+                            fits += 1;
+                            seen.append(&mut here);
+                        }
+                        Err(why) => wrong.push(why),
+                    }
+                }
+                if fits != 1 {
+                    return Err(format!(
+                        "{place} fits {fits} alternatives: {}",
+                        wrong.join("; ")
+                    ));
+                }
+            }
+            "properties" => {
+                let known = says.as_object().unwrap();
+                for (name, part) in value.as_object().into_iter().flatten() {
+                    let Some(part_schema) = known.get(name) else {
+                        return Err(format!("{place}.{name} is not documented"));
+                    };
+                    seen.insert(id(part_schema));
+                    check(part, part_schema, root, &format!("{place}.{name}"), seen)?;
+                }
+            }
+            "required" => {
+                for name in says.as_array().unwrap() {
+                    if value.get(name.as_str().unwrap()).is_none() {
+                        return Err(format!("{place} has no {name}"));
+                    }
+                }
+            }
+            "additionalProperties" => assert_eq!(says, false),
+            "items" => {
+                for (index, part) in value.as_array().into_iter().flatten().enumerate() {
+                    check(part, says, root, &format!("{place}[{index}]"), seen)?;
+                }
+            }
+            "minItems" | "maxItems" => {
+                let found = value.as_array().map_or(0, Vec::len) as u64;
+                let limit = says.as_u64().unwrap();
+                if (key == "minItems" && found < limit) || (key == "maxItems" && found > limit) {
+                    return Err(format!("{place} has {found} items, documented are {limit}"));
+                }
+            }
+            other => panic!("the schema uses {other}, which this test does not check"),
+        }
+    }
+    Ok(())
+}
+
+/// A property is known by its own words: they are different everywhere.
+fn id(schema: &Value) -> String {
+    let words = schema["description"].as_str();
+    words
+        .unwrap_or_else(|| panic!("{schema} has no description"))
+        .to_owned()
+}
+
+/// All properties that are documented.
+fn properties(schema: &Value, place: &str, found: &mut BTreeSet<String>) {
+    match schema {
+        Value::Object(parts) => {
+            for (name, part) in parts {
+                if place == "properties" {
+                    assert!(found.insert(id(part)), "described twice: {}", id(part));
+                }
+                properties(part, if place == "properties" { "" } else { name }, found);
+            }
+        }
+        Value::Array(parts) => {
+            for part in parts {
+                properties(part, "", found);
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,421 @@
+//! An outcome that has everything an outcome can have: every mark, every role, both scales, gaps, words that are markup.
+
+use rodlab::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
+use rodlab::outcome::{
+    Attachment, Column, InputFile, LogEntry, Outcome, Quantity, Setting, Table, Verdict,
+};
+use rodlab::output::SheetIdentity;
+
+/// The sheet that it could be of.
+pub fn sheet() -> SheetIdentity {
+    SheetIdentity {
+        file: "rod.ron".to_owned(),
+        sha256: "0".repeat(64),
+    }
+}
+
+fn steps(count: u32, from: f64, to: f64) -> Vec<f64> {
+    (0..count)
+        .map(|i| from + (to - from) * f64::from(i) / f64::from(count - 1))
+        .collect()
+}
+
+fn line(name: &str, role: Role, x: &[f64], y: impl Fn(f64) -> f64) -> Mark {
+    Mark::Line {
+        name: name.into(),
+        role,
+        x: x.to_vec(),
+        y: x.iter().map(|&x| y(x)).collect(),
+    }
+}
+
+fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
+    Panel {
+        x,
+        y,
+        marks,
+        greyed: vec![],
+        equal_axes: false,
+    }
+}
+
+/// A reproducible disturbance between -1 and 1.
+fn rough(x: f64) -> f64 {
+    (91.7 * x).sin() * (333.1 * x).cos() * (1777.3 * x + 1.0).sin()
+}
+
+/// Time histories of two channels with triggers and windows.
+fn histories() -> Figure {
+    let time = steps(65_536, 0.0, 1280.0);
+    let hit = |t: f64, at: f64| {
+        let since = t - at;
+        if since < 0.0 {
+            0.0
+        } else {
+            (-since / 40.0).exp() * (since * 2.1).sin()
+        }
+    };
+    let near = panel(
+        Axis::linear("time", "ms"),
+        Axis::linear("acceleration", "m/s²"),
+        vec![
+            line("impacted end", Role::First, &time, |t| {
+                900.0 * (hit(t, 200.0) + hit(t, 760.0)) + 8.0 * rough(t)
+            }),
+            line("free end", Role::Second, &time, |t| {
+                430.0 * (hit(t, 201.3) + hit(t, 761.3)) + 8.0 * rough(t + 0.3)
+            }),
+            Mark::At {
+                name: "trigger of hit 1".into(),
+                x: 200.0,
+            },
+            Mark::At {
+                name: "window begins".into(),
+                x: 210.0,
+            },
+            Mark::At {
+                name: "trigger of hit 2".into(),
+                x: 760.0,
+            },
+            Mark::At {
+                name: "end of the record".into(),
+                x: 1280.0,
+            },
+        ],
+    );
+    Figure {
+        name: "histories".into(),
+        title: "Accelerations at both ends, two hits".into(),
+        caption: "Vertical lines: triggers and the window of the first hit.".into(),
+        panels: vec![near],
+    }
+}
+
+/// Real and imaginary part of the response of two resonators.
+fn resonators(f: f64) -> (f64, f64) {
+    let part = |f0: f64, damping: f64| {
+        let ratio = f / f0;
+        let (real, imaginary) = (1.0 - ratio * ratio, damping * ratio);
+        let square = real * real + imaginary * imaginary;
+        (real / square, -imaginary / square)
+    };
+    let (low, high) = (part(120.0, 0.06), part(2300.0, 0.04));
+    (low.0 + 1e-3 * high.0, low.1 + 1e-3 * high.1)
+}
+
+/// Magnitude of the response in the figure [m/s/N].
+pub(crate) fn magnitude(f: f64) -> f64 {
+    let (real, imaginary) = resonators(f);
+    3e-5 * real.hypot(imaginary)
+}
+
+/// A frequency response with its phase and coherence.
+fn response() -> Figure {
+    let frequency: Vec<f64> = steps(800, 0.5, 4.0)
+        .iter()
+        .map(|e| 10_f64.powf(*e))
+        .collect();
+    let error = |f: f64| 0.03 + 0.4 * (f / 9000.0).powi(2);
+    let band = Mark::Band {
+        name: "one standard error".into(),
+        role: Role::First,
+        x: frequency.clone(),
+        lower: frequency
+            .iter()
+            .map(|&f| magnitude(f) * (1.0 - 2.6 * error(f)))
+            .collect(),
+        upper: frequency
+            .iter()
+            .map(|&f| magnitude(f) * (1.0 + 2.6 * error(f)))
+            .collect(),
+    };
+    let axis = || Axis::logarithmic("frequency", "Hz");
+    Figure {
+        name: "response".into(),
+        title: "Frequency response of the face, ten hits".into(),
+        caption: "Magnitude, phase and coherence on one axis of frequency.".into(),
+        panels: vec![
+            panel(
+                axis(),
+                Axis::logarithmic("magnitude", "m/s/N"),
+                vec![
+                    band,
+                    line("measured", Role::First, &frequency, magnitude),
+                    line("chain model", Role::Reference, &frequency, |f| {
+                        1.1 * magnitude(1.01 * f)
+                    }),
+                ],
+            ),
+            panel(
+                axis(),
+                Axis::linear("phase", "°").within([-180.0, 180.0]),
+                vec![line("measured", Role::First, &frequency, |f| {
+                    let (real, imaginary) = resonators(f);
+                    imaginary.atan2(real).to_degrees()
+                })],
+            ),
+            panel(
+                axis(),
+                Axis::linear("coherence", "").within([0.0, 1.05]),
+                vec![line("coherence", Role::Third, &frequency, |f| {
+                    1.0 / (1.0 + error(f).powi(2)) - 0.02 * rough(f).abs()
+                })],
+            ),
+        ],
+    }
+}
+
+/// Moduli with errors, bands, greyed ranges and lines that do not hold.
+fn moduli() -> Figure {
+    let frequency = steps(80, 0.25, 10.0);
+    let storage = |f: f64| 2.6 + 0.12 * f.ln();
+    let loss = |f: f64| 0.07 + 0.006 * (1.3 * f).sin();
+    let sd = |f: f64| 0.012 + 0.0012 * f * f;
+    let invalid = |f: f64| (3.9..4.6).contains(&f);
+    let points =
+        |name: &str, role, keep: &dyn Fn(f64) -> bool, scale: f64, y: &dyn Fn(f64) -> f64| {
+            let x: Vec<f64> = frequency.iter().copied().filter(|&f| keep(f)).collect();
+            Mark::Points {
+                name: name.into(),
+                role,
+                y: x.iter().map(|&f| y(f) + scale * sd(f) * rough(f)).collect(),
+                error: x.iter().map(|&f| scale * sd(f)).collect(),
+                x,
+            }
+        };
+    let greyed = || {
+        vec![
+            Greyed {
+                from: f64::NEG_INFINITY,
+                to: 0.6,
+                because: "rod shorter than a tenth of a wave".into(),
+            },
+            Greyed {
+                from: 3.9,
+                to: 4.6,
+                because: "near a multiple of half a wave".into(),
+            },
+        ]
+    };
+    let mut upper = panel(
+        Axis::linear("frequency", "kHz"),
+        Axis::linear("E'", "GPa"),
+        vec![
+            Mark::Band {
+                name: "fit, two standard errors".into(),
+                role: Role::Second,
+                x: frequency.clone(),
+                lower: frequency
+                    .iter()
+                    .map(|&f| storage(f) - 2.0 * sd(f))
+                    .collect(),
+                upper: frequency
+                    .iter()
+                    .map(|&f| storage(f) + 2.0 * sd(f))
+                    .collect(),
+            },
+            line("fractional model", Role::Second, &frequency, |f| {
+                if invalid(f) { f64::NAN } else { storage(f) }
+            }),
+            points("two points", Role::First, &|f| !invalid(f), 1.0, &storage),
+            points("not valid", Role::Faint, &invalid, 9.0, &storage),
+        ],
+    );
+    upper.greyed = greyed();
+    let mut lower = panel(
+        Axis::linear("frequency", "kHz"),
+        Axis::linear("loss factor", ""),
+        vec![
+            line("fractional model", Role::Second, &frequency, loss),
+            points("two points", Role::First, &|f| !invalid(f), 0.2, &loss),
+            points(
+                "three gauges",
+                Role::Third,
+                &|f| !invalid(f) && f < 7.0,
+                0.15,
+                &|f| loss(f) + 0.004,
+            ),
+            points("resonances", Role::Fourth, &|f| rough(f) > 0.4, 0.1, &|f| {
+                loss(f) - 0.003
+            }),
+            points("supplier", Role::Fifth, &|f| rough(f) < -0.5, 0.1, &|f| {
+                loss(f) + 0.006
+            }),
+            points(
+                "printed",
+                Role::Reference,
+                &|f| rough(f).abs() < 0.05,
+                0.1,
+                &loss,
+            ),
+        ],
+    );
+    lower.greyed = greyed();
+    Figure {
+        name: "modulus".into(),
+        title: "Complex modulus of polypropylene at 23 °C".into(),
+        caption: "Points with standard errors; grey where the result does not hold.".into(),
+        panels: vec![upper, lower],
+    }
+}
+
+/// A curve that runs back and forth on equal axes.
+fn nyquist() -> Figure {
+    let angle = steps(20_000, 0.0, 6.283);
+    let at = |offset: f64| -> Vec<f64> {
+        angle
+            .iter()
+            .map(|a| 2.6 + 0.4 * (a + offset).cos() + 0.004 * rough(*a))
+            .collect()
+    };
+    let mut figure = panel(
+        Axis::linear("E'", "GPa"),
+        Axis::linear("E''", "GPa"),
+        vec![
+            Mark::Line {
+                name: "measured".into(),
+                role: Role::First,
+                x: at(0.0),
+                y: at(-1.5708).iter().map(|v| v - 2.0).collect(),
+            },
+            Mark::Line {
+                name: "model".into(),
+                role: Role::Fifth,
+                x: at(0.0).iter().map(|v| v + 0.05).collect(),
+                y: at(-1.5708).iter().map(|v| v - 1.98).collect(),
+            },
+        ],
+    );
+    figure.equal_axes = true;
+    Figure {
+        name: "cole-cole".into(),
+        title: "Loss over storage modulus".into(),
+        caption: "A unit is as long on one axis as on the other.".into(),
+        panels: vec![figure],
+    }
+}
+
+/// The outcome.
+pub(crate) fn outcome() -> Outcome {
+    let mut outcome = Outcome::of(
+        "modulus",
+        "Polypropylene rod, test 6 </script><script>alert(1)</script>",
+    );
+    outcome.verdict = Verdict::NotAllowed {
+        reason: "Only two of ten hits were accepted above 4 kHz.".into(),
+    };
+    outcome.summary = vec![
+        "The modulus at 1 kHz is 2.612 ± 0.014 GPa, the loss factor 0.0700 ± 0.0004.".into(),
+        "72 of 80 lines hold within 1 % of E' and 5 % of the loss factor.".into(),
+    ];
+    outcome.warnings = vec![
+        "Hit 3 overloads channel 2 and was left out.".into(),
+        "The mass of the accelerometer is known to 5 % only, which is half of the error above 6 kHz.".into(),
+    ];
+    outcome.inputs = vec![
+        InputFile {
+            path: "records/hits.npy".into(),
+            format: "NPY".into(),
+            bytes: 1_048_704,
+            sha256: "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08".into(),
+        },
+        InputFile {
+            path: "records/a very long name of a file & its <folder>/hit_0002_channel_acceleration.uff".into(),
+            format: "UFF 58".into(),
+            bytes: 524_288,
+            sha256: "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752".into(),
+        },
+    ];
+    outcome.settings = vec![
+        Setting {
+            name: "specimen.length".into(),
+            value: "799 mm ± 0.3 mm".into(),
+            by_default: false,
+        },
+        Setting {
+            name: "processing.window".into(),
+            value: "exponential, time constant 40 ms".into(),
+            by_default: true,
+        },
+    ];
+    outcome.log = (1..=10_u32)
+        .map(|hit| LogEntry {
+            what: format!("hits.npy, hit {hit} at {:.3} s", 0.8 * f64::from(hit)),
+            accepted: hit != 3 && hit != 7,
+            reasons: match hit {
+                3 => vec!["overload of channel 2, 14 samples at 4.998 V".into()],
+                7 => vec![
+                    "double hit after 3.2 ms".into(),
+                    "signal 14 dB above noise, 20 dB are needed".into(),
+                ],
+                _ => vec![],
+            },
+        })
+        .collect();
+    outcome.quantities = vec![
+        Quantity {
+            name: "storage modulus at 1 kHz".into(),
+            unit: "GPa".into(),
+            value: Some(2.61234),
+            standard_error: Some(0.01412),
+            valid: true,
+            verdict: "valid".into(),
+        },
+        Quantity {
+            name: "viscosity of the third branch".into(),
+            unit: "Pa s".into(),
+            value: Some(2.3e7),
+            standard_error: Some(4.1e8),
+            valid: false,
+            verdict: "not identifiable: no line below its relaxation frequency of 3 Hz".into(),
+        },
+        Quantity {
+            name: "creep recovery time".into(),
+            unit: "s".into(),
+            value: None,
+            standard_error: None,
+            valid: false,
+            verdict: "no load was removed".into(),
+        },
+    ];
+    let frequency = steps(80, 250.0, 10_000.0);
+    outcome.tables = vec![Table {
+        name: "modulus".into(),
+        title: "Modulus by frequency".into(),
+        columns: vec![
+            Column::numbers(
+                "storage modulus",
+                "GPa",
+                frequency.iter().map(|f| 2.0 + 0.1 * f.ln()).collect(),
+            ),
+            Column::numbers(
+                "loss factor",
+                "",
+                frequency
+                    .iter()
+                    .map(|f| if *f > 9500.0 { f64::NAN } else { 0.07 })
+                    .collect(),
+            ),
+            Column::words(
+                "verdict",
+                frequency
+                    .iter()
+                    .map(|f| {
+                        if *f > 9500.0 {
+                            "wavelength below five diameters".into()
+                        } else {
+                            "valid".into()
+                        }
+                    })
+                    .collect(),
+            ),
+            Column::numbers("frequency", "Hz", frequency),
+        ],
+    }];
+    outcome.figures = vec![histories(), response(), moduli(), nyquist()];
+    outcome.attachments = vec![Attachment {
+        name: "response.uff".into(),
+        bytes: b"    -1\n".to_vec(),
+    }];
+    outcome
+}
