@@ -1,0 +1,130 @@
+//! The tour of `docs/tour.md`, command by command, on a copy of the examples: what the page says a command prints, it prints.
+#![cfg(unix)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a command of the tour that does not work is the failure that the test reports"
+)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A block of the page that is run, and what the page says of it.
+#[derive(Debug, Default)]
+struct Step {
+    line: usize,
+    commands: String,
+    /// Lines of the output, in order; `...` stands for any text.
+    said: Vec<String>,
+}
+
+/// The blocks marked `sh`, each with the block marked `text` that follows it.
+fn steps(page: &str) -> Vec<Step> {
+    let mut steps: Vec<Step> = Vec::new();
+    let mut inside = None;
+    for (number, line) in page.lines().enumerate() {
+        match (inside, line.trim()) {
+            (None, "```sh") => {
+                inside = Some("sh");
+                steps.push(Step {
+                    line: number + 1,
+                    ..Step::default()
+                });
+            }
+            (None, "```text") => inside = Some("text"),
+            (None, fence) if fence.starts_with("```") => inside = Some("other"),
+            (Some(_), "```") => inside = None,
+            (Some("sh"), _) => {
+                let step = steps.last_mut().unwrap();
+                step.commands += line;
+                step.commands += "\n";
+            }
+            (Some("text"), text) => {
+                if let Some(step) = steps.last_mut() {
+                    step.said.push(text.to_owned());
+                }
+            }
+            _ => {}
+        }
+    }
+    steps
+}
+
+/// Whether `line` is `pattern`, in which `...` stands for any text.
+fn fits(pattern: &str, line: &str) -> bool {
+    let mut rest = line;
+    for (number, part) in pattern.split("...").enumerate() {
+        match rest.find(part) {
+            Some(at) if number > 0 || at == 0 => rest = &rest[at + part.len()..],
+            _ => return false,
+        }
+    }
+    rest.is_empty() || pattern.ends_with("...")
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let copied = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &copied);
+        } else {
+            fs::copy(&path, &copied).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_tour_can_be_walked() {
+    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(crate_folder.join("../../docs/tour.md")).unwrap();
+    let place = tempfile::tempdir().unwrap();
+    copy(&crate_folder.join("examples"), place.path());
+    let binaries = Path::new(env!("CARGO_BIN_EXE_rodlab")).parent().unwrap();
+    let path = format!("{}:{}", binaries.display(), std::env::var("PATH").unwrap());
+    let mut folder: PathBuf = place.path().to_path_buf();
+    let steps = steps(&page);
+    assert!(steps.len() >= 8, "a tour of {} steps", steps.len());
+    let mut walked = 0;
+    for step in steps {
+        // how the program comes onto the machine is not part of the walk
+        if step.commands.contains("cargo ") || step.commands.contains("git ") {
+            continue;
+        }
+        let run = Command::new("sh")
+            .args(["-u", "-c", &format!("{}\nprintf '%s' \"$PWD\" > \"$AT\"", step.commands)])
+            .current_dir(&folder)
+            .env("PATH", &path)
+            .env("NO_COLOR", "1")
+            .env("AT", place.path().join(".at"))
+            .output()
+            .unwrap();
+        let output = String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
+        let at = format!("docs/tour.md:{}, `{}`", step.line, step.commands.trim());
+        assert!(
+            run.status.success() && !output.contains("not found"),
+            "{at} says\n{output}"
+        );
+        folder = fs::read_to_string(place.path().join(".at")).unwrap().into();
+        let mut printed = output.lines();
+        for said in &step.said {
+            assert!(
+                printed.any(|line| fits(said, line.trim())),
+                "{at} does not say\n{said}\nbut\n{output}"
+            );
+        }
+        walked += 1;
+    }
+    assert!(walked >= 6, "{walked} steps were walked");
+}
+
+#[test]
+fn dots_stand_for_any_text() {
+    assert!(fits("E' = ... GPa at 5 kHz", "E' = 2.6 GPa at 5 kHz"));
+    assert!(fits("E' = ...", "E' = 2.6 GPa"));
+    assert!(!fits("E' = ... GPa", "E' = 2.6 MPa"));
+    assert!(!fits("= ...", "E' = 2.6"));
+    assert!(!fits("E' = 2.6", "E' = 2.6 GPa"));
+}
