@@ -112,7 +112,11 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
         .iter()
         .map(|s| format!("{} = {}", s.name, s.value))
         .collect();
-    insta::assert_snapshot!(said.join("\n"), @r"");
+    insta::assert_snapshot!(said.join("\n"), @r"
+    records.sampling_rate = 8 kHz
+    records.channels: end A = channel 3, in V, sensitivity 100 mV/g, inverted, offset 1
+    records.channels: hammer = channel 2, in V, sensitivity 2 mV/N ± 1.000 %
+    ");
 }
 
 #[test]
@@ -137,7 +141,18 @@ fn what_an_array_does_not_tell_is_asked_for() {
             r#"(files: [], channels: [(name: "hammer", from: 1)])"#,
         ],
     );
-    insta::assert_snapshot!(said, @r"");
+    insta::assert_snapshot!(said, @r#"
+    records.sampling_rate is not stated, expected the rate of the samples, as "51.2 kHz": hit.npy does not tell it
+    records.channels[0].unit is not stated, expected the unit of the samples, as "V": hit.npy does not tell it
+    records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.npy)
+    records.channels[0].from is channel 0, expected a number from 1 to 2 (hit.npy)
+    records.channels[0].unit: `furlong` is no known unit: `furlong` is not among the known symbols
+    records.channels[0], hit.npy: series 1 (`[1, :]`) is no channel of a record: its ordinate is NaN at sample 2, expected finite
+    records.channels[0], hit.npy: a channel recorded in V is in V over 1 and pC/N, expected a quotient that is a quantity of a channel
+    records.channels[1].name is `a`, expected another name than that of channels[0]
+    records.channels is empty, expected at least one channel
+    records.files is empty, expected the name of at least one file
+    "#);
 }
 
 #[test]
@@ -159,7 +174,11 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
             &sheet("\"[a.csv\""),
         ],
     );
-    insta::assert_snapshot!(said, @r"");
+    insta::assert_snapshot!(said, @r#"
+    no file matches `hits/*.csv` in FOLDER
+    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are of no known format (tdms, wav, npy, npz, mat5, uff58, lvm, csv)
+    records.files is `[a.csv`: invalid range pattern, expected a name or a pattern
+    "#);
 }
 
 #[test]
@@ -181,7 +200,7 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     let record = &loaded.records[0].record;
     assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
     assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
-    insta::assert_snapshot!(loaded.warnings.join("\n"), @r"");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv has `end A` in g; as the sheet says, it is taken as m/s^2.");
     let said = refusals(
         folder.path(),
         &[
@@ -189,7 +208,10 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
             r#"(files: ["hit.csv"], channels: [(name: "force", from: "hamer")])"#,
         ],
     );
-    insta::assert_snapshot!(said, @r"");
+    insta::assert_snapshot!(said, @r"
+    records.sampling_rate is 2048 Hz, expected 1023.5414534288639 Hz, as hit.csv tells it, or no statement
+    records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
+    ");
 }
 
 #[test]
@@ -243,7 +265,11 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
             &sheet("hits.uff", "\"temperature\""),
         ],
     );
-    insta::assert_snapshot!(said, @r"");
+    insta::assert_snapshot!(said, @r"
+    records.channels[1], lost.uff: series 4 (`end A`) is no channel of a record: its ordinate is NaN at sample 1, expected finite
+    records.channels[1].from is `end A`, expected a channel on the time axis of `hammer` (short.uff, record 2)
+    records.channels[1].from is `temperature`, expected a channel on the time axis of `hammer` (hits.uff, record 1)
+    ");
 }
 
 #[test]
@@ -271,5 +297,5 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
         assert_eq!(load(folder.path(), &sheet(exact)).unwrap().records.len(), 2);
     }
     let said = refusals(folder.path(), &[&sheet("\"acceleration\"")]);
-    insta::assert_snapshot!(said, @r"");
+    insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which stands for several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
 }

@@ -153,7 +153,13 @@ impl ChannelSheet {
         if let Some(unit) = &self.unit {
             words.push(format!("in {unit}"));
         }
-        let rating = |r: &Rating| format!("{} {}", r.value(), r.unit().symbol());
+        let rating = |r: &Rating| {
+            let stated = format!("{} {}", r.value(), r.unit().symbol());
+            match r.standard_uncertainty() {
+                u if u > 0.0 => format!("{stated} ± {:.3} %", 100.0 * (u / r.value()).abs()),
+                _ => stated,
+            }
+        };
         if let Some(Sensitivity(sensitivity)) = &self.sensitivity {
             words.push(format!("sensitivity {}", rating(sensitivity)));
         }

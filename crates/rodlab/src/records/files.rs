@@ -30,7 +30,7 @@ pub(super) fn paths(
             let listed = glob::glob(&wanted.to_string_lossy()).map_err(|error| {
                 RodlabError::request(
                     field,
-                    format!("`{pattern}`, {error}"),
+                    format!("`{pattern}`: {}", error.msg),
                     "a name or a pattern",
                 )
             })?;
