@@ -20,9 +20,11 @@ fn records(text: &str) -> Records {
 fn load(folder: &Path, text: &str) -> Result<Loaded, String> {
     records(text)
         .load(folder, "records")
-        .map_err(|error| match error.to_string() {
-            // where the folder is differs from run to run
-            text => text.replace(&folder.display().to_string(), "FOLDER"),
+        // where the folder is differs from run to run
+        .map_err(|error| {
+            error
+                .to_string()
+                .replace(&folder.display().to_string(), "FOLDER")
         })
 }
 
