@@ -210,6 +210,9 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
                 .and_then(|entry| Some((entry.what, entry.reasons.first()?.clone())))
                 .map(|(what, reason)| format!(", as {what}: {reason}"))
                 .unwrap_or_default();
+            if found.hits().all(|hit| !hit.is_found()) {
+                return Some(format!("no hit{hammer} is found{because}"));
+            }
             return Some(match n_found {
                 1 => format!("the only hit{hammer} is rejected{because}"),
                 n => format!("all {n} hits{hammer} are rejected{because}"),
