@@ -22,12 +22,13 @@ pub use sheet::{
 use labio::{AveragedSpectra, Record};
 
 use self::estimate::Estimated;
-use self::words::{capital, hertz, short};
+use self::words::capital;
 use super::Surroundings;
 use crate::figure::Greyed;
 use crate::hits::{FoundHits, HitsSheet};
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::records::Records;
+use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
 /// The frequencies that the result is for.
