@@ -9,6 +9,7 @@
 mod levels;
 mod suspicions;
 mod text;
+mod time_like;
 
 pub use levels::Levels;
 
@@ -20,6 +21,7 @@ use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Se
 use serde::Serialize;
 
 use crate::RodlabError;
+use crate::rounded::hertz;
 
 /// What is in a file.
 #[derive(Debug, Clone, Serialize)]
@@ -69,7 +71,7 @@ pub struct InspectedSeries {
     pub from: f64,
     /// Distance of the values of the abscissa; none if it is uneven.
     pub step: Option<f64>,
-    /// Unit of the abscissa as the file writes it, empty if it does not.
+    /// Unit of the abscissa as the file writes it or its format has it; empty if it does not tell one.
     pub abscissa_unit: String,
     /// Sampling rate \[Hz\], if the abscissa is an even time in a known unit.
     pub sampling_rate_hz: Option<f64>,
@@ -122,6 +124,10 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         .map(|(series, number)| InspectedSeries::of(series, number))
         .collect();
     let advice = advice(&contents, &series);
+    // a column of times is no channel
+    contents
+        .series
+        .retain(|series| time_like::step_of(series).is_none());
     let rate_is_told = suspicions::complete(&mut contents)?;
     let found = contents.records(&Provenance::of_bytes(contents.format, bytes));
     let records = found
@@ -138,7 +144,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
             duration: rate_is_told.then(|| record.duration()),
         })
         .collect();
-    let (mut wrong, as_hits) = suspicions::of_records(&found.records)?;
+    let (mut wrong, as_hits) = suspicions::of_records(&found.records, rate_is_told)?;
     for one in &series {
         if one.not_finite > 0 {
             wrong.push(format!(
@@ -189,7 +195,10 @@ impl InspectedSeries {
             complex: matches!(series.ordinate, Ordinate::Complex(_)),
             from,
             step,
-            abscissa_unit: series.abscissa_axis.unit_text.clone(),
+            abscissa_unit: match (series.abscissa_axis.unit_text.as_str(), time) {
+                ("", Some(unit)) => unit.symbol().to_owned(),
+                (text, _) => text.to_owned(),
+            },
             sampling_rate_hz: time.zip(step).map(|(unit, step)| 1.0 / unit.to_si(step)),
             levels,
             not_finite,
@@ -237,7 +246,17 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
             without_time.join(", ")
         ));
     }
-    let without_unit = numbers(&|series| series.ordinate_axis.unit.is_none());
+    for (series, number) in contents.series.iter().zip(1_usize..) {
+        if let Some(step) = time_like::step_of(series) {
+            advice.push(format!(
+                "channel {number} grows evenly, as times do: if they are in s, `sampling_rate` is {}",
+                hertz(1.0 / step)
+            ));
+        }
+    }
+    let without_unit = numbers(&|series| {
+        series.ordinate_axis.unit.is_none() && time_like::step_of(series).is_none()
+    });
     if !without_unit.is_empty() {
         advice.push(format!(
             "the file does not tell a known unit of channel {}: a sheet states `unit`",

@@ -102,6 +102,23 @@ fn what_a_file_does_not_tell_is_advised() {
 }
 
 #[test]
+fn a_row_of_times_is_no_channel() {
+    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 100), }";
+    npy.extend(format!("{header:<117}\n").bytes());
+    let times = (0..100_u32).map(|k| f64::from(k) / 25_600.0);
+    let force = (0..100_u32).map(|k| f64::from(k * k % 17));
+    npy.extend(times.chain(force).flat_map(f64::to_le_bytes));
+    let inspection = inspect_bytes(&npy, "hit.npy").unwrap();
+    assert_eq!(inspection.records[0].channels.len(), 1);
+    insta::assert_snapshot!(inspection.advice.join("\n"), @r"
+    the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
+    channel 1 grows evenly, as times do: if they are in s, `sampling_rate` is 25.6 kHz
+    the file does not tell a known unit of channel 2: a sheet states `unit`
+    ");
+}
+
+#[test]
 fn a_step_that_was_rounded_is_recognised() {
     let text = "Time (s),a (m/s^2)\n0,0\n0.000977,1\n0.001954,2\n0.002931,1\n";
     let inspection = inspect_bytes(text.as_bytes(), "a.csv").unwrap();

@@ -25,8 +25,14 @@ pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     Ok(told)
 }
 
-/// What is wrong with the channels, and what would be if each record were one hit.
-pub(super) fn of_records(records: &[Record]) -> Result<(Vec<String>, Vec<String>), RodlabError> {
+/// Samples of the shortest record that could be a hit.
+const SHORTEST_HIT: usize = 64;
+
+/// What is wrong with the channels, and what would be if each record were one hit: of a hit only where times are known.
+pub(super) fn of_records(
+    records: &[Record],
+    rate_is_told: bool,
+) -> Result<(Vec<String>, Vec<String>), RodlabError> {
     let judging = |error| RodlabError::step("looking at levels", error);
     let (mut wrong, mut as_hits) = (Vec::new(), Vec::new());
     for (number, record) in records.iter().enumerate() {
@@ -52,7 +58,8 @@ pub(super) fn of_records(records: &[Record]) -> Result<(Vec<String>, Vec<String>
                 | Reason::StaticOffset { .. }
                 | Reason::Overload { .. }
                 | Reason::NonFinite { .. } => wrong.push(said),
-                _ => as_hits.push(said),
+                _ if rate_is_told && record.n_samples() >= SHORTEST_HIT => as_hits.push(said),
+                _ => {}
             }
         }
     }
