@@ -209,7 +209,9 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
             y: drawn.each(|line| coherence.values[line]),
         });
     }
-    let ends = [drawn.frequency.first(), drawn.frequency.last()];
+    // on a logarithmic axis there is no 0 Hz
+    let mut above_0 = drawn.frequency.iter().filter(|f| **f > 0.0);
+    let ends = [above_0.next(), drawn.frequency.last()];
     let level = estimated
         .coherences
         .first()
