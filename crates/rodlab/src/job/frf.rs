@@ -172,6 +172,7 @@ fn find(
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
+    outcome.log.extend(loaded.left_out);
     around.progress.begins("judging hits", 0);
     let found = hits.find(loaded.records, &sheet.input, &format!("{place}hits"))?;
     outcome.settings.extend_from_slice(found.settings());
