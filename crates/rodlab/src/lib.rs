@@ -17,9 +17,12 @@
 //! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
 
 pub mod arguments;
+mod chosen;
+mod digits;
 pub mod error;
 pub mod figure;
 pub mod job;
+mod number_file;
 pub mod outcome;
 pub mod output;
 pub mod records;

@@ -18,7 +18,7 @@ mod stated;
 pub use diagnostic::SheetError;
 pub use stated::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
-    Ratio, SpecificImpedance, Stated, Temperature, Time, Velocity, Written,
+    Ratio, SpecificImpedance, Stated, Stress, Temperature, Time, Velocity, Written,
 };
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
