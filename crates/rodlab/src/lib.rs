@@ -10,6 +10,7 @@
 //! | [`arguments`] | the command line |
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
+//! | [`hits`] | which hits of the records are accepted, and why the others are not |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -21,6 +22,7 @@ mod chosen;
 mod digits;
 pub mod error;
 pub mod figure;
+pub mod hits;
 pub mod job;
 mod number_file;
 pub mod outcome;
