@@ -45,6 +45,12 @@ impl FoundHit<'_> {
         }
     }
 
+    /// Whether it was cut out of a longer record, so that its time is that of the trigger.
+    #[must_use]
+    pub fn is_by_trigger(&self) -> bool {
+        self.by_trigger
+    }
+
     /// What was decided, and why.
     #[must_use]
     pub fn log_entry(&self) -> LogEntry {
