@@ -1,8 +1,8 @@
 //! The list of everything that was chosen, by a sheet or by default.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
 
+use crate::job::frf::AboutSheet;
 use crate::outcome::Setting;
 
 /// Collects the [`Setting`]s of a job.
@@ -34,9 +34,16 @@ impl Chosen {
     }
 
     /// Free texts about a test.
-    pub(crate) fn about(&mut self, texts: &BTreeMap<String, String>) {
-        for (name, text) in texts {
-            self.stated(format!("about.{name}"), text);
+    pub(crate) fn about(&mut self, about: &AboutSheet) {
+        for (name, text) in [
+            ("laboratory", &about.laboratory),
+            ("operator", &about.operator),
+            ("date", &about.date),
+            ("note", &about.note),
+        ] {
+            if let Some(text) = text {
+                self.stated(format!("about.{name}"), text);
+            }
         }
     }
 

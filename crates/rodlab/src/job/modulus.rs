@@ -19,13 +19,12 @@ pub use laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet};
 pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
 
-use std::collections::BTreeMap;
-
 use cmod::ModulusEstimate;
 use cmod::lateral_inertia::CorrectedEstimate;
 use serde::Deserialize;
 
 use super::Surroundings;
+use super::frf::{AboutSheet, BandSheet};
 use crate::outcome::Verdict;
 use crate::sheet::{AddedMass, Density, Frequency, Length, Ratio, Stated};
 use crate::{Outcome, RodlabError};
@@ -37,18 +36,18 @@ use measured::{Measured, Spectra};
 pub struct ModulusSheet {
     /// Title of the test.
     pub title: String,
-    /// Free texts for the report, as `{"laboratory": "...", "operator": "..."}`.
+    /// Who measured what, where and when.
     #[serde(default)]
-    pub about: BTreeMap<String, String>,
+    pub about: AboutSheet,
     /// The rod.
     pub specimen: SpecimenSheet,
     /// How the modulus is found.
     pub method: MethodSheet,
     /// What was measured.
     pub source: SourceSheet,
-    /// Lines between these frequencies are taken, as `("200 Hz", "16 kHz")`; all lines by default.
+    /// Lines that are taken, as `(from: "200 Hz", to: "16 kHz")`; all above 0 Hz by default.
     #[serde(default)]
-    pub band: Option<(Stated<Frequency>, Stated<Frequency>)>,
+    pub band: Option<BandSheet>,
     /// What is asked of a line that is to be called valid.
     #[serde(default)]
     pub limits: LimitsSheet,
@@ -128,10 +127,7 @@ struct Found<'a> {
     distance: f64,
 }
 
-pub(crate) fn run(
-    sheet: &ModulusSheet,
-    around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
     let mut chosen = settings::of(sheet);
     around.progress.begins("reading", 0);
@@ -141,6 +137,7 @@ pub(crate) fn run(
     outcome.log = std::mem::take(&mut measured.log);
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
+    outcome.warnings = std::mem::take(&mut measured.warnings);
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
         outcome

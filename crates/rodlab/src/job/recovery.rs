@@ -12,8 +12,6 @@ mod statement;
 pub use load::LoadSheet;
 pub use readings::{Reading, ReadingsSheet};
 
-use std::collections::BTreeMap;
-
 use cmod::recovery::RecoveryTest;
 use cmod::recovery::fit::{
     ErrorScale, PaperFit, RecoveryFit, SeriesModulus, SingleTestFit, paper_procedure,
@@ -21,6 +19,7 @@ use cmod::recovery::fit::{
 use serde::Deserialize;
 
 use super::Surroundings;
+use super::frf::AboutSheet;
 use crate::chosen::Chosen;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Frequency, Pressure, Ratio, Stated};
@@ -32,9 +31,9 @@ use crate::{Outcome, RodlabError};
 pub struct RecoverySheet {
     /// Title of the tests.
     pub title: String,
-    /// Free texts for the report, as `{"laboratory": "...", "operator": "..."}`.
+    /// Who measured what, where and when.
     #[serde(default)]
-    pub about: BTreeMap<String, String>,
+    pub about: AboutSheet,
     /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, as `"3.1 GPa ± 50 MPa"`. No loss factor
     /// determines it.
     pub series_modulus: Stated<Pressure>,

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use cmod::ModulusLine;
 use cmod::checks::{
-    Arrivals, Channel, Check, CheckOutcome, CheckVerdict, FreeEndNull, USUAL_LEVEL,
-    kramers_kronig, passivity,
+    Arrivals, Channel, Check, CheckOutcome, CheckVerdict, FreeEndNull, USUAL_LEVEL, kramers_kronig,
+    passivity,
 };
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -71,7 +71,12 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         ));
     }
     if checks.has(CheckSheet::Passivity) {
-        say(outcome, found, Check::Passivity, passivity(found.estimate, level));
+        say(
+            outcome,
+            found,
+            Check::Passivity,
+            passivity(found.estimate, level),
+        );
     }
     if checks.has(CheckSheet::KramersKronig) {
         let made = kramers_kronig(found.estimate, level);
@@ -128,9 +133,11 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
         return;
     };
     let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
-    let (Some(last), Ok(near), Ok(far)) =
-        (valid.last(), hit.channel(impacted_end), hit.channel(free_end))
-    else {
+    let (Some(last), Ok(near), Ok(far)) = (
+        valid.last(),
+        hit.channel(impacted_end),
+        hit.channel(free_end),
+    ) else {
         return;
     };
     let (near, far) = (near.to_vec(), far.to_vec());
@@ -169,11 +176,11 @@ fn say(
     check: Check,
     made: Result<CheckOutcome, cmod::CmodError>,
 ) {
-    let name = format!("check of {check}");
+    let name = format!("check: {check}");
     match made {
         Ok(made) => {
             outcome.quantities.push(Quantity {
-                name: format!("{name}, probability of noise alone to give as much"),
+                name: format!("{name}, p-value"),
                 unit: String::new(),
                 value: Some(made.p_value),
                 standard_error: None,

@@ -76,15 +76,13 @@ fn of_ratio(
                 _ => method.estimate(frequency_hz, values, variance),
             }
         }
-        MethodSheet::Resonances { .. } => {
-            Resonances::new(rod_with_free_end(sheet), length(sheet)?)
-                .and_then(|method| method.with_limits(limits))
-                .and_then(|method| {
-                    let length = uncertainty(specimen.length.as_ref());
-                    method.with_uncertainty(section_uncertainty(sheet, length))
-                })
-                .and_then(|method| method.estimate(frequency_hz, values, variance))
-        }
+        MethodSheet::Resonances { .. } => Resonances::new(rod_with_free_end(sheet), length(sheet)?)
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| {
+                let length = uncertainty(specimen.length.as_ref());
+                method.with_uncertainty(section_uncertainty(sheet, length))
+            })
+            .and_then(|method| method.estimate(frequency_hz, values, variance)),
         MethodSheet::FreeEnd {
             first,
             second,
@@ -309,9 +307,7 @@ fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> SectionUncertaint
 }
 
 fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
-    stated
-        .and_then(Stated::standard_uncertainty)
-        .unwrap_or(0.0)
+    stated.and_then(Stated::standard_uncertainty).unwrap_or(0.0)
 }
 
 pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {

@@ -240,9 +240,7 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
         .iter()
         .map(|line| {
             let root = line.closed_form.as_ref();
-            root.map_or(f64::NAN, |root| {
-                root.gamma_length.im / std::f64::consts::PI
-            })
+            root.map_or(f64::NAN, |root| root.gamma_length.im / std::f64::consts::PI)
         })
         .collect();
     if closed.iter().any(|value| value.is_finite()) {
@@ -305,7 +303,11 @@ fn coherence(found: &Found<'_>) -> Option<Figure> {
     let error: Vec<f64> = ratio.variance.iter().map(|v| (0.5 * v).sqrt()).collect();
     let edge = |sign: f64| -> Vec<f64> {
         let pairs = magnitude.iter().zip(&error);
-        picked(&pairs.map(|(m, e)| m + sign * BAND * e).collect::<Vec<f64>>())
+        picked(
+            &pairs
+                .map(|(m, e)| m + sign * BAND * e)
+                .collect::<Vec<f64>>(),
+        )
     };
     let line = |y: Vec<f64>| Mark::Line {
         name: String::new(),

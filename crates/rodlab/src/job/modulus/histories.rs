@@ -110,7 +110,9 @@ fn panel(found: &FoundHits, channel: &str, silent: Option<usize>) -> Option<Pane
 fn drawn(samples: &[f64], step: f64, scale: f64) -> (Vec<f64>, Vec<f64>) {
     let stretch = samples.len().div_ceil(STRETCHES);
     if stretch <= 2 {
-        let x = (0..samples.len()).map(|index| step * index as f64).collect();
+        let x = (0..samples.len())
+            .map(|index| step * index as f64)
+            .collect();
         return (x, samples.iter().map(|y| scale * y).collect());
     }
     let (mut x, mut y) = (Vec::new(), Vec::new());

@@ -98,7 +98,11 @@ impl LawsSheet {
             CriterionSheet::Aicc => "Akaike's information criterion, corrected",
         };
         let criterion = self.criterion.map(name);
-        chosen.either("laws.criterion", criterion.as_ref(), name(CriterionSheet::Bic));
+        chosen.either(
+            "laws.criterion",
+            criterion.as_ref(),
+            name(CriterionSheet::Bic),
+        );
         chosen.either("laws.confidence", self.confidence.as_ref(), "95 %");
         chosen.either("laws.most_lines", self.most_lines.as_ref(), MOST_LINES);
         if let Some(cards) = &self.cards {
@@ -158,7 +162,7 @@ pub(super) fn fit(
     around.go_on()?;
     for (law, error) in &comparison.refused {
         outcome.log.push(LogEntry {
-            what: format!("law of {law}"),
+            what: format!("law: {law}"),
             accepted: false,
             reasons: vec![error.to_string()],
         });
@@ -167,8 +171,12 @@ pub(super) fn fit(
         return Ok(());
     };
     outcome.summary.push(format!(
-        "Of {} the data prefer that of {}, with chi-square {} for {} degrees of freedom on {} lines.",
-        if laws.len() == 1 { "1 law".to_owned() } else { format!("{} laws", laws.len()) },
+        "Of {} the data prefer: {}, with chi-square {} for {} degrees of freedom on {} lines.",
+        if laws.len() == 1 {
+            "1 law".to_owned()
+        } else {
+            format!("{} laws", laws.len())
+        },
         best.law.law(),
         significant(best.chi_squared, 3),
         best.degrees_of_freedom,
@@ -176,8 +184,8 @@ pub(super) fn fit(
     ));
     if !best.whiteness.is_white(WHITE) {
         outcome.warnings.push(format!(
-            "What the law of {} leaves over is no noise: it is not the law of this material over the whole band, and the errors of \
-             its parameters mean little.",
+            "What the preferred law ({}) leaves over is no noise: it is not the law of this material over the whole band, and the \
+             errors of its parameters mean little.",
             best.law.law()
         ));
     }
@@ -208,6 +216,7 @@ fn points(found: &Found<'_>, most: usize) -> Vec<ModulusPoint> {
 }
 
 fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
+    let white = fit.whiteness.is_white(WHITE);
     for parameter in &fit.parameters {
         let identified = parameter.verdict.is_identified();
         let error = match parameter.scale {
@@ -222,19 +231,24 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
             _ => None,
         };
         outcome.quantities.push(Quantity {
-            name: format!("{} of the law of {}", parameter.name, fit.law.law()),
+            name: format!("{}, {}", fit.law.law(), parameter.name),
             unit: match parameter.unit {
                 "1" => String::new(),
                 unit => unit.to_owned(),
             },
             value: Some(parameter.value),
             standard_error: error.filter(|error| error.is_finite()),
-            valid: identified,
+            valid: identified && white,
             verdict: format!(
-                "{}; between {} and {}",
+                "{}; between {} and {}{}",
                 parameter.verdict,
                 significant(parameter.interval.lower, 4),
-                significant(parameter.interval.upper, 4)
+                significant(parameter.interval.upper, 4),
+                if white {
+                    ""
+                } else {
+                    "; the law leaves more than noise"
+                }
             ),
         });
     }
@@ -251,7 +265,9 @@ fn table(comparison: &Comparison) -> Table {
         columns: vec![
             Column::words(
                 "law",
-                rows.iter().map(|row| row.fit.law.law().to_string()).collect(),
+                rows.iter()
+                    .map(|row| row.fit.law.law().to_string())
+                    .collect(),
             ),
             numbers("parameters", &|fit| fit.parameters.len() as f64),
             numbers("chi-square", &|fit| fit.chi_squared),
@@ -273,7 +289,10 @@ fn table(comparison: &Comparison) -> Table {
 }
 
 fn figure(found: &Found<'_>, points: &[ModulusPoint], comparison: &Comparison) -> Figure {
-    let x: Vec<f64> = points.iter().map(|point| 1e-3 * point.frequency_hz).collect();
+    let x: Vec<f64> = points
+        .iter()
+        .map(|point| 1e-3 * point.frequency_hz)
+        .collect();
     let panel = |label: &str, unit: &str, of: &dyn Fn(num_complex::Complex64) -> f64| {
         let mut marks = vec![Mark::Points {
             name: "measured".to_owned(),
@@ -284,9 +303,8 @@ fn figure(found: &Found<'_>, points: &[ModulusPoint], comparison: &Comparison) -
         }];
         for (index, row) in comparison.rows.iter().enumerate() {
             let law = &row.fit.law;
-            let at = |point: &ModulusPoint| {
-                of(law.modulus(std::f64::consts::TAU * point.frequency_hz))
-            };
+            let at =
+                |point: &ModulusPoint| of(law.modulus(std::f64::consts::TAU * point.frequency_hz));
             marks.push(Mark::Line {
                 name: law.law().to_string(),
                 role: Role::of_series(index),
@@ -306,7 +324,7 @@ fn figure(found: &Found<'_>, points: &[ModulusPoint], comparison: &Comparison) -
         name: "laws".to_owned(),
         title: "Laws fitted to the modulus".to_owned(),
         caption: format!(
-            "The preferred law is that of {}. Drawn are the {} lines that were fitted, of {} valid ones.",
+            "The preferred law: {}. Drawn are the {} lines that were fitted, of {} valid ones.",
             comparison.rows[0].fit.law.law(),
             points.len(),
             found.estimate.valid().count()

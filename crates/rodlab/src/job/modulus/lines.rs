@@ -39,7 +39,11 @@ pub(super) fn table(found: &Found<'_>) -> Table {
         numbers("standard error of the wave number", "rad/m", &|l| {
             l.standard_error.wave_number
         }),
-        numbers("damping coefficient", "1/m", &ModulusLine::damping_coefficient),
+        numbers(
+            "damping coefficient",
+            "1/m",
+            &ModulusLine::damping_coefficient,
+        ),
         numbers("standard error of the damping coefficient", "1/m", &|l| {
             l.standard_error.damping_coefficient
         }),

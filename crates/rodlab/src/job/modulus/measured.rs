@@ -13,10 +13,11 @@ use crate::chosen::Chosen;
 use crate::figure::Figure;
 use crate::hits::{FoundHits, HitsSheet};
 use crate::job::Surroundings;
+use crate::job::frf::BandSheet;
 use crate::number_file::NumberFile;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
-use crate::sheet::{Duration, Frequency, Ratio as RatioKind, Stated};
+use crate::sheet::{Duration, Ratio as RatioKind, Stated};
 
 /// Fewest hits of which a coherence can be formed.
 const FEWEST_HITS: usize = 2;
@@ -122,6 +123,7 @@ pub(super) struct Measured {
     pub(super) figures: Vec<Figure>,
     /// Sentences on the hits.
     pub(super) in_words: Vec<String>,
+    pub(super) warnings: Vec<String>,
     /// What the channels of the hits measure.
     pub(super) quantities: Vec<(String, Quantity)>,
     /// The first accepted hit and the number of its silent samples, for checks of arrivals.
@@ -141,10 +143,8 @@ pub(super) fn of(
         } => of_hits(sheet, (records, hits, silent.as_ref()), around, chosen)?,
         SourceSheet::Ratio(ratio) => of_file(sheet, ratio, around, chosen)?,
     };
-    if let Some(band) = &sheet.band
-        && let Some(spectra) = &mut measured.spectra
-    {
-        spectra.cut(band)?;
+    if let Some(spectra) = &mut measured.spectra {
+        spectra.cut(sheet.band.as_ref())?;
     }
     Ok(measured)
 }
@@ -177,13 +177,18 @@ fn of_hits(
         log: found.log(),
         figures: histories::figures(&found, &channels, silent),
         in_words: vec![format!("{in_words}.")],
+        warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
     };
     if accepted.len() < FEWEST_HITS {
         measured.missing = format!(
             "{} accepted of {} found, expected at least {FEWEST_HITS}: the coherence of one is 1 whatever was measured",
-            if accepted.len() == 1 { "1 hit is" } else { "no hit is" },
+            if accepted.len() == 1 {
+                "1 hit is"
+            } else {
+                "no hit is"
+            },
             found.n_found()
         );
         return Ok(measured);
@@ -274,7 +279,9 @@ fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabErr
         let is = || format!("`{}`, a channel of {}", taken.channel, quantity.name());
         let motion = matches!(
             quantity,
-            labio::Quantity::Displacement | labio::Quantity::Velocity | labio::Quantity::Acceleration
+            labio::Quantity::Displacement
+                | labio::Quantity::Velocity
+                | labio::Quantity::Acceleration
         );
         if taken.motion && !motion {
             let expected = "a channel of acceleration, velocity or displacement";
@@ -343,7 +350,10 @@ fn silent_samples(
     let before = hit.hit.time() - record.start_time();
     if before > 0.0 {
         let silent = 0.8 * before;
-        chosen.by_default(name, format!("{:.4} ms, four fifths of the pre-trigger", 1e3 * silent));
+        chosen.by_default(
+            name,
+            format!("{:.4} ms, four fifths of the pre-trigger", 1e3 * silent),
+        );
         return extent(silent).map(Some);
     }
     chosen.by_default(name, "not known");
@@ -385,7 +395,9 @@ fn of_file(
     let refused = |error| RodlabError::step("source.errors", error);
     let (variance, coherence, averages) = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
-            let coherence = file.column(column, "source.errors.column")?.pure_numbers()?;
+            let coherence = file
+                .column(column, "source.errors.column")?
+                .pure_numbers()?;
             chosen.stated("source.errors", format!("coherence of {averages} averages"));
             let variance =
                 variance_from_coherence(&values, &coherence, *averages).map_err(refused)?;
@@ -393,7 +405,9 @@ fn of_file(
         }
         RatioErrors::StandardError { column } => {
             chosen.stated("source.errors", "a column of standard errors");
-            let errors = file.column(column, "source.errors.column")?.pure_numbers()?;
+            let errors = file
+                .column(column, "source.errors.column")?
+                .pure_numbers()?;
             (errors.iter().map(|e| e * e).collect(), None, None)
         }
         RatioErrors::Relative { of_value } => {
@@ -416,6 +430,7 @@ fn of_file(
         log: Vec::new(),
         figures: Vec::new(),
         in_words: Vec::new(),
+        warnings: Vec::new(),
         quantities: Vec::new(),
         first_hit: None,
     })
@@ -429,19 +444,23 @@ impl Spectra {
         }
     }
 
-    /// Leaves the lines of the band.
-    fn cut(
-        &mut self,
-        (lowest, highest): &(Stated<Frequency>, Stated<Frequency>),
-    ) -> Result<(), RodlabError> {
+    /// Leaves the lines of the band, or all above 0 Hz.
+    fn cut(&mut self, band: Option<&BandSheet>) -> Result<(), RodlabError> {
         let all = self.frequency_hz();
-        let from = all.partition_point(|f| *f < lowest.si());
-        let to = all.partition_point(|f| *f <= highest.si());
+        let (from, to) = match band {
+            Some(band) => (
+                all.partition_point(|f| *f < band.from.si()),
+                all.partition_point(|f| *f <= band.to.si()),
+            ),
+            None => (all.partition_point(|f| *f <= 0.0), all.len()),
+        };
         if from >= to {
             let (first, last) = (all.first(), all.last());
             return Err(RodlabError::request(
                 "band",
-                format!("(\"{lowest}\", \"{highest}\")"),
+                band.map_or("not stated".to_owned(), |band| {
+                    format!("{} to {}", band.from, band.to)
+                }),
                 format!(
                     "a band with lines, which lie between {} and {} Hz",
                     first.copied().unwrap_or(f64::NAN),

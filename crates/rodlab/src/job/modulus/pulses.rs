@@ -52,10 +52,7 @@ pub(super) fn reflected(
         to,
         field,
     };
-    let (incident, reflected) = (
-        (&incident.0, &incident.1),
-        (&reflected.0, &reflected.1),
-    );
+    let (incident, reflected) = ((&incident.0, &incident.1), (&reflected.0, &reflected.1));
     ratio(
         hits,
         &[

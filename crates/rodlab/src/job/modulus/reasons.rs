@@ -22,8 +22,12 @@ pub(super) fn of(estimate: &ModulusEstimate) -> Reasons {
     let mut of_line = Vec::with_capacity(estimate.lines().len());
     let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     for line in estimate.lines() {
-        let mut reasons: Vec<&'static str> =
-            line.validity.violations().iter().map(in_few_words).collect();
+        let mut reasons: Vec<&'static str> = line
+            .validity
+            .violations()
+            .iter()
+            .map(in_few_words)
+            .collect();
         reasons.sort_unstable();
         reasons.dedup();
         for reason in &reasons {

@@ -23,8 +23,8 @@ pub(super) fn of(sheet: &ModulusSheet) -> Chosen {
     );
     method(&sheet.method, &mut chosen);
     match &sheet.band {
-        Some((lowest, highest)) => chosen.stated("band", format!("{lowest} to {highest}")),
-        None => chosen.by_default("band", "all lines"),
+        Some(band) => chosen.stated("band", format!("{} to {}", band.from, band.to)),
+        None => chosen.by_default("band", "all lines above 0 Hz"),
     }
     limits(&sheet.limits, &mut chosen);
     match &sheet.lateral_inertia {
@@ -153,7 +153,8 @@ fn method(method: &MethodSheet, chosen: &mut Chosen) {
 
 fn limits(limits: &LimitsSheet, chosen: &mut Chosen) {
     let default = AcceptanceLimits::default();
-    let percent = |value: f64| format!("{} %", significant(100.0 * value, 2).trim_end_matches(".0"));
+    let percent =
+        |value: f64| format!("{} %", significant(100.0 * value, 2).trim_end_matches(".0"));
     for (name, stated, default) in [
         (
             "storage_modulus",

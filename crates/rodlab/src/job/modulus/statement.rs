@@ -52,7 +52,9 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
         .and_then(|index| named.get(index))
         .or_else(|| nearest(&valid).and_then(|index| valid.get(index)));
     if let Some(line) = best {
-        outcome.summary.insert(0, answer(line, first, last, &valid, all.len()));
+        outcome
+            .summary
+            .insert(0, answer(line, first, last, &valid, all.len()));
     }
     outcome.summary.insert(
         1,
@@ -87,7 +89,11 @@ fn answer(
         percent(error.loss_factor / line.loss_factor.abs()),
         frequency(line.frequency_hz),
         valid.len(),
-        if all == 1 { "1 line is".to_owned() } else { format!("{all} lines are") },
+        if all == 1 {
+            "1 line is".to_owned()
+        } else {
+            format!("{all} lines are")
+        },
         frequency(first.frequency_hz),
         frequency(last.frequency_hz),
     )
