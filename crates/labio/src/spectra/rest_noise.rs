@@ -33,6 +33,8 @@ const FEWEST_SAMPLES: usize = 16;
 pub struct RestNoise {
     step_hz: f64,
     density: Vec<f64>,
+    /// Of all hits together \[s\].
+    duration: f64,
 }
 
 impl RestNoise {
@@ -75,7 +77,15 @@ impl RestNoise {
         Ok(Self {
             step_hz: first.sampling_rate_hz() / segment as f64,
             density,
+            duration: (hits.len() * n_silent) as f64 / first.sampling_rate_hz(),
         })
+    }
+
+    /// Degrees of freedom of the mean density over a band of this width: twice the width times the duration of all silences. The
+    /// relative standard error of that mean is the root of two by this number.
+    #[must_use]
+    pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
+        2.0 * bandwidth_hz * self.duration
     }
 
     /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which lies between 0 and the Nyquist frequency.
@@ -118,7 +128,14 @@ mod tests {
                 let samples =
                     Array2::from_shape_fn((1, 2048), |_| 3.0 + random.random::<f64>() - 0.5);
                 let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
-                Record::new(samples, 8000.0, 0.0, channels, Provenance::computed("noise")).unwrap()
+                Record::new(
+                    samples,
+                    8000.0,
+                    0.0,
+                    channels,
+                    Provenance::computed("noise"),
+                )
+                .unwrap()
             })
             .collect();
         let all: Vec<&Record> = hits.iter().collect();
@@ -134,14 +151,15 @@ mod tests {
         let mean = energy[200..600].iter().sum::<f64>() / 400.0;
         let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
         assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample
+        assert!((noise.degrees_of_freedom(4000.0) - 5120.0).abs() < 1e-9);
     }
 
     #[test]
     fn silence_that_is_too_short_is_refused() {
         let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
         let samples = Array2::zeros((1, 100));
-        let hit =
-            Record::new(samples, 1.0, 0.0, channels, Provenance::computed("none")).unwrap();
+        let hit = Record::new(samples, 1.0, 0.0, channels, Provenance::computed("none")).unwrap();
         let text = |n| {
             let error = RestNoise::before(&[&hit], "gauge", n).unwrap_err();
             error.to_string()

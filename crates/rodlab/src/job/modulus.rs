@@ -129,6 +129,10 @@ struct Found<'a> {
 
 pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
+    sheet.checks.level()?;
+    if let Some(laws) = &sheet.laws {
+        laws.check()?;
+    }
     let mut chosen = settings::of(sheet);
     around.progress.begins("reading", 0);
     let mut measured = measured::of(sheet, around, &mut chosen)?;

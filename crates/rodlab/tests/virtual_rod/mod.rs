@@ -145,8 +145,8 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
         .record;
     let mut instrument = Instrument::new();
     for name in &names {
-        // 0.05 microstrain over the band, of a peak of some 190
-        let density = 0.05e-6_f64.powi(2) / (0.5 * RATE_HZ);
+        // 0.01 microstrain over the band, of a peak of some 190
+        let density = 0.01e-6_f64.powi(2) / (0.5 * RATE_HZ);
         instrument = instrument.noise(name, NoiseSpectrum::white(density).unwrap());
     }
     for number in 1..=count {

@@ -55,6 +55,20 @@ impl ChecksSheet {
         }
     }
 
+    /// Probability of a false alarm of each check.
+    pub(super) fn level(&self) -> Result<f64, RodlabError> {
+        let level = self.level.as_ref().map_or(USUAL_LEVEL, Stated::si);
+        if level < 1.0 {
+            Ok(level)
+        } else {
+            Err(RodlabError::request(
+                "checks.level",
+                level.to_string(),
+                "a probability between 0 and 1",
+            ))
+        }
+    }
+
     fn has(&self, check: CheckSheet) -> bool {
         !self.without.contains(&check)
     }
@@ -62,14 +76,7 @@ impl ChecksSheet {
 
 pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), RodlabError> {
     let checks = &found.sheet.checks;
-    let level = checks.level.as_ref().map_or(USUAL_LEVEL, Stated::si);
-    if level >= 1.0 {
-        return Err(RodlabError::request(
-            "checks.level",
-            level.to_string(),
-            "a probability between 0 and 1",
-        ));
-    }
+    let level = checks.level()?;
     if checks.has(CheckSheet::Passivity) {
         say(
             outcome,
@@ -113,9 +120,11 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     }
     let quantity = estimate::gauge_quantity(found.measured, gauges);
     let rod = estimate::rod_with_free_end(found.sheet);
-    let made = FreeEndNull::new(rod, distances.collect(), quantity).and_then(|check| {
-        estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
-    });
+    let made = FreeEndNull::new(rod, distances.collect(), quantity)
+        .and_then(|check| check.with_noise_degrees_of_freedom(spectra.noise_degrees_of_freedom()))
+        .and_then(|check| {
+            estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
+        });
     say(outcome, found, Check::FreeEndNull, made);
 }
 

@@ -13,6 +13,18 @@ pub(super) struct Gauges {
     pub(super) tests: Vec<Vec<Vec<Complex64>>>,
     /// Of each gauge.
     pub(super) noise: Vec<Vec<f64>>,
+    /// What the noise was read from, a gauge each.
+    rest: Vec<RestNoise>,
+}
+
+impl Gauges {
+    /// Degrees of freedom of the noise of all gauges over the band of the lines.
+    pub(super) fn noise_degrees_of_freedom(&self) -> f64 {
+        let (first, last) = (self.frequency_hz.first(), self.frequency_hz.last());
+        let width = first.zip(last).map_or(0.0, |(first, last)| last - first);
+        let of = |rest: &RestNoise| rest.degrees_of_freedom(width);
+        self.rest.iter().map(of).sum()
+    }
 }
 
 /// The phase of each line is counted from that of the first gauge: of one hit it is common to all gauges, and no method asks for it.
@@ -49,15 +61,18 @@ pub(super) fn of_hits(
         duration = hit.duration();
     }
     let mut noise = Vec::with_capacity(gauges.len());
+    let mut rests = Vec::with_capacity(gauges.len());
     for gauge in gauges {
         let rest = RestNoise::before(hits, &gauge.channel, silent)
             .map_err(|error| RodlabError::step("source.silent", error))?;
         let at = |f: &f64| rest.amplitude_at(*f, duration);
         noise.push(frequency_hz.iter().map(at).collect());
+        rests.push(rest);
     }
     Ok(Gauges {
         frequency_hz,
         tests,
         noise,
+        rest: rests,
     })
 }

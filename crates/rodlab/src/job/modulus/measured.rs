@@ -19,7 +19,8 @@ use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{Duration, Ratio as RatioKind, Stated};
 
-/// Fewest hits of which a coherence can be formed.
+/// Fewest hits of which a coherence can be formed. The spectra of gauges have their errors from the silence before a hit: of one hit,
+/// too.
 const FEWEST_HITS: usize = 2;
 
 /// Where the spectra come from.
@@ -181,9 +182,18 @@ fn of_hits(
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
     };
-    if accepted.len() < FEWEST_HITS {
+    let fewest = match &sheet.method {
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => 1,
+        _ => FEWEST_HITS,
+    };
+    if accepted.len() < fewest {
+        let why = if fewest == FEWEST_HITS {
+            ": the coherence of one is 1 whatever was measured"
+        } else {
+            ""
+        };
         measured.missing = format!(
-            "{} accepted of {} found, expected at least {FEWEST_HITS}: the coherence of one is 1 whatever was measured",
+            "{} accepted of {} found, expected at least {fewest}{why}",
             if accepted.len() == 1 {
                 "1 hit is"
             } else {

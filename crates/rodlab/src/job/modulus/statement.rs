@@ -59,8 +59,13 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     outcome.summary.insert(
         1,
         format!(
-            "Found by the {}; an error is one standard error, of noise and specimen together.",
-            method_in_words(&found.sheet.method)
+            "Found by {}; an error is one standard error, of {}.",
+            method_in_words(&found.sheet.method),
+            if gauged(&found.sheet.method) {
+                "noise"
+            } else {
+                "noise and specimen together"
+            }
         ),
     );
     if valid.len() < all.len() {
@@ -110,12 +115,12 @@ fn in_pascal(value: f64) -> (f64, &'static str) {
 
 fn method_in_words(method: &MethodSheet) -> &'static str {
     match method {
-        MethodSheet::TwoPoint { .. } => "two-point method",
-        MethodSheet::Resonances { .. } => "resonances of the rod",
-        MethodSheet::FreeEnd { .. } => "method of two sections and a free end",
-        MethodSheet::SeparatePulses { .. } => "method of separate pulses at two sections",
-        MethodSheet::OneGauge { .. } => "method of one gauge and a free end",
-        MethodSheet::ThreePoint { .. } => "three-point method",
+        MethodSheet::TwoPoint { .. } => "the two-point method",
+        MethodSheet::Resonances { .. } => "the resonances of the rod",
+        MethodSheet::FreeEnd { .. } => "the method of two sections and a free end",
+        MethodSheet::SeparatePulses { .. } => "separate pulses at two sections",
+        MethodSheet::OneGauge { .. } => "the incident and the reflected pulse at one gauge",
+        MethodSheet::ThreePoint { .. } => "the three-point method",
         MethodSheet::MultiPoint { .. } => "least squares over all gauges",
     }
 }
@@ -221,6 +226,14 @@ fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
     }
 }
 
+/// Whether the method takes the spectra of gauges, and knows no errors of the specimen.
+fn gauged(method: &MethodSheet) -> bool {
+    matches!(
+        method,
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
+    )
+}
+
 fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     let specimen = &found.sheet.specimen;
     if specimen.density.standard_uncertainty().is_none() {
@@ -229,11 +242,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 .to_owned(),
         );
     }
-    let gauged = matches!(
-        found.sheet.method,
-        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
-    );
-    if gauged {
+    if gauged(&found.sheet.method) {
         outcome.warnings.push(
             "The errors are those of noise: what is uncertain of the density and of the positions of the gauges is not in them."
                 .to_owned(),
