@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use cmod::ModulusLine;
 use cmod::checks::{
-    Arrivals, Channel, Check, CheckOutcome, CheckVerdict, FreeEndNull, USUAL_LEVEL, kramers_kronig,
-    passivity,
+    Arrivals, Channel, Check, CheckOutcome, CheckVerdict, FreeEndNull, USUAL_LEVEL,
+    kramers_kronig_on, passivity,
 };
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -22,6 +22,13 @@ use crate::{Outcome, RodlabError};
 /// The front of a wave is faster than every phase velocity of the band by what the loss factor makes of it up to the Nyquist frequency,
 /// and by this much for what was left out.
 const FRONT: f64 = 1.02;
+
+/// Lines that the check of Kramers and Kronig takes at most.
+const MOST_LINES: usize = 1000;
+
+/// What the name of the quantity of a check begins and ends with.
+const PREFIX: &str = "check: ";
+const SUFFIX: &str = ", p-value";
 
 /// Which checks are made.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -86,7 +93,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         );
     }
     if checks.has(CheckSheet::KramersKronig) {
-        let made = kramers_kronig(found.estimate, level);
+        let made = kramers_kronig_on(found.estimate, MOST_LINES, level);
         say(outcome, found, Check::KramersKronig, made);
     }
     if checks.has(CheckSheet::FreeEndNull) {
@@ -94,6 +101,20 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     }
     if checks.has(CheckSheet::Arrivals) {
         arrivals(outcome, found, level);
+    }
+    let failed: Vec<&str> = outcome
+        .quantities
+        .iter()
+        .filter(|quantity| !quantity.valid)
+        .filter_map(|quantity| quantity.name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX))
+        .collect();
+    if !failed.is_empty() {
+        let sentence = format!(
+            "It is not to be believed before it is explained why these checks fail: {}.",
+            failed.join(", ")
+        );
+        let place = outcome.summary.len().min(1);
+        outcome.summary.insert(place, sentence);
     }
     Ok(())
 }
@@ -138,9 +159,10 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    let Some((hit, silent)) = &found.measured.first_hit else {
+    let Some(first) = &found.measured.first_hit else {
         return;
     };
+    let hit = &first.record;
     let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
     let (Some(last), Ok(near), Ok(far)) = (
         valid.last(),
@@ -167,16 +189,19 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
         .fold(0.0, f64::max);
     // c grows by tan δ/π for each e-fold of the frequency, where the loss factor is constant
     let growth = (0.5 * rate / last.frequency_hz).powf(last.loss_factor.max(0.0) / PI);
-    let arrivals = match Arrivals::new(channels, rate.recip(), *silent) {
+    let arrivals = match Arrivals::new(channels, rate.recip(), first.silent) {
         Ok(arrivals) => arrivals,
         Err(error) => return say(outcome, found, Check::Causality, Err(error)),
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // from the end of the silence on, until the wave is back at the struck end
-    let speed = fastest;
-    let polarity = arrivals.polarity(speed, 1.5 * found.distance / speed, level);
-    say(outcome, found, Check::Polarity, polarity);
+    // only a trigger tells how long after the silence the blow was, and with it what is the first wave
+    if let Some(trigger) = first.trigger {
+        let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
+        let passage = found.distance / fastest;
+        let polarity = arrivals.polarity(fastest, waiting + 0.5 * passage, level);
+        say(outcome, found, Check::Polarity, polarity);
+    }
 }
 
 fn say(
@@ -185,11 +210,11 @@ fn say(
     check: Check,
     made: Result<CheckOutcome, cmod::CmodError>,
 ) {
-    let name = format!("check: {check}");
+    let name = format!("{PREFIX}{check}");
     match made {
         Ok(made) => {
             outcome.quantities.push(Quantity {
-                name: format!("{name}, p-value"),
+                name: format!("{name}{SUFFIX}"),
                 unit: String::new(),
                 value: Some(made.p_value),
                 standard_error: None,

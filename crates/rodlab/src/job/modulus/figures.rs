@@ -154,7 +154,8 @@ fn range(lower: &[f64], upper: &[f64]) -> Option<[f64; 2]> {
     let least = finite(lower, f64::INFINITY, f64::min);
     let greatest = finite(upper, f64::NEG_INFINITY, f64::max);
     let width = greatest - least;
-    (width.is_finite() && width > 0.0).then(|| [least - MARGIN * width, greatest + MARGIN * width])
+    (width.is_finite() && width > 0.0)
+        .then_some([least - MARGIN * width, greatest + MARGIN * width])
 }
 
 /// Stretches of lines that are not valid, each with the reason that most of its lines have.

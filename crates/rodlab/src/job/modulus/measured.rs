@@ -23,6 +23,9 @@ use crate::sheet::{Duration, Ratio as RatioKind, Stated};
 /// too.
 const FEWEST_HITS: usize = 2;
 
+/// So long before the trigger a blow begins at most, unless the sheet says how long the silence is \[s\].
+const RISE: f64 = 0.2e-3;
+
 /// Where the spectra come from.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,7 +39,7 @@ pub enum SourceSheet {
         #[serde(default)]
         hits: HitsSheet,
         /// How long each hit's record is silent before the blow, as `"2 ms"`: there the noise is read, which gauges need. By default
-        /// four fifths of the pre-trigger, where hits are cut by a trigger.
+        /// the pre-trigger but for 0.2 ms, or for a fifth of it if that is less, where hits are cut by a trigger.
         #[serde(default)]
         silent: Option<Stated<Duration>>,
     },
@@ -127,8 +130,19 @@ pub(super) struct Measured {
     pub(super) warnings: Vec<String>,
     /// What the channels of the hits measure.
     pub(super) quantities: Vec<(String, Quantity)>,
-    /// The first accepted hit and the number of its silent samples, for checks of arrivals.
-    pub(super) first_hit: Option<(Record, usize)>,
+    /// The first accepted hit, for checks of arrivals, where it is known how long it is silent.
+    pub(super) first_hit: Option<FirstHit>,
+    /// Relative standard error that the sensitivities leave in the ratio of the channels, where they state any.
+    pub(super) calibration_error: f64,
+}
+
+/// A hit that begins with silence.
+pub(super) struct FirstHit {
+    pub(super) record: Record,
+    /// Number of silent samples.
+    pub(super) silent: usize,
+    /// Sample on which the trigger fired, if there was one.
+    pub(super) trigger: Option<usize>,
 }
 
 pub(super) fn of(
@@ -181,6 +195,7 @@ fn of_hits(
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
+        calibration_error: calibration_error(accepted.first().copied(), &channels),
     };
     let fewest = match &sheet.method {
         MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => 1,
@@ -240,10 +255,17 @@ fn of_hits(
             Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent)?)
         }
     };
-    measured.first_hit = accepted
-        .first()
-        .zip(silent)
-        .map(|(hit, samples)| ((*hit).clone(), samples));
+    measured.first_hit = found
+        .hits()
+        .find(|hit| hit.hit.is_accepted())
+        .and_then(|hit| {
+            let record = hit.hit.record()?;
+            Some(FirstHit {
+                record: record.clone(),
+                silent: silent?,
+                trigger: trigger_of(hit.hit, record),
+            })
+        });
     measured.spectra = Some(spectra);
     Ok(measured)
 }
@@ -356,18 +378,42 @@ fn silent_samples(
         chosen.stated(name, stated);
         return extent(stated.si()).map(Some);
     }
-    // cut by a trigger, a hit has its time where the trigger fired, which is after the blow began
-    let before = hit.hit.time() - record.start_time();
-    if before > 0.0 {
-        let silent = 0.8 * before;
+    if let Some(trigger) = trigger_of(hit.hit, record) {
+        // the trigger fires some time after the blow began
+        let before = trigger as f64 / rate;
+        let silent = before - (0.2 * before).min(RISE);
         chosen.by_default(
             name,
-            format!("{:.4} ms, four fifths of the pre-trigger", 1e3 * silent),
+            format!(
+                "{:.4} ms, the pre-trigger but for the rise of the blow",
+                1e3 * silent
+            ),
         );
         return extent(silent).map(Some);
     }
     chosen.by_default(name, "not known");
     Ok(None)
+}
+
+/// The sample of a hit on which the trigger fired; none where each record is a hit.
+fn trigger_of(hit: &labio::hits::Hit, record: &Record) -> Option<usize> {
+    let before = hit.time() - record.start_time();
+    (before > 0.0)
+        .then(|| labio::hits::Extent::Seconds(before).samples(record.sampling_rate_hz()))
+        .and_then(Result::ok)
+}
+
+/// What the sensitivities of the channels leave uncertain of their ratio; they are independent of each other, and one channel alone
+/// has none.
+fn calibration_error(record: Option<&Record>, channels: &[method::Taken<'_>]) -> f64 {
+    let of = |taken: &method::Taken<'_>| {
+        let chain = record?.chain(taken.channel).ok()??;
+        Some(chain.relative_uncertainty())
+    };
+    match channels {
+        [_] => 0.0,
+        several => several.iter().filter_map(of).fold(0.0, f64::hypot),
+    }
 }
 
 fn of_file(
@@ -443,6 +489,7 @@ fn of_file(
         warnings: Vec::new(),
         quantities: Vec::new(),
         first_hit: None,
+        calibration_error: 0.0,
     })
 }
 
