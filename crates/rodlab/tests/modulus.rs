@@ -200,7 +200,28 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         .iter()
         .map(|a| a.name.as_str())
         .collect();
-    assert_eq!(attachments, ["PP.inp", "PP.mac", "PP.k"]);
+    assert_eq!(attachments, ["ratio.uff", "PP.inp", "PP.mac", "PP.k"]);
+
+    // the universal file is a source as good as the hits
+    fs::write(
+        folder.path().join("ratio.uff"),
+        &outcome.attachments[0].bytes,
+    )
+    .unwrap();
+    let start = text.find("source: Hits").unwrap();
+    let end = text.find("band:").unwrap();
+    let from_file = format!(
+        "{}source: Ratio(path: \"ratio.uff\", values: Complex(1), errors: Coherence(column: 2, averages: 10)),\n{}",
+        &text[..start],
+        &text[end..]
+    );
+    let other = run(folder.path(), &from_file).unwrap();
+    let first = |outcome: &Outcome| numbers(outcome, "modulus", "E'").to_vec();
+    for (a, b) in first(&other).iter().zip(first(&outcome)) {
+        // digits of the file, amplified where lines are singular
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    assert_eq!(is_valid(&other), is_valid(&outcome));
 
     let again = run(folder.path(), &text).unwrap();
     assert_eq!(

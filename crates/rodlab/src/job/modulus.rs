@@ -1,5 +1,6 @@
 //! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra that another program has made.
 
+mod cards;
 mod checks;
 mod estimate;
 mod figures;
@@ -13,6 +14,7 @@ mod pulses;
 mod reasons;
 mod settings;
 mod statement;
+mod universal;
 
 pub use checks::ChecksSheet;
 pub use laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
@@ -171,6 +173,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     if let Some(table) = measured::table(spectra) {
         outcome.tables.push(table);
     }
+    outcome.attachments.extend(universal::attachment(&found)?);
     outcome.figures.extend(figures::figures(&found, &reasons));
     around.go_on()?;
 
