@@ -11,6 +11,7 @@
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
 //! | [`hits`] | which hits of the records are accepted, and why the others are not |
+//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -19,15 +20,18 @@
 
 pub mod arguments;
 mod chosen;
+pub mod convert;
 mod digits;
 pub mod error;
 pub mod figure;
 pub mod hits;
+pub mod inspect;
 pub mod job;
 mod number_file;
 pub mod outcome;
 pub mod output;
 pub mod records;
+mod rounded;
 pub mod sheet;
 
 pub use error::RodlabError;

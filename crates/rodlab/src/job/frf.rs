@@ -22,12 +22,13 @@ pub use sheet::{
 use labio::{AveragedSpectra, Record};
 
 use self::estimate::Estimated;
-use self::words::{capital, hertz, short};
+use self::words::capital;
 use super::Surroundings;
 use crate::figure::Greyed;
 use crate::hits::{FoundHits, HitsSheet};
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::records::Records;
+use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
 /// The frequencies that the result is for.
@@ -210,6 +211,9 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
                 .and_then(|entry| Some((entry.what, entry.reasons.first()?.clone())))
                 .map(|(what, reason)| format!(", as {what}: {reason}"))
                 .unwrap_or_default();
+            if found.hits().all(|hit| !hit.is_found()) {
+                return Some(format!("no hit{hammer} is found{because}"));
+            }
             return Some(match n_found {
                 1 => format!("the only hit{hammer} is rejected{because}"),
                 n => format!("all {n} hits{hammer} are rejected{because}"),

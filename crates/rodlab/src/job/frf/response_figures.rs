@@ -6,6 +6,8 @@ use super::{Band, thin};
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 const N_BUCKETS: usize = 400;
+/// Distance of points on a Nyquist plot, as part of its extent.
+const NYQUIST_STEP: f64 = 1e-3;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
@@ -33,9 +35,14 @@ impl Drawn {
         self.kept.iter().map(|line| value(*line)).collect()
     }
 
-    /// Two curves: lines that hold and lines that do not.
-    fn lines(&self, estimated: &Estimated, value: impl Fn(usize) -> f64) -> [Mark; 2] {
-        [(true, Role::First), (false, Role::Faint)].map(|(valid, role)| Mark::Line {
+    /// Two curves: lines that hold and, if there are any, lines that do not.
+    fn lines(&self, estimated: &Estimated, value: impl Fn(usize) -> f64) -> Vec<Mark> {
+        let kinds = [(true, Role::First), (false, Role::Faint)].into_iter();
+        let there = kinds.filter(|(valid, _)| {
+            let is_of_it = |line: &usize| estimated.is_valid(*line) == *valid;
+            self.kept.iter().any(is_of_it)
+        });
+        let line = |(valid, role): (bool, Role)| Mark::Line {
             name: if valid {
                 "valid lines"
             } else {
@@ -51,7 +58,8 @@ impl Drawn {
                     f64::NAN
                 }
             }),
-        })
+        };
+        there.map(line).collect()
     }
 
     fn panel(&self, y: Axis, marks: Vec<Mark>, greyed: &[Greyed], band: Band) -> Panel {
@@ -108,12 +116,8 @@ pub(super) fn bode(
         greyed,
         band,
     );
-    let phase = drawn.panel(
-        Axis::linear("phase", "deg").within([-180.0, 180.0]),
-        phase(estimated, &drawn),
-        greyed,
-        band,
-    );
+    let (axis, marks) = phase(estimated, &drawn);
+    let phase = drawn.panel(axis, marks, greyed, band);
     let mut panels = vec![magnitude, phase];
     if !estimated.coherences.is_empty() {
         let marks = coherence(estimated, &drawn);
@@ -139,11 +143,31 @@ pub(super) fn bode(
     }
 }
 
-/// The phase between -180 and 180 degrees, interrupted where it passes from one to the other.
-fn phase(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
+/// The phase over one turn, interrupted where it passes from one end to the other; the ends lie where the fewest lines pass them.
+fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
     let response = &estimated.response;
-    let [valid, faint] = drawn.lines(estimated, |line| response.values[line].arg() * DEGREES);
-    [valid, faint].map(interrupted).into()
+    let from = |begin: f64, line: usize| {
+        let turned = response.values[line].arg() * DEGREES - begin;
+        begin + turned.rem_euclid(360.0)
+    };
+    let passes = |begin: &f64| {
+        let lines = drawn.kept.iter().filter(|line| estimated.is_valid(**line));
+        let phases: Vec<f64> = lines.map(|line| from(*begin, *line)).collect();
+        let pairs = phases.windows(2);
+        pairs
+            .filter(|pair| (pair[1] - pair[0]).abs() > 180.0)
+            .count()
+    };
+    // of equals the first
+    let begin = [-180.0, -270.0, -90.0, 0.0]
+        .into_iter()
+        .min_by_key(passes)
+        .unwrap_or(-180.0);
+    let marks = drawn.lines(estimated, |line| from(begin, line));
+    (
+        Axis::linear("phase", "deg").within([begin, begin + 360.0]),
+        marks.into_iter().map(interrupted).collect(),
+    )
 }
 
 fn interrupted(mark: Mark) -> Mark {
@@ -210,17 +234,15 @@ pub(super) fn nyquist(
     band: Band,
 ) -> Figure {
     let response = &estimated.response;
-    let drawn = Drawn::of(estimated);
     let shown = |line: usize| estimated.is_valid(line) && band.holds(response.frequency_hz[line]);
-    let part = |part: fn(&num_complex::Complex64) -> f64| {
-        drawn.each(|line| {
-            if shown(line) {
-                part(&response.values[line])
-            } else {
-                f64::NAN
-            }
-        })
+    let part = |part: fn(&num_complex::Complex64) -> f64| -> Vec<f64> {
+        let lines = response.values.iter().enumerate();
+        lines
+            .map(|(line, value)| if shown(line) { part(value) } else { f64::NAN })
+            .collect()
     };
+    let (real, imaginary) = (part(|h| h.re), part(|h| h.im));
+    let kept = thin::along(&real, &imaginary, NYQUIST_STEP);
     let (name, unit) = (name_of(response), unit_of(response));
     Figure {
         name: format!("nyquist_{file}"),
@@ -232,8 +254,8 @@ pub(super) fn nyquist(
             marks: vec![Mark::Line {
                 name: String::new(),
                 role: Role::First,
-                x: part(|h| h.re),
-                y: part(|h| h.im),
+                x: thin::at(&real, &kept),
+                y: thin::at(&imaginary, &kept),
             }],
             greyed: Vec::new(),
             equal_axes: true,

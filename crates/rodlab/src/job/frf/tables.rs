@@ -2,8 +2,9 @@
 
 use super::Band;
 use super::estimate::Estimated;
-use super::words::{capital, hertz, name_of, short, unit_of};
+use super::words::{capital, name_of, unit_of};
 use crate::outcome::{Column, Quantity, Table};
+use crate::rounded::{hertz, short};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 

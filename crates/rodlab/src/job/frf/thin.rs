@@ -56,6 +56,34 @@ fn by_bucket(
     kept
 }
 
+/// Indices of a curve that runs back and forth: points that lie apart by more than `fraction` of its extent, and the first and last
+/// of every part between points that are not finite.
+pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
+    let extent = |values: &[f64]| {
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| {
+            (a.min(value), b.max(value))
+        });
+        (greatest - least).max(0.0)
+    };
+    let apart = fraction * extent(x).max(extent(y));
+    let finite = |index: usize| x[index].is_finite() && y[index].is_finite();
+    let mut kept: Vec<usize> = Vec::new();
+    for index in 0..x.len().min(y.len()) {
+        let keep = match kept.last() {
+            None => true,
+            Some(&last) if finite(last) && finite(index) => {
+                (x[index] - x[last]).hypot(y[index] - y[last]) > apart
+            }
+            Some(&last) => finite(last) || finite(index),
+        };
+        if keep {
+            kept.push(index);
+        }
+    }
+    kept
+}
+
 /// The values at `indices`.
 pub(super) fn at(values: &[f64], indices: &[usize]) -> Vec<f64> {
     indices.iter().map(|index| values[*index]).collect()
@@ -64,6 +92,18 @@ pub(super) fn at(values: &[f64], indices: &[usize]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_circle_stays_round_and_an_interruption_stays_one() {
+        let turns: Vec<f64> = (0..20_000_u32).map(|k| f64::from(k) * 1e-3).collect();
+        let x: Vec<f64> = turns.iter().map(|t| t.cos()).collect();
+        let mut y: Vec<f64> = turns.iter().map(|t| t.sin()).collect();
+        y[500..600].fill(f64::NAN);
+        let kept = along(&x, &y, 0.01);
+        // 20 rad of radius 1 in steps of hardly more than 2/100
+        assert!((900..1010).contains(&kept.len()), "{}", kept.len());
+        assert_eq!(kept.iter().filter(|index| y[**index].is_nan()).count(), 1);
+    }
 
     #[test]
     fn a_single_peak_survives_and_a_short_curve_is_whole() {
