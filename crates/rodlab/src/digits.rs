@@ -27,26 +27,6 @@ pub(crate) fn percent(relative: f64) -> String {
     format!("{} %", significant(100.0 * relative, 2))
 }
 
-/// A frequency \[Hz\] in Hz or kHz, to four digits.
-#[must_use]
-pub(crate) fn frequency(hertz: f64) -> String {
-    let [value, unit] = if hertz < 1e3 {
-        [significant(hertz, 4), "Hz".to_owned()]
-    } else {
-        [significant(1e-3 * hertz, 4), "kHz".to_owned()]
-    };
-    format!("{} {unit}", shortest(&value))
-}
-
-/// Without zeros behind the last digit of a fraction.
-fn shortest(number: &str) -> &str {
-    if number.contains('.') {
-        number.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        number
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,9 +42,6 @@ mod tests {
             ]
         );
         assert_eq!(significant(f64::NAN, 3), "NaN");
-        assert_eq!(frequency(812.5), "812.5 Hz");
-        assert_eq!(frequency(5000.0), "5 kHz");
-        assert_eq!(frequency(12_797.0), "12.8 kHz");
         assert_eq!(percent(0.004_04), "0.40 %");
     }
 }

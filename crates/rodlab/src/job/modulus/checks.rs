@@ -14,8 +14,9 @@ use super::measured::Spectra;
 use super::method::MethodSheet;
 use super::{Found, estimate};
 use crate::chosen::Chosen;
-use crate::digits::{frequency, significant};
+use crate::digits::significant;
 use crate::outcome::{LogEntry, Quantity};
+use crate::rounded::hertz;
 use crate::sheet::{Ratio, Stated};
 use crate::{Outcome, RodlabError};
 
@@ -245,7 +246,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
             let lines = found.estimate.lines();
             lines.iter().find(|line| line.index == index)
         })
-        .map(|line| format!(", most at {}", frequency(line.frequency_hz)))
+        .map(|line| format!(", most at {}", hertz(line.frequency_hz)))
         .filter(|_| {
             matches!(
                 made.check,

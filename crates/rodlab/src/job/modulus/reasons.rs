@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use cmod::estimate::ModulusEstimate;
 use cmod::validity::Violation;
 
-use crate::digits::frequency;
 use crate::outcome::LogEntry;
+use crate::rounded::hertz;
 
 /// So many stretches of frequency are named for one reason.
 const STRETCHES_NAMED: usize = 4;
@@ -113,8 +113,8 @@ impl Reasons {
                 what: format!(
                     "{} without a modulus: {} to {}",
                     lines(at.len()),
-                    frequency(first.copied().unwrap_or(f64::NAN)),
-                    frequency(last.copied().unwrap_or(f64::NAN))
+                    hertz(first.copied().unwrap_or(f64::NAN)),
+                    hertz(last.copied().unwrap_or(f64::NAN))
                 ),
                 accepted: false,
                 reasons: vec![reason],
@@ -158,9 +158,9 @@ fn stretches(lines: &[Option<f64>]) -> String {
         .iter()
         .map(|(length, from, to)| {
             if *length == 1 {
-                frequency(*from)
+                hertz(*from)
             } else {
-                format!("{} to {}", frequency(*from), frequency(*to))
+                format!("{} to {}", hertz(*from), hertz(*to))
             }
         })
         .collect();

@@ -5,8 +5,9 @@ use cmod::ModulusLine;
 use super::reasons::{Reasons, lines};
 use super::{Found, MethodSheet};
 use crate::Outcome;
-use crate::digits::{frequency, percent, significant};
+use crate::digits::{percent, significant};
 use crate::outcome::{Quantity, Verdict};
+use crate::rounded::hertz;
 
 /// A line stands for a frequency that was asked for if it is nearer than this part of it.
 const NEAR: f64 = 0.02;
@@ -92,15 +93,15 @@ fn answer(
         percent(error.storage_modulus / line.modulus.re.abs()),
         significant(line.loss_factor, 3),
         percent(error.loss_factor / line.loss_factor.abs()),
-        frequency(line.frequency_hz),
+        hertz(line.frequency_hz),
         valid.len(),
         if all == 1 {
             "1 line is".to_owned()
         } else {
             format!("{all} lines are")
         },
-        frequency(first.frequency_hz),
-        frequency(last.frequency_hz),
+        hertz(first.frequency_hz),
+        hertz(last.frequency_hz),
     )
 }
 
@@ -174,7 +175,7 @@ fn at_frequencies<'a>(
             None => {
                 if asked.is_some() {
                     outcome.quantities.push(Quantity {
-                        name: format!("storage modulus at {}", frequency(f)),
+                        name: format!("storage modulus at {}", hertz(f)),
                         unit: "GPa".to_owned(),
                         value: None,
                         standard_error: None,
@@ -189,7 +190,7 @@ fn at_frequencies<'a>(
 }
 
 fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
-    let at = frequency(line.frequency_hz);
+    let at = hertz(line.frequency_hz);
     let valid = line.validity.is_valid();
     let error = &line.standard_error;
     let (_, unit) = in_pascal(line.modulus.re);
@@ -265,7 +266,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             outcome.summary.push(format!(
                 "Lateral inertia was taken out: it raises E' by {} at {}.",
                 percent(most),
-                frequency(f)
+                hertz(f)
             ));
         }
     }
@@ -279,7 +280,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
              errors: calibrate the sensors against each other.",
             percent(calibration),
             percent(calibration * line.error_amplification),
-            frequency(line.frequency_hz)
+            hertz(line.frequency_hz)
         ));
     }
     let systematic = |line: &&ModulusLine| {

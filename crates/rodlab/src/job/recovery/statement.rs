@@ -6,8 +6,9 @@ use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Ide
 
 use super::{ErrorScaleSheet, Found};
 use crate::Outcome;
-use crate::digits::{frequency, percent, significant};
+use crate::digits::{percent, significant};
 use crate::outcome::{LogEntry, Quantity, Verdict};
+use crate::rounded::hertz;
 
 /// Where the mean square of the residuals is larger than this many standard deviations of it above 1, the model or the stated
 /// errors are wrong.
@@ -51,7 +52,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
         "{} readings of {} tests at {}: chi-square {} with {} degrees of freedom.",
         found.tests.iter().map(|t| t.time().len()).sum::<usize>(),
         found.tests.len(),
-        frequency(found.sheet.frequency.si()),
+        hertz(found.sheet.frequency.si()),
         significant(fit.chi_squared, 3),
         fit.degrees_of_freedom,
     ));
