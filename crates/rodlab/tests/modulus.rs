@@ -535,8 +535,21 @@ fn what_is_wrong_is_said() {
             &format!("{parts}, errors: Relative(of_value: \"0.1 %\")"),
         ),
     ];
+    let uneven = "path: \"errors.csv\", values: Parts(real: 1, imaginary: 2), errors: StandardError(column: 3)";
+    fs::write(
+        folder.path().join("errors.csv"),
+        "Frequency [Hz],real,imaginary,error\n10,1,0,0.1\n20,0.9,0.1,-0.1\n30,0.8,0.1,0.1\n",
+    )
+    .unwrap();
+    let more = [
+        ratio(TWO_POINT, uneven),
+        sheet("MultiPoint(gauges: [])", BAND),
+        sheet(TWO_POINT, "laws: (laws: [Zener], most_lines: 0),"),
+        sheet(TWO_POINT, "laws: (laws: []),"),
+    ];
     let messages: Vec<String> = sheets
         .iter()
+        .chain(&more)
         .map(|text| match run(folder.path(), text) {
             Ok(outcome) => format!("no error: {:?}", outcome.summary),
             Err(error) => error
@@ -557,6 +570,10 @@ fn what_is_wrong_is_said() {
     FOLDER/modulus.ron:1:254: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
     source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` apart
     method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell
+    source.errors.column, line 2 is -0.1, expected a standard error of 0 or more
+    method.gauges is empty, expected at least three gauges
+    laws.most_lines is 0, expected at least 1
+    laws.laws is empty, expected at least one law
     "#);
 }
 

@@ -120,6 +120,9 @@ impl LawsSheet {
                 "at least one law",
             ));
         }
+        if self.most_lines == Some(0) {
+            return Err(RodlabError::request("laws.most_lines", "0", "at least 1"));
+        }
         if self.cards.is_some() && !self.laws.contains(&LawSheet::GeneralisedMaxwell) {
             return Err(RodlabError::request(
                 "laws.cards",
@@ -221,7 +224,7 @@ pub(super) fn fit(
 /// Valid lines with the covariance of their noise, evenly chosen.
 fn points(found: &Found<'_>, most: usize) -> Vec<ModulusPoint> {
     let valid: Vec<_> = found.estimate.valid().collect();
-    let stride = valid.len().div_ceil(most.max(1)).max(1);
+    let stride = valid.len().div_ceil(most).max(1);
     valid
         .iter()
         .step_by(stride)

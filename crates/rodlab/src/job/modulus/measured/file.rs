@@ -30,14 +30,23 @@ pub(super) fn of_file(
         }
         RatioValues::Parts { real, imaginary } => {
             let column = file.column(real, "source.values.real")?;
+            let other = file.column(imaginary, "source.values.imaginary")?;
             let real = column.pure_numbers()?;
-            let imaginary = file
-                .column(imaginary, "source.values.imaginary")?
-                .pure_numbers()?;
+            let imaginary = other.pure_numbers()?;
+            let frequency_hz = column.abscissa(hertz, "frequencies")?;
+            let beside = other.abscissa(hertz, "frequencies")?;
+            let alike = |(a, b): (&f64, &f64)| a.total_cmp(b).is_eq();
+            if beside.len() != frequency_hz.len() || !frequency_hz.iter().zip(&beside).all(alike) {
+                return Err(RodlabError::request(
+                    "source.values.imaginary",
+                    format!("a column of {} lines", beside.len()),
+                    format!("the {} frequencies of the real part", frequency_hz.len()),
+                ));
+            }
             let pairs = real.iter().zip(&imaginary);
             (
                 pairs.map(|(re, im)| Complex64::new(*re, *im)).collect(),
-                column.abscissa(hertz, "frequencies")?,
+                frequency_hz,
             )
         }
     };
@@ -59,6 +68,13 @@ pub(super) fn of_file(
             let errors = file
                 .column(column, "source.errors.column")?
                 .pure_numbers()?;
+            if let Some(line) = errors.iter().position(|error| *error < 0.0) {
+                return Err(RodlabError::request(
+                    format!("source.errors.column, line {}", line + 1),
+                    errors[line].to_string(),
+                    "a standard error of 0 or more",
+                ));
+            }
             (errors.iter().map(|e| e * e).collect(), None, None)
         }
         RatioErrors::Relative { of_value } => {

@@ -31,7 +31,13 @@ pub(super) fn of_hits(
         check_channels(&sheet.method, &first.record)?;
     }
     let channels = sheet.method.channels();
-    let reference = channels.first().map_or("", |taken| taken.channel);
+    let Some(reference) = channels.first().map(|taken| taken.channel) else {
+        return Err(RodlabError::request(
+            "method.gauges",
+            "empty",
+            "at least three gauges",
+        ));
+    };
     let found = hits.find(loaded.records, reference, "source.hits")?;
     chosen.extend(found.settings().to_vec());
     let silent = silent_samples(&found, silent, chosen)?;
