@@ -13,11 +13,11 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
 
+use rodlab::RodlabError;
 use rodlab::job::{self, Silent};
 use rodlab::outcome::{Cells, Outcome, Quantity, Verdict};
 use rodlab::output::{SheetIdentity, json_of};
 use rodlab::sheet::{Sheet, parse};
-use rodlab::RodlabError;
 use rodwave::characteristics;
 use rodwave::inelastic::{Elastic, Maxwell, MaxwellNorton};
 use struck_rods::{MODULUS, displacements, velocities};
@@ -92,7 +92,6 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     }
 }
 
-
 /// The rod is at rest for 1.25 ms, and is seen for three round trips of the wave. Waves of the recorder's 16 kHz are 106 mm long: cells of
 /// 8 mm err by a tenth of the noise.
 const QUICK: &str = r#"cell: "8 mm""#;
@@ -115,7 +114,8 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered);
     assert!(
-        outcome.summary[0].starts_with("The data support the law Maxwell-Norton with a probability of"),
+        outcome.summary[0]
+            .starts_with("The data support the law Maxwell-Norton with a probability of"),
         "{:#?}",
         outcome.summary
     );
@@ -190,7 +190,9 @@ fn displacements_are_differentiated_and_give_the_law() {
     }
     assert_eq!(
         outcome.warnings,
-        ["the laws were not compared: a good fit of one of them does not show that it is the law of the material"]
+        [
+            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
+        ]
     );
     // a transducer that lost the free end
     let short = attempt(
@@ -200,7 +202,8 @@ fn displacements_are_differentiated_and_give_the_law() {
     .unwrap();
     let said = &short.log[0].reasons;
     assert!(
-        said.iter().any(|why| why.starts_with("the transducer of the")),
+        said.iter()
+            .any(|why| why.starts_with("the transducer of the")),
         "{said:?}"
     );
     // the same sheet and file, the same result to the last digit
@@ -222,7 +225,10 @@ fn an_elastic_rod_has_no_damping_to_identify() {
     let path = folder.path().join("one.csv");
     velocities(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.75 ms""#);
-    let text = sheet(&[test], &format!("laws: [Maxwell], compare: false, {QUICK}"));
+    let text = sheet(
+        &[test],
+        &format!("laws: [Maxwell], compare: false, {QUICK}"),
+    );
     let sheet_path = folder.path().join("identify.ron");
     fs::write(&sheet_path, &text).unwrap();
     let status = Command::new(env!("CARGO_BIN_EXE_rodlab"))
@@ -257,7 +263,10 @@ fn what_is_wrong_with_tests_is_said() {
     let crime = format!(r#"generator: "{}""#, characteristics::GENERATOR);
     let errors = [
         of("one.csv", &crime),
-        of("one.csv", r#"noise: Displacements(excitation: "1 um", response: "1 um")"#),
+        of(
+            "one.csv",
+            r#"noise: Displacements(excitation: "1 um", response: "1 um")"#,
+        ),
         of("one.csv", r#"from: "1 s""#),
         of("one.csv", r#"to: "9 ms""#),
         of("one.csv", r#"to: "1.3 ms""#),

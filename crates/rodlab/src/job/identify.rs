@@ -117,7 +117,11 @@ pub(crate) fn run(
     around.progress.begins("identification", steps);
     let mut laws = Vec::with_capacity(sheet.laws.len());
     for law in &sheet.laws {
-        laws.push(laws::fit(*law, sheet.cell.as_ref().map(Stated::si), &tests)?);
+        laws.push(laws::fit(
+            *law,
+            sheet.cell.as_ref().map(Stated::si),
+            &tests,
+        )?);
         around.progress.one_more();
         around.go_on()?;
     }
@@ -200,7 +204,11 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
     say("profiles", sheet.profiles.to_string(), sheet.profiles);
     let usual = || format!("{} mm", 1e3 * DEFAULT_CELL);
     let cell = sheet.cell.as_ref();
-    say("cell", cell.map_or_else(usual, Stated::to_string), cell.is_none());
+    say(
+        "cell",
+        cell.map_or_else(usual, Stated::to_string),
+        cell.is_none(),
+    );
     let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
     say(
         "differentiator",

@@ -78,7 +78,9 @@ pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Historie
         ..
     } = ACQUISITION;
     let duration = samples_after as f64 / RATE + recorder.reach();
-    let pair = test_of(law, velocity).displacements(1e-3, duration).unwrap();
+    let pair = test_of(law, velocity)
+        .displacements(1e-3, duration)
+        .unwrap();
     let recorded = |displacement: &[f64]| -> Vec<f64> {
         (0..samples_before + samples_after)
             .map(|k| {
@@ -105,7 +107,8 @@ impl Histories {
         let channels = names
             .map(|name| Channel::new(name, self.quantity).unwrap())
             .to_vec();
-        let exact = Record::new(samples, RATE, 0.0, channels, Provenance::computed("chain")).unwrap();
+        let exact =
+            Record::new(samples, RATE, 0.0, channels, Provenance::computed("chain")).unwrap();
         let density = 2.0 * noise * noise / RATE;
         let instrument = names.into_iter().fold(Instrument::new(), |taken, name| {
             taken.noise(name, NoiseSpectrum::white(density).unwrap())
