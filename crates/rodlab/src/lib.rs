@@ -12,6 +12,8 @@
 //! | [`templates`] | commented sheets to begin with |
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
+//! | [`hits`] | which hits of the records are accepted, and why the others are not |
+//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -20,15 +22,19 @@
 
 pub mod arguments;
 pub mod batch;
+pub mod convert;
 pub mod error;
 pub mod figure;
 pub mod finished;
+pub mod hits;
+pub mod inspect;
 pub mod job;
 pub mod outcome;
 pub mod output;
 pub mod program;
 pub mod progress;
 pub mod records;
+mod rounded;
 pub mod sheet;
 pub mod templates;
 

@@ -1,18 +1,533 @@
 //! Frequency responses of hits, with coherence and errors.
+//!
+//! Hits are averaged to spectra and these divided: the response, with its coherence, the random error of every line, and the
+//! histories and spectra that a reader wants to see before believing it. Two hammers become one response; the weighed mass of a
+//! free body replaces the lines of low frequency; motions are converted into each other. All numerics are those of `labio`.
 
-use serde::Deserialize;
+mod estimate;
+mod input_spectra;
+mod response_figures;
+mod sheet;
+mod tables;
+mod thin;
+mod time_histories;
+mod universal;
+mod words;
 
+pub use sheet::{
+    AboutSheet, BandSheet, DetrendSheet, EstimatorSheet, ExponentialWindowSheet, ForceWindowSheet,
+    FrfSheet, KindSheet, MergeSheet, SecondHammerSheet, WeighedMassSheet, WindowSheet,
+};
+
+use labio::{AveragedSpectra, Record};
+
+use self::estimate::Estimated;
+use self::words::capital;
 use super::Surroundings;
+use crate::figure::Greyed;
+use crate::hits::{FoundHits, HitsSheet};
+use crate::outcome::{Quantity, Setting, Verdict};
+use crate::records::Records;
+use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
-/// Sheet of the job.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrfSheet {
-    /// Title of the test.
-    pub title: String,
+/// The frequencies that the result is for.
+#[derive(Debug, Clone, Copy)]
+struct Band {
+    from_hz: f64,
+    to_hz: f64,
 }
 
-pub(crate) fn run(sheet: &FrfSheet, _around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("frf", sheet.title.as_str()))
+impl Band {
+    fn holds(self, frequency_hz: f64) -> bool {
+        (self.from_hz..=self.to_hz).contains(&frequency_hz)
+    }
+}
+
+pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("frf", sheet.title.as_str());
+    outcome.settings.extend(settings(sheet));
+    let mut sets = Vec::new();
+    let first = ("", &sheet.records, &sheet.hits);
+    let second = sheet
+        .second_hammer
+        .as_ref()
+        .map(|second| ("second_hammer.", &second.records, &second.hits));
+    let mut outputs = Vec::new();
+    for (place, records, hits) in std::iter::once(first).chain(second) {
+        around.go_on()?;
+        outputs = outputs_of(sheet, records, place)?;
+        let found = find(sheet, records, hits, place, around, &mut outcome)?;
+        describe(sheet, &found, &outputs, place, &mut outcome)?;
+        sets.push(found);
+    }
+    if let Some(reason) = too_few(sheet, &sets) {
+        outcome
+            .summary
+            .push(format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+        return Ok(outcome);
+    }
+    let accepted: Vec<Vec<&Record>> = sets.iter().map(FoundHits::accepted).collect();
+    let hit = accepted[0][0];
+    for output in &outputs {
+        estimate::check_kind(sheet, hit, output)?;
+    }
+    let mut spectra = Vec::with_capacity(sets.len());
+    for hits in &accepted {
+        spectra.push(estimate::spectra(sheet, hits, around)?);
+    }
+    let band = band_of(sheet, &spectra[0])?;
+    let greyed = outside_of(sheet, band, &spectra[0]);
+    of_the_test(sheet, &accepted, &spectra, &greyed, &mut outcome)?;
+    let mut estimated = Vec::with_capacity(outputs.len());
+    around.progress.begins("forming responses", outputs.len());
+    for output in &outputs {
+        around.go_on()?;
+        estimated.push((
+            output.clone(),
+            estimate::estimate(sheet, &spectra, output, hit)?,
+        ));
+        around.progress.one_more();
+    }
+    report(sheet, &estimated, band, &greyed, &mut outcome);
+    outcome.attachments.push(universal::attachment(
+        &estimated,
+        &sheet.input,
+        &sheet.title,
+    )?);
+    for found in &sets {
+        outcome
+            .summary
+            .push(capital(&format!("{}.", found.in_words())));
+    }
+    warn(sheet, &spectra, &estimated, &mut outcome);
+    Ok(outcome)
+}
+
+/// The channels that are divided, which are there and not the input.
+fn outputs_of(
+    sheet: &FrfSheet,
+    records: &Records,
+    place: &str,
+) -> Result<Vec<String>, RodlabError> {
+    let names: Vec<&str> = records.channels.iter().map(|c| c.name.as_str()).collect();
+    let expected = || {
+        let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        format!("one of {place}records.channels: {}", quoted.join(", "))
+    };
+    if !names.contains(&sheet.input.as_str()) {
+        return Err(RodlabError::request(
+            "input",
+            format!("`{}`", sheet.input),
+            expected(),
+        ));
+    }
+    let outputs = match &sheet.outputs {
+        None => names
+            .iter()
+            .filter(|name| **name != sheet.input)
+            .map(|name| (*name).to_owned())
+            .collect(),
+        Some(outputs) => {
+            for (at, output) in outputs.iter().enumerate() {
+                let wrong = |expected: String| {
+                    RodlabError::request(format!("outputs[{at}]"), format!("`{output}`"), expected)
+                };
+                if !names.contains(&output.as_str()) {
+                    return Err(wrong(expected()));
+                }
+                if *output == sheet.input {
+                    return Err(wrong("another channel than the input".to_owned()));
+                }
+                if outputs[..at].contains(output) {
+                    return Err(wrong("every output once".to_owned()));
+                }
+            }
+            outputs.clone()
+        }
+    };
+    if outputs.is_empty() {
+        return Err(RodlabError::request(
+            "outputs",
+            "empty",
+            "at least one channel besides the input",
+        ));
+    }
+    Ok(outputs)
+}
+
+/// Reads the records of one hammer and finds the hits in them.
+fn find(
+    sheet: &FrfSheet,
+    records: &Records,
+    hits: &HitsSheet,
+    place: &str,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<FoundHits, RodlabError> {
+    around.progress.begins("reading records", 0);
+    let loaded = records.load(around.folder, &format!("{place}records"))?;
+    around.go_on()?;
+    outcome.inputs.extend(loaded.inputs);
+    outcome.settings.extend(loaded.settings);
+    outcome.warnings.extend(loaded.warnings);
+    around.progress.begins("judging hits", 0);
+    let found = hits.find(loaded.records, &sheet.input, &format!("{place}hits"))?;
+    outcome.settings.extend_from_slice(found.settings());
+    outcome.log.extend(found.log());
+    Ok(found)
+}
+
+/// Figure and table of the hits of one hammer.
+fn describe(
+    sheet: &FrfSheet,
+    found: &FoundHits,
+    outputs: &[String],
+    place: &str,
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let (name, title) = if place.is_empty() {
+        ("hits", "Hits")
+    } else {
+        ("hits_second_hammer", "Hits of the second hammer")
+    };
+    outcome
+        .figures
+        .push(time_histories::figure(sheet, found, outputs, name, title)?);
+    outcome
+        .tables
+        .push(time_histories::table(found, &sheet.input, name, title));
+    Ok(())
+}
+
+/// Why the accepted hits give no response; `None` if they do.
+fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
+    for (found, hammer) in sets.iter().zip(["", " of the second hammer"]) {
+        let n_found = found.n_found();
+        if found.n_accepted() == 0 {
+            let first = found.log().into_iter().find(|entry| !entry.accepted);
+            let because = first
+                .and_then(|entry| Some((entry.what, entry.reasons.first()?.clone())))
+                .map(|(what, reason)| format!(", as {what}: {reason}"))
+                .unwrap_or_default();
+            if found.hits().all(|hit| !hit.is_found()) {
+                return Some(format!("no hit{hammer} is found{because}"));
+            }
+            return Some(match n_found {
+                1 => format!("the only hit{hammer} is rejected{because}"),
+                n => format!("all {n} hits{hammer} are rejected{because}"),
+            });
+        }
+        let by_variance = sheet
+            .second_hammer
+            .as_ref()
+            .is_some_and(|second| second.merge.unwrap_or_default() == MergeSheet::InverseVariance);
+        if by_variance && found.n_accepted() < 2 {
+            return Some(format!(
+                "1 of {n_found} hits{hammer} is accepted, and a merge by inverse variance needs two of each hammer"
+            ));
+        }
+    }
+    None
+}
+
+fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Band, RodlabError> {
+    let frequency = spectra.frequency_hz();
+    let (spacing, last) = (
+        spectra.line_spacing_hz(),
+        frequency.last().copied().unwrap_or(f64::NAN),
+    );
+    let Some(band) = &sheet.band else {
+        return Ok(Band {
+            from_hz: spacing,
+            to_hz: last,
+        });
+    };
+    let stated = Band {
+        from_hz: band.from.si(),
+        to_hz: band.to.si(),
+    };
+    let range = format!(
+        "a band of lines between {} and {}",
+        hertz(spacing),
+        hertz(last)
+    );
+    if stated.from_hz >= stated.to_hz || stated.to_hz > last * (1.0 + 1e-9) {
+        return Err(RodlabError::request(
+            "band",
+            format!("from {} to {}", band.from, band.to),
+            range,
+        ));
+    }
+    if !frequency.iter().any(|f| stated.holds(*f)) {
+        return Err(RodlabError::request(
+            "band",
+            format!("from {} to {}, where no line is", band.from, band.to),
+            format!("{range}, {} apart", hertz(spacing)),
+        ));
+    }
+    Ok(stated)
+}
+
+/// What lies outside of a band that the sheet states.
+fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra) -> Vec<Greyed> {
+    const KHZ: f64 = 1e-3;
+    let last = spectra.frequency_hz().last().copied().unwrap_or(f64::NAN);
+    if sheet.band.is_none() {
+        return Vec::new();
+    }
+    [
+        (spectra.line_spacing_hz(), band.from_hz),
+        (band.to_hz, last),
+    ]
+    .into_iter()
+    .filter(|(from, to)| from < to)
+    .map(|(from, to)| Greyed {
+        from: from * KHZ,
+        to: to * KHZ,
+        because: "outside of the band of the sheet".to_owned(),
+    })
+    .collect()
+}
+
+/// Spectra of the input, and what is true of the whole test.
+fn of_the_test(
+    sheet: &FrfSheet,
+    accepted: &[Vec<&Record>],
+    spectra: &[AveragedSpectra],
+    greyed: &[Greyed],
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let plain = |name: &str, unit: &str, value: f64, verdict: &str| Quantity {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        value: Some(value),
+        standard_error: None,
+        valid: true,
+        verdict: verdict.to_owned(),
+    };
+    for (number, (hits, spectra)) in accepted.iter().zip(spectra).enumerate() {
+        let (hammer, name, title) = if number == 0 {
+            ("", "input_spectra", "Spectra of the input")
+        } else {
+            (
+                ", second hammer",
+                "input_spectra_second_hammer",
+                "Spectra of the input, second hammer",
+            )
+        };
+        outcome.figures.push(input_spectra::figure(
+            sheet, hits, spectra, greyed, name, title,
+        )?);
+        outcome.quantities.push(plain(
+            &format!("averages{hammer}"),
+            "",
+            spectra.n_averages() as f64,
+            "accepted hits",
+        ));
+        outcome.quantities.push(plain(
+            &format!("end of the spectrum of the input{hammer}"),
+            "Hz",
+            input_spectra::end_of(spectra, &sheet.input)?,
+            "there the mean falls 20 dB below its greatest, or the lines end",
+        ));
+    }
+    outcome.quantities.push(plain(
+        "distance of lines",
+        "Hz",
+        spectra[0].line_spacing_hz(),
+        "the inverse of the duration of a hit",
+    ));
+    if let Some(damping) = spectra[0].added_damping() {
+        outcome.quantities.push(plain(
+            "damping added by the exponential window",
+            "1/s",
+            damping.decay_rate(),
+            "to be subtracted from the decay rate of every mode",
+        ));
+    }
+    Ok(())
+}
+
+/// Tables, figures, quantities and sentences of every response.
+fn report(
+    sheet: &FrfSheet,
+    estimated: &[(String, Estimated)],
+    band: Band,
+    greyed: &[Greyed],
+    outcome: &mut Outcome,
+) {
+    let outputs: Vec<String> = estimated.iter().map(|(output, _)| output.clone()).collect();
+    let files = words::file_names(&outputs);
+    let input = sheet.input.as_str();
+    let mut none_valid = true;
+    for ((output, one), file) in estimated.iter().zip(&files) {
+        outcome
+            .tables
+            .push(tables::table(one, output, input, file, band));
+        outcome.figures.push(response_figures::bode(
+            one, output, input, file, band, greyed,
+        ));
+        outcome
+            .figures
+            .push(response_figures::nyquist(one, output, input, file, band));
+        outcome
+            .figures
+            .extend(response_figures::merge(one, output, file, band, greyed));
+        let merit = tables::merit(one, output, input, band);
+        none_valid &= merit.n_valid == 0;
+        outcome.quantities.extend(merit.quantities);
+        outcome.summary.push(merit.sentence);
+        if merit.n_valid < merit.n_lines {
+            outcome.warnings.push(format!(
+                "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
+                merit.n_lines - merit.n_valid,
+                merit.n_lines
+            ));
+        }
+    }
+    if none_valid {
+        outcome.verdict = Verdict::NotAllowed {
+            reason: format!(
+                "no line between {} and {} has a coherence above that of chance",
+                hertz(band.from_hz),
+                hertz(band.to_hz)
+            ),
+        };
+    }
+}
+
+/// What a reader has to know before believing the responses.
+fn warn(
+    sheet: &FrfSheet,
+    spectra: &[AveragedSpectra],
+    estimated: &[(String, Estimated)],
+    outcome: &mut Outcome,
+) {
+    for (spectra, hammer) in spectra.iter().zip(["", " of the second hammer"]) {
+        if spectra.n_averages() == 1 {
+            outcome.warnings.push(format!(
+                "Only one hit{hammer} is accepted: there is no coherence, and nothing says how good the lines are."
+            ));
+        }
+    }
+    if let Some(damping) = spectra[0].added_damping() {
+        outcome.warnings.push(format!(
+            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode looks more damped by it.",
+            short(damping.decay_rate())
+        ));
+    }
+    for (output, one) in estimated {
+        let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
+            continue;
+        };
+        let error = weighed.mass.standard_uncertainty().unwrap_or(0.0);
+        let apart = completed.apparent_mass - weighed.mass.si();
+        let spread = completed
+            .apparent_mass_standard_error
+            .hypot(error)
+            .hypot(weighed.mass.si() * one.calibration);
+        if apart.abs() > 3.0 * spread {
+            outcome.warnings.push(format!(
+                "The lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain. A wrong sensitivity, or a body that is not free.",
+                short(completed.apparent_mass),
+                weighed.mass
+            ));
+        }
+    }
+}
+
+fn settings(sheet: &FrfSheet) -> Vec<Setting> {
+    let mut settings = Vec::new();
+    let mut say = |name: &str, value: String, by_default: bool| {
+        settings.push(Setting {
+            name: name.to_owned(),
+            value,
+            by_default,
+        });
+    };
+    let about = [
+        ("about.laboratory", &sheet.about.laboratory),
+        ("about.operator", &sheet.about.operator),
+        ("about.date", &sheet.about.date),
+        ("about.note", &sheet.about.note),
+    ];
+    for (name, text) in about {
+        if let Some(text) = text {
+            say(name, text.clone(), false);
+        }
+    }
+    say("input", sheet.input.clone(), false);
+    let outputs = sheet
+        .outputs
+        .as_ref()
+        .map_or("all other channels".to_owned(), |outputs| {
+            outputs.join(", ")
+        });
+    say("outputs", outputs, sheet.outputs.is_none());
+    let estimator = sheet.estimator.unwrap_or_default();
+    say(
+        "estimator",
+        format!("{estimator:?}"),
+        sheet.estimator.is_none(),
+    );
+    let window = match sheet.window.clone().unwrap_or_default() {
+        WindowSheet::Tukey { taper } => format!("Tukey, taper {taper}"),
+        window => format!("{window:?}"),
+    };
+    say("window", window, sheet.window.is_none());
+    let force_window = sheet.force_window.as_ref().map_or("none".to_owned(), |w| {
+        format!("from {} to {}, edges of {}", w.start, w.end, w.taper)
+    });
+    say("force_window", force_window, sheet.force_window.is_none());
+    let exponential = match &sheet.exponential_window {
+        None => "none".to_owned(),
+        Some(ExponentialWindowSheet::EndWeight { weight }) => {
+            format!("{weight} on the last sample")
+        }
+        Some(ExponentialWindowSheet::TimeConstant { time }) => format!("time constant {time}"),
+    };
+    say(
+        "exponential_window",
+        exponential,
+        sheet.exponential_window.is_none(),
+    );
+    let detrend = sheet.detrend.unwrap_or_default();
+    say(
+        "detrend",
+        format!("{detrend:?}").to_lowercase(),
+        sheet.detrend.is_none(),
+    );
+    let band = sheet
+        .band
+        .as_ref()
+        .map_or("all lines above 0 Hz".to_owned(), |b| {
+            format!("from {} to {}", b.from, b.to)
+        });
+    say("band", band, sheet.band.is_none());
+    let kind = sheet.kind.unwrap_or_default();
+    let kind_text = kind
+        .kind()
+        .map_or("as measured".to_owned(), |kind| kind.to_string());
+    say("kind", kind_text, sheet.kind.is_none());
+    if let Some(second) = &sheet.second_hammer {
+        let merge = match second.merge.unwrap_or_default() {
+            MergeSheet::InverseVariance => "by inverse variance",
+            MergeSheet::LargerInput => "by the larger input",
+        };
+        say(
+            "second_hammer.merge",
+            merge.to_owned(),
+            second.merge.is_none(),
+        );
+    }
+    if let Some(weighed) = &sheet.weighed_mass {
+        let value = format!(
+            "{} below {}, elastic term from the lines up to {}",
+            weighed.mass, weighed.below, weighed.fitted_to
+        );
+        say("weighed_mass", value, false);
+    }
+    settings
 }
