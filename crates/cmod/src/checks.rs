@@ -23,7 +23,7 @@ mod passivity;
 
 pub use arrivals::{Arrivals, Channel};
 pub use free_end_null::FreeEndNull;
-pub use kramers_kronig::kramers_kronig;
+pub use kramers_kronig::{kramers_kronig, kramers_kronig_on};
 pub use passivity::passivity;
 
 use std::fmt;

@@ -99,7 +99,7 @@ pub use provenance::{ContentHash, Provenance};
 pub use record::Record;
 pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
-pub use spectra::{AveragedSpectra, Detrend, SpectrumAverager, Welch};
+pub use spectra::{AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};

@@ -2,10 +2,12 @@
 
 mod averager;
 mod detrend;
+mod rest_noise;
 mod welch;
 
 pub use averager::SpectrumAverager;
 pub use detrend::Detrend;
+pub use rest_noise::RestNoise;
 pub use welch::Welch;
 
 use num_complex::Complex64;

@@ -22,13 +22,16 @@
 
 pub mod arguments;
 pub mod batch;
+mod chosen;
 pub mod convert;
+mod digits;
 pub mod error;
 pub mod figure;
 pub mod finished;
 pub mod hits;
 pub mod inspect;
 pub mod job;
+mod number_file;
 pub mod outcome;
 pub mod output;
 pub mod program;

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Check, CheckOutcome, check_level, chi_square_tail};
+use super::{Check, CheckOutcome, check_level, chi_square_tail, fisher_tail};
 use crate::error::{CmodError, check_positive};
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeSpectra, Quantity};
@@ -54,6 +54,8 @@ pub struct FreeEndNull {
     rod: RodWithFreeEnd,
     distances: Vec<f64>,
     quantity: Quantity,
+    /// Of the noise, if it was measured itself.
+    noise_freedom: Option<f64>,
 }
 
 impl FreeEndNull {
@@ -81,7 +83,23 @@ impl FreeEndNull {
             rod,
             distances,
             quantity,
+            noise_freedom: None,
         })
+    }
+
+    /// The same for a noise that was measured itself: of its mean square over all sensors and lines the estimate has so many
+    /// `degrees_of_freedom`. The statistic is then compared with Fisher's distribution instead of chi-square: over some thousand lines
+    /// a noise that is known to some per cent would otherwise fail every record.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless the number is finite and above 0.
+    pub fn with_noise_degrees_of_freedom(
+        mut self,
+        degrees_of_freedom: f64,
+    ) -> Result<Self, CmodError> {
+        let checked = check_positive("degrees of freedom of the noise", degrees_of_freedom)?;
+        self.noise_freedom = Some(checked);
+        Ok(self)
     }
 
     /// Checks `spectra`, one row a distance, near the `propagation_coefficient` γ [1/m] of each line that any method has
@@ -132,7 +150,10 @@ impl FreeEndNull {
             return Err(CmodError::NoLines);
         }
         let all = (count * freedom) as f64;
-        let p_value = chi_square_tail(total, all);
+        let p_value = match self.noise_freedom {
+            None => chi_square_tail(total, all),
+            Some(noise) => fisher_tail(total / all, all, noise),
+        };
         let outcome = CheckOutcome::judged(Check::FreeEndNull, (total / all, 1.0), p_value, level);
         Ok(outcome.at(worst.1))
     }
@@ -230,5 +251,64 @@ impl<'a> Fit<'a> {
             }
         }
         best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Noise that was taken 10 % too small in amplitude: chi-square of many lines fails an honest record, Fisher's distribution for a
+    /// noise of 100 degrees of freedom, which is known to 14 %, does not.
+    #[test]
+    fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
+        let rod = RodWithFreeEnd {
+            diameter: 0.0106,
+            density: 903.0,
+            end_mass: 0.0,
+        };
+        let frequency_hz: Vec<f64> = (1..=900).map(|j| 10.0 * f64::from(j)).collect();
+        let gamma: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| Complex64::new(0.05, 1.0) * (std::f64::consts::TAU * f / 1700.0))
+            .collect();
+        let distances = [0.1, 0.25, 0.41];
+        let noise = 1e-3;
+        // errors of random phase whose squares are distributed as those of circular noise
+        let mut state = 12345.0_f64;
+        let mut uniform = || {
+            state = (state * 997.0 + 0.5) % 65_521.0;
+            (state + 0.5) / 65_521.0
+        };
+        let spectra: Vec<Vec<Complex64>> = distances
+            .iter()
+            .map(|d| {
+                let value = |gamma: &Complex64| {
+                    let size = noise * (-uniform().ln()).sqrt();
+                    (gamma * d).sinh()
+                        + Complex64::from_polar(size, std::f64::consts::TAU * uniform())
+                };
+                gamma.iter().map(value).collect()
+            })
+            .collect();
+        let too_small = vec![vec![0.9 * noise; frequency_hz.len()]; 3];
+        let measured = GaugeSpectra {
+            frequency_hz: &frequency_hz,
+            tests: &[&spectra],
+            noise: &too_small,
+        };
+        let check = FreeEndNull::new(rod, distances.to_vec(), Quantity::Strain).unwrap();
+        let known = check.check(&measured, &gamma, 0.01).unwrap();
+        assert!(known.has_failed(), "{known}");
+        // 1/0.9² = 1.235; three standard deviations of 1800 degrees of freedom
+        assert!((known.statistic - 1.235).abs() < 0.123, "{known}");
+        let estimated = check
+            .clone()
+            .with_noise_degrees_of_freedom(100.0)
+            .unwrap()
+            .check(&measured, &gamma, 0.01)
+            .unwrap();
+        assert!(!estimated.has_failed(), "{estimated}");
+        assert!(check.with_noise_degrees_of_freedom(0.0).is_err());
     }
 }

@@ -1,9 +1,36 @@
-//! Complex modulus of a rod.
+//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra that another program has made.
 
+mod cards;
+mod checks;
+mod estimate;
+mod figures;
+mod gauges;
+mod histories;
+mod laws;
+mod lines;
+mod measured;
+mod method;
+mod pulses;
+mod reasons;
+mod settings;
+mod statement;
+mod universal;
+
+pub use checks::ChecksSheet;
+pub use laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
+pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet};
+pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
+
+use cmod::ModulusEstimate;
+use cmod::lateral_inertia::CorrectedEstimate;
 use serde::Deserialize;
 
 use super::Surroundings;
+use super::frf::{AboutSheet, BandSheet};
+use crate::outcome::Verdict;
+use crate::sheet::{AddedMass, Density, Frequency, Length, Ratio, Stated};
 use crate::{Outcome, RodlabError};
+use measured::{Measured, Spectra};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -11,11 +38,163 @@ use crate::{Outcome, RodlabError};
 pub struct ModulusSheet {
     /// Title of the test.
     pub title: String,
+    /// Who measured what, where and when.
+    #[serde(default)]
+    pub about: AboutSheet,
+    /// The rod.
+    pub specimen: SpecimenSheet,
+    /// How the modulus is found.
+    pub method: MethodSheet,
+    /// What was measured.
+    pub source: SourceSheet,
+    /// Lines that are taken, as `(from: "200 Hz", to: "16 kHz")`; all above 0 Hz by default.
+    #[serde(default)]
+    pub band: Option<BandSheet>,
+    /// What is asked of a line that is to be called valid.
+    #[serde(default)]
+    pub limits: LimitsSheet,
+    /// Lateral inertia taken out of the modulus; by default it is not, and waves shorter than five diameters are not valid.
+    #[serde(default)]
+    pub lateral_inertia: Option<LateralInertiaSheet>,
+    /// Checks that need no truth to compare with.
+    #[serde(default)]
+    pub checks: ChecksSheet,
+    /// Laws that are fitted to the valid lines; none by default.
+    #[serde(default)]
+    pub laws: Option<LawsSheet>,
+    /// Frequencies whose results are named one by one, as `["1 kHz", "5 kHz"]`; by default 1, 2 and 5 of each decade where lines are
+    /// valid.
+    #[serde(default)]
+    pub report_at: Option<Vec<Stated<Frequency>>>,
 }
 
-pub(crate) fn run(
-    sheet: &ModulusSheet,
-    _around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("modulus", sheet.title.as_str()))
+/// The rod.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenSheet {
+    /// Length, as `"799 mm ± 0.3 mm"`; needed by the methods that use both ends.
+    #[serde(default)]
+    pub length: Option<Stated<Length>>,
+    /// Diameter, as `"15.8 mm"`.
+    pub diameter: Stated<Length>,
+    /// Density, as `"912 kg/m3 ± 0.1 %"`. Its relative error is that of the modulus.
+    pub density: Stated<Density>,
+    /// Mass on the free end, the accelerometer with its connector, as `"2.9 gram"`; none by default.
+    #[serde(default)]
+    pub accelerometer_mass: Option<Stated<AddedMass>>,
+}
+
+/// What is asked of a valid line.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitsSheet {
+    /// Greatest relative error of E', within which five standard errors must lie, as `"1 %"`, which is the default.
+    pub storage_modulus: Option<Stated<Ratio>>,
+    /// Greatest relative error of the loss factor, likewise; `"5 %"` by default.
+    pub loss_factor: Option<Stated<Ratio>>,
+    /// Greatest amplification of a relative error; `"10"` by default.
+    pub error_amplification: Option<Stated<Ratio>>,
+    /// Least coherence, of the two-point method from several hits; not asked by default.
+    pub coherence: Option<Stated<Ratio>>,
+}
+
+/// Lateral inertia that is taken out.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LateralInertiaSheet {
+    /// Poisson's ratio, as `"0.40 ± 0.02"`.
+    pub poisson_ratio: Stated<Ratio>,
+    /// The theory; by default the simplest that serves at each wavelength.
+    #[serde(default)]
+    pub theory: Option<TheorySheet>,
+}
+
+/// A theory of rods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum TheorySheet {
+    /// Love and Rayleigh, from three diameters a wavelength on.
+    LoveRayleigh,
+    /// Pochhammer and Chree, exact for a round rod.
+    PochhammerChree,
+}
+
+/// Everything that was found, for tables, figures and words.
+struct Found<'a> {
+    sheet: &'a ModulusSheet,
+    measured: &'a Measured,
+    /// The estimate that is reported: after lateral inertia, where it was taken out.
+    estimate: &'a ModulusEstimate,
+    corrected: Option<&'a CorrectedEstimate>,
+    /// Distance over which waves are counted \[m\].
+    distance: f64,
+}
+
+pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("modulus", sheet.title.as_str());
+    sheet.checks.level()?;
+    if let Some(laws) = &sheet.laws {
+        laws.check()?;
+    }
+    let mut chosen = settings::of(sheet);
+    around.progress.begins("reading", 0);
+    let mut measured = measured::of(sheet, around, &mut chosen)?;
+    outcome.settings = chosen.into_settings();
+    outcome.inputs = std::mem::take(&mut measured.inputs);
+    outcome.log = std::mem::take(&mut measured.log);
+    outcome.figures = std::mem::take(&mut measured.figures);
+    outcome.summary.extend(measured.in_words.clone());
+    outcome.warnings = std::mem::take(&mut measured.warnings);
+    let Some(spectra) = &measured.spectra else {
+        let reason = measured.missing.clone();
+        outcome
+            .summary
+            .insert(0, format!("There is no modulus: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+        return Ok(outcome);
+    };
+    around.go_on()?;
+
+    around.progress.begins("finding the modulus", 0);
+    let apparent = estimate::estimate(sheet, &measured, spectra)?;
+    let corrected = estimate::without_lateral_inertia(sheet, &apparent)?;
+    let found = Found {
+        sheet,
+        measured: &measured,
+        estimate: corrected.as_ref().map_or(&apparent, |c| c.modulus()),
+        corrected: corrected.as_ref(),
+        distance: estimate::distance(sheet)?,
+    };
+    around.go_on()?;
+
+    let reasons = reasons::of(found.estimate);
+    statement::state(&mut outcome, &found, &reasons);
+    outcome.log.extend(reasons.log(found.estimate));
+    outcome.tables.push(lines::table(&found));
+    if let Some(table) = measured::table(spectra) {
+        outcome.tables.push(table);
+    }
+    outcome.attachments.extend(universal::attachment(&found)?);
+    outcome.figures.extend(figures::figures(&found, &reasons));
+    around.go_on()?;
+
+    around.progress.begins("checking", 0);
+    checks::check(&mut outcome, &found)?;
+    around.go_on()?;
+    if let Some(laws) = &sheet.laws
+        && outcome.verdict == Verdict::Answered
+    {
+        around.progress.begins("fitting laws", laws.laws.len());
+        laws::fit(&mut outcome, &found, laws, around)?;
+    }
+    Ok(outcome)
+}
+
+impl Found<'_> {
+    /// Ratio of spectra with its coherence, where the method has one.
+    fn ratio(&self) -> Option<&measured::Ratio> {
+        match &self.measured.spectra {
+            Some(Spectra::Ratio(ratio)) => Some(ratio),
+            _ => None,
+        }
+    }
 }

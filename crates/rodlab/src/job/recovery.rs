@@ -1,21 +1,306 @@
-//! Loss factor from creep recovery.
+//! Loss factor from creep recovery: the model of paper C from tests with one or several loads.
+//!
+//! A rod is loaded for a while, unloaded, and its loss factor is read as it recovers. What is read is fitted by one model for all
+//! tests together (`cmod::recovery`), which then predicts what another load, as a periodic one, would do.
 
+mod curves;
+mod figures;
+mod load;
+mod readings;
+mod statement;
+
+pub use load::LoadSheet;
+pub use readings::{Reading, ReadingsSheet};
+
+use cmod::recovery::RecoveryTest;
+use cmod::recovery::fit::{
+    ErrorScale, PaperFit, RecoveryFit, SeriesModulus, SingleTestFit, paper_procedure,
+};
 use serde::Deserialize;
 
 use super::Surroundings;
+use super::frf::AboutSheet;
+use crate::chosen::Chosen;
+use crate::outcome::{InputFile, LogEntry, Verdict};
+use crate::sheet::{Frequency, Pressure, Ratio, Stated};
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecoverySheet {
-    /// Title of the test.
+    /// Title of the tests.
     pub title: String,
+    /// Who measured what, where and when.
+    #[serde(default)]
+    pub about: AboutSheet,
+    /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, as `"3.1 GPa ± 50 MPa"`. No loss factor
+    /// determines it.
+    pub series_modulus: Stated<Pressure>,
+    /// Frequency at which the loss factor was read, as `"10 kHz"`.
+    pub frequency: Stated<Frequency>,
+    /// Loss factor of the virgin material, as `"0.025 ± 0.0003"`. Its uncertainty is shared by all readings.
+    #[serde(default)]
+    pub virgin_loss_factor: Option<Stated<Ratio>>,
+    /// Whether the readings are loss factors or changes of it; loss factors by default.
+    #[serde(default)]
+    pub readings_are: Option<ReadingsAre>,
+    /// Standard error of a reading that states none itself, as `"0.0012"`.
+    #[serde(default)]
+    pub standard_error: Option<Stated<Ratio>>,
+    /// What the errors of the result rest on; the stated errors by default.
+    #[serde(default)]
+    pub error_scale: Option<ErrorScaleSheet>,
+    /// The tests.
+    pub tests: Vec<TestSheet>,
+    /// Loads whose recovery is to be predicted.
+    #[serde(default)]
+    pub predictions: Vec<PredictionSheet>,
+    /// The procedure of paper C beside the joint fit.
+    #[serde(default)]
+    pub paper_procedure: Option<PaperProcedureSheet>,
+}
+
+/// What the readings are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum ReadingsAre {
+    /// Loss factors; `virgin_loss_factor` is taken off.
+    LossFactors,
+    /// Changes of the loss factor against the virgin material.
+    Changes,
+}
+
+/// What the errors of the result rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum ErrorScaleSheet {
+    /// The standard errors of the readings.
+    Stated,
+    /// The scatter about the fit: the standard errors of the readings are only weights.
+    FromResidual,
+}
+
+impl From<ErrorScaleSheet> for ErrorScale {
+    fn from(scale: ErrorScaleSheet) -> Self {
+        match scale {
+            ErrorScaleSheet::Stated => Self::Stated,
+            ErrorScaleSheet::FromResidual => Self::FromResidual,
+        }
+    }
+}
+
+/// One test: a load, and what was read after it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestSheet {
+    /// Name, as `"Test 1"`.
+    pub name: String,
+    /// The load, part after part, from a virgin specimen to the unloading.
+    pub load: Vec<LoadSheet>,
+    /// Frequency of this test, where it differs from that of the sheet.
+    #[serde(default)]
+    pub frequency: Option<Stated<Frequency>>,
+    /// What was read.
+    pub readings: ReadingsSheet,
+}
+
+/// A load whose recovery is to be predicted.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PredictionSheet {
+    /// Name, as `"4 Hz about 32 MPa"`.
+    pub name: String,
+    /// The load, part after part.
+    pub load: Vec<LoadSheet>,
+}
+
+/// The procedure of paper C: E₂ and B from one test for every exponent, the exponent from the other tests.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperProcedureSheet {
+    /// Name of the test that E₂ and B are from.
+    pub reference: String,
+    /// Exponents between which is searched; (0.2, 5.0) by default.
+    #[serde(default)]
+    pub exponents: Option<(f64, f64)>,
+}
+
+/// Everything that was found, for tables, figures and words.
+struct Found<'a> {
+    sheet: &'a RecoverySheet,
+    tests: Vec<RecoveryTest>,
+    /// Standard errors of the readings of each test.
+    standard_errors: Vec<Vec<f64>>,
+    singles: Vec<Result<SingleTestFit, cmod::CmodError>>,
+    fit: RecoveryFit,
+    /// √(χ²/ν) where the errors are from the residual, otherwise 1.
+    error_factor: f64,
+    paper: Option<PaperFit>,
+    predictions: Vec<(String, RecoveryTest)>,
 }
 
 pub(crate) fn run(
     sheet: &RecoverySheet,
-    _around: &Surroundings<'_>,
+    around: &Surroundings<'_>,
 ) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("recovery", sheet.title.as_str()))
+    let mut outcome = Outcome::of("recovery", sheet.title.as_str());
+    outcome.settings = settings(sheet).into_settings();
+    if sheet.tests.is_empty() {
+        return Err(RodlabError::request("tests", "empty", "at least one test"));
+    }
+    let mut tests = Vec::with_capacity(sheet.tests.len());
+    let mut standard_errors = Vec::with_capacity(sheet.tests.len());
+    for (index, test) in sheet.tests.iter().enumerate() {
+        let read = readings::test(sheet, test, &format!("tests[{index}]"), around)?;
+        outcome.log.push(LogEntry {
+            what: format!("{}, {} readings", test.name, read.standard_error.len()),
+            accepted: true,
+            reasons: Vec::new(),
+        });
+        outcome.inputs.extend(read.input);
+        standard_errors.push(read.standard_error);
+        tests.push(read.test);
+    }
+    outcome.inputs.sort();
+    outcome
+        .inputs
+        .dedup_by(|a: &mut InputFile, b| a.path == b.path);
+    around.go_on()?;
+
+    let series_modulus = SeriesModulus {
+        value: sheet.series_modulus.si(),
+        standard_error: sheet.series_modulus.standard_uncertainty().unwrap_or(0.0),
+    };
+    let scale = ErrorScale::from(sheet.error_scale.unwrap_or(ErrorScaleSheet::Stated));
+    around
+        .progress
+        .begins("fitting all tests together", tests.len());
+    let singles: Vec<_> = tests.iter().map(SingleTestFit::new).collect();
+    let fit = match RecoveryFit::new(&tests, series_modulus, scale) {
+        Ok(fit) => fit,
+        Err(error @ (cmod::CmodError::TooFewReadings { .. } | cmod::CmodError::NoStart)) => {
+            statement::without_fit(&mut outcome, &tests, &singles, &error);
+            return Ok(outcome);
+        }
+        Err(error) => return Err(RodlabError::step("fitting the tests", error)),
+    };
+    around.go_on()?;
+    let error_factor = if scale == ErrorScale::FromResidual {
+        // a fit by the residual has degrees of freedom, or there is none
+        (fit.chi_squared / fit.degrees_of_freedom as f64).sqrt()
+    } else {
+        1.0
+    };
+    let found = Found {
+        paper: paper(sheet, &tests)?,
+        predictions: predictions(sheet, &tests)?,
+        sheet,
+        singles,
+        fit,
+        error_factor,
+        standard_errors,
+        tests,
+    };
+    let refused = |error| RodlabError::step("predicting a recovery", error);
+    statement::state(&mut outcome, &found);
+    outcome.tables = curves::tables(&found).map_err(refused)?;
+    outcome.figures = figures::figures(&found).map_err(refused)?;
+    around.go_on()?;
+    if outcome.verdict == Verdict::Answered {
+        statement::predict(&mut outcome, &found).map_err(refused)?;
+    }
+    Ok(outcome)
+}
+
+fn settings(sheet: &RecoverySheet) -> Chosen {
+    let mut chosen = Chosen::default();
+    chosen.about(&sheet.about);
+    chosen.stated("series_modulus", &sheet.series_modulus);
+    chosen.stated("frequency", &sheet.frequency);
+    if let Some(virgin) = &sheet.virgin_loss_factor {
+        chosen.stated("virgin_loss_factor", virgin);
+    }
+    let are = |are: ReadingsAre| match are {
+        ReadingsAre::LossFactors => "loss factors",
+        ReadingsAre::Changes => "changes of the loss factor",
+    };
+    chosen.either(
+        "readings_are",
+        sheet.readings_are.map(are).as_ref(),
+        are(ReadingsAre::LossFactors),
+    );
+    if let Some(error) = &sheet.standard_error {
+        chosen.stated("standard_error", error);
+    }
+    let rests = |scale: ErrorScaleSheet| match scale {
+        ErrorScaleSheet::Stated => "the standard errors of the readings",
+        ErrorScaleSheet::FromResidual => "the scatter about the fit",
+    };
+    chosen.either(
+        "error_scale",
+        sheet.error_scale.map(rests).as_ref(),
+        rests(ErrorScaleSheet::Stated),
+    );
+    for test in &sheet.tests {
+        let name = format!("tests: {}", test.name);
+        let mut words = load::in_words(&test.load);
+        if let Some(frequency) = &test.frequency {
+            words = format!("{words}; read at {frequency}");
+        }
+        chosen.stated(name, words);
+    }
+    for prediction in &sheet.predictions {
+        let name = format!("predictions: {}", prediction.name);
+        chosen.stated(name, load::in_words(&prediction.load));
+    }
+    if let Some(paper) = &sheet.paper_procedure {
+        chosen.stated("paper_procedure.reference", &paper.reference);
+        let words = |(from, to): (f64, f64)| format!("{from} to {to}");
+        chosen.either(
+            "paper_procedure.exponents",
+            paper.exponents.map(words).as_ref(),
+            words(EXPONENTS),
+        );
+    }
+    chosen
+}
+
+/// Exponents between which the procedure of paper C searches.
+const EXPONENTS: (f64, f64) = (0.2, 5.0);
+
+fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFit>, RodlabError> {
+    let Some(asked) = &sheet.paper_procedure else {
+        return Ok(None);
+    };
+    let Some(reference) = tests.iter().position(|test| test.name() == asked.reference) else {
+        let names: Vec<String> = tests.iter().map(|t| format!("`{}`", t.name())).collect();
+        return Err(RodlabError::request(
+            "paper_procedure.reference",
+            format!("`{}`", asked.reference),
+            format!("one of the tests {}", names.join(", ")),
+        ));
+    };
+    paper_procedure(
+        tests,
+        reference,
+        sheet.series_modulus.si(),
+        asked.exponents.unwrap_or(EXPONENTS),
+    )
+    .map(Some)
+    .map_err(|error| RodlabError::step("paper_procedure", error))
+}
+
+/// Tests without readings: their times are those of the curves.
+fn predictions(
+    sheet: &RecoverySheet,
+    tests: &[RecoveryTest],
+) -> Result<Vec<(String, RecoveryTest)>, RodlabError> {
+    let times = curves::times(tests);
+    let made = |(index, asked): (usize, &PredictionSheet)| {
+        let field = format!("predictions[{index}].load");
+        let load = load::history(&asked.load, &field)?;
+        let test = curves::at_times(&asked.name, load, sheet.frequency.si(), &times)
+            .map_err(|error| RodlabError::step(field, error))?;
+        Ok((asked.name.clone(), test))
+    };
+    sheet.predictions.iter().enumerate().map(made).collect()
 }

@@ -243,6 +243,8 @@ kinds! {
     Force: "a force", "\"5 N\" or \"2 kN\"", dimension(1, 1, -2, 0), true;
     /// A modulus or a stress above 0 \[Pa\].
     Pressure: "a modulus or stress", "\"2.6 GPa\"", dimension(-1, 1, -2, 0), true;
+    /// A stress of any sign \[Pa\].
+    Stress: "a stress", "\"45 MPa\" or \"0 MPa\"", dimension(-1, 1, -2, 0), false;
     /// A characteristic impedance above 0 [kg/s].
     SpecificImpedance: "a characteristic impedance", "\"1000 kg/s\" or \"1000 N s/m\"", dimension(0, 1, -1, 0), true;
     /// A stiffness above 0 [N/m].

@@ -1,0 +1,177 @@
+//! The noise of a channel while nothing happens: from the samples before each hit.
+
+use super::{Detrend, Welch};
+use crate::{LabioError, Record};
+
+/// Longest segment of samples that is transformed: noise has no fine structure that a hit of a few thousand samples could show.
+const LONGEST_SEGMENT: usize = 64;
+/// Fewest samples before a hit.
+const FEWEST_SAMPLES: usize = 16;
+
+/// Power spectral density of the noise of one channel, from the silent samples before several hits.
+///
+/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all hits ([`Welch`]). Between the lines
+/// of such a segment the density is interpolated; below its third line it is that of the third, because mean and window take away
+/// from the first two.
+///
+/// ```
+/// use labio::{Channel, Provenance, Quantity, Record, RestNoise};
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// // samples of alternating sign: all of their power lies at the Nyquist frequency
+/// let samples = Array2::from_shape_fn((1, 512), |(_, n)| if n % 2 == 0 { 1.0 } else { -1.0 });
+/// let channels = vec![Channel::new("gauge", Quantity::Strain)?];
+/// let hit = Record::new(samples, 1000.0, 0.0, channels, Provenance::computed("example"))?;
+/// let noise = RestNoise::before(&[&hit], "gauge", 256)?;
+/// assert!(noise.density_at(500.0) > 0.01);
+/// assert!(noise.density_at(100.0) < 1e-20);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct RestNoise {
+    step_hz: f64,
+    density: Vec<f64>,
+    /// Of all hits together \[s\].
+    duration: f64,
+}
+
+impl RestNoise {
+    /// The noise of the channel called `channel` in the first `n_silent` samples of each of `hits`.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than 16 silent samples or a hit with fewer,
+    /// [`LabioError::UnknownChannel`].
+    pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
+        if n_silent < FEWEST_SAMPLES {
+            return Err(LabioError::TooFewSamples {
+                what: "the silence before a hit",
+                found: n_silent,
+                expected: FEWEST_SAMPLES,
+            });
+        }
+        let Some(first) = hits.first() else {
+            return Err(LabioError::TooFewAverages {
+                estimate: "the noise before hits",
+                found: 0,
+                expected: 1,
+            });
+        };
+        let segment = n_silent.min(LONGEST_SEGMENT);
+        let welch = Welch::new(segment)?.with_detrend(Detrend::Mean);
+        let mut density = vec![0.0; segment / 2 + 1];
+        for hit in hits {
+            let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
+            for (sum, value) in density.iter_mut().zip(spectra.power_density(channel)?) {
+                *sum += value;
+            }
+        }
+        for value in &mut density {
+            *value /= hits.len() as f64;
+        }
+        // the mean that was removed, and its share that the window spreads over the first line
+        let third = density[2];
+        density[..2].fill(third);
+        Ok(Self {
+            step_hz: first.sampling_rate_hz() / segment as f64,
+            density,
+            duration: (hits.len() * n_silent) as f64 / first.sampling_rate_hz(),
+        })
+    }
+
+    /// Degrees of freedom of the mean density over a band of this width: twice the width times the duration of all silences. The
+    /// relative standard error of that mean is the root of two by this number.
+    #[must_use]
+    pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
+        2.0 * bandwidth_hz * self.duration
+    }
+
+    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which lies between 0 and the Nyquist frequency.
+    #[must_use]
+    pub fn density_at(&self, frequency_hz: f64) -> f64 {
+        let place = (frequency_hz / self.step_hz).max(0.0);
+        let last = self.density.len() - 1;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and the cast saturates"
+        )]
+        let line = (place as usize).min(last - 1);
+        let fraction = (place - line as f64).min(1.0);
+        self.density[line] + fraction * (self.density[line + 1] - self.density[line])
+    }
+
+    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a record of this `duration` \[s\],
+    /// (density · duration)^½: what stands beside the root of [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
+    #[must_use]
+    pub fn amplitude_at(&self, frequency_hz: f64, duration: f64) -> f64 {
+        (self.density_at(frequency_hz) * duration).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AveragedSpectra, Channel, Provenance, Quantity, Window};
+    use ndarray::Array2;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// White noise before and during the hits: the energy of its lines is what the silence promises.
+    #[test]
+    fn the_silence_before_tells_the_noise_of_the_lines() {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let hits: Vec<Record> = (0..10)
+            .map(|_| {
+                let samples =
+                    Array2::from_shape_fn((1, 2048), |_| 3.0 + random.random::<f64>() - 0.5);
+                let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
+                Record::new(
+                    samples,
+                    8000.0,
+                    0.0,
+                    channels,
+                    Provenance::computed("noise"),
+                )
+                .unwrap()
+            })
+            .collect();
+        let all: Vec<&Record> = hits.iter().collect();
+        let noise = RestNoise::before(&all, "gauge", 512).unwrap();
+        // uniform between -1/2 and 1/2: variance 1/12, over 4 kHz
+        let exact = 1.0 / 12.0 / 4000.0;
+        for f in [20.0, 500.0, 3000.0] {
+            // 150 overlapped segments: 8 % of a line
+            assert!((noise.density_at(f) / exact - 1.0).abs() < 0.25, "{f}");
+        }
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+        let energy = spectra.auto("gauge").unwrap();
+        let mean = energy[200..600].iter().sum::<f64>() / 400.0;
+        let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
+        assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample
+        assert!((noise.degrees_of_freedom(4000.0) - 5120.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn silence_that_is_too_short_is_refused() {
+        let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
+        let samples = Array2::zeros((1, 100));
+        let hit = Record::new(samples, 1.0, 0.0, channels, Provenance::computed("none")).unwrap();
+        let text = |n| {
+            let error = RestNoise::before(&[&hit], "gauge", n).unwrap_err();
+            error.to_string()
+        };
+        assert_eq!(
+            text(15),
+            "the silence before a hit has 15 samples, expected at least 16"
+        );
+        assert_eq!(
+            text(200),
+            "the record to take a part of has 100 samples, expected at least 200"
+        );
+        assert!(RestNoise::before(&[], "gauge", 20).is_err());
+    }
+}

@@ -1,0 +1,66 @@
+//! The list of everything that was chosen, by a sheet or by default.
+
+use std::fmt::Display;
+
+use crate::job::frf::AboutSheet;
+use crate::outcome::Setting;
+
+/// Collects the [`Setting`]s of a job.
+#[derive(Debug, Default)]
+pub(crate) struct Chosen(Vec<Setting>);
+
+impl Chosen {
+    /// The sheet says so.
+    pub(crate) fn stated(&mut self, name: impl Into<String>, value: impl Display) {
+        self.push(name.into(), value.to_string(), false);
+    }
+
+    /// A default says so.
+    pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl Display) {
+        self.push(name.into(), value.to_string(), true);
+    }
+
+    /// The sheet says so where it says anything, and a default otherwise.
+    pub(crate) fn either<T: Display>(
+        &mut self,
+        name: impl Into<String>,
+        stated: Option<&T>,
+        default: impl Display,
+    ) {
+        match stated {
+            Some(value) => self.stated(name, value),
+            None => self.by_default(name, default),
+        }
+    }
+
+    /// Free texts about a test.
+    pub(crate) fn about(&mut self, about: &AboutSheet) {
+        for (name, text) in [
+            ("laboratory", &about.laboratory),
+            ("operator", &about.operator),
+            ("date", &about.date),
+            ("note", &about.note),
+        ] {
+            if let Some(text) = text {
+                self.stated(format!("about.{name}"), text);
+            }
+        }
+    }
+
+    /// Settings that were listed elsewhere.
+    pub(crate) fn extend(&mut self, settings: impl IntoIterator<Item = Setting>) {
+        self.0.extend(settings);
+    }
+
+    pub(crate) fn into_settings(self) -> Vec<Setting> {
+        self.0
+    }
+
+    fn push(&mut self, name: String, value: String, by_default: bool) {
+        self.0.push(Setting {
+            name,
+            value,
+            by_default,
+        });
+    }
+}

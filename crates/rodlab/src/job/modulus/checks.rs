@@ -1,0 +1,281 @@
+//! Checks that need no truth to compare with, and what they say in words.
+
+use std::f64::consts::PI;
+
+use cmod::ModulusLine;
+use cmod::checks::{
+    Arrivals, Channel, Check, CheckOutcome, CheckVerdict, FreeEndNull, USUAL_LEVEL,
+    kramers_kronig_on, passivity,
+};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use super::measured::Spectra;
+use super::method::MethodSheet;
+use super::{Found, estimate};
+use crate::chosen::Chosen;
+use crate::digits::{frequency, significant};
+use crate::outcome::{LogEntry, Quantity};
+use crate::sheet::{Ratio, Stated};
+use crate::{Outcome, RodlabError};
+
+/// The front of a wave is faster than every phase velocity of the band by what the loss factor makes of it up to the Nyquist frequency,
+/// and by this much for what was left out.
+const FRONT: f64 = 1.02;
+
+/// Lines that the check of Kramers and Kronig takes at most.
+const MOST_LINES: usize = 1000;
+
+/// What the name of the quantity of a check begins and ends with.
+const PREFIX: &str = "check: ";
+const SUFFIX: &str = ", p-value";
+
+/// Which checks are made.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ChecksSheet {
+    /// Probability of a false alarm of each check; `"1 %"` by default.
+    pub level: Option<Stated<Ratio>>,
+    /// Checks that are left out, as `[KramersKronig]`.
+    pub without: Vec<CheckSheet>,
+}
+
+/// A check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum CheckSheet {
+    /// E'' is nowhere below 0.
+    Passivity,
+    /// E' and E'' are of one relaxing material.
+    KramersKronig,
+    /// No force at the free end but that of its mass.
+    FreeEndNull,
+    /// Nothing arrives before the fastest wave, and the first wave has the same sign in both channels.
+    Arrivals,
+}
+
+impl ChecksSheet {
+    pub(super) fn list(&self, chosen: &mut Chosen) {
+        let usual = format!("{} %", 100.0 * USUAL_LEVEL);
+        chosen.either("checks.level", self.level.as_ref(), usual);
+        if !self.without.is_empty() {
+            chosen.stated("checks.without", format!("{:?}", self.without));
+        }
+    }
+
+    /// Probability of a false alarm of each check.
+    pub(super) fn level(&self) -> Result<f64, RodlabError> {
+        let level = self.level.as_ref().map_or(USUAL_LEVEL, Stated::si);
+        if level < 1.0 {
+            Ok(level)
+        } else {
+            Err(RodlabError::request(
+                "checks.level",
+                level.to_string(),
+                "a probability between 0 and 1",
+            ))
+        }
+    }
+
+    fn has(&self, check: CheckSheet) -> bool {
+        !self.without.contains(&check)
+    }
+}
+
+pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), RodlabError> {
+    let checks = &found.sheet.checks;
+    let level = checks.level()?;
+    if checks.has(CheckSheet::Passivity) {
+        say(
+            outcome,
+            found,
+            Check::Passivity,
+            passivity(found.estimate, level),
+        );
+    }
+    if checks.has(CheckSheet::KramersKronig) {
+        let made = kramers_kronig_on(found.estimate, MOST_LINES, level);
+        say(outcome, found, Check::KramersKronig, made);
+    }
+    if checks.has(CheckSheet::FreeEndNull) {
+        free_end_null(outcome, found, level);
+    }
+    if checks.has(CheckSheet::Arrivals) {
+        arrivals(outcome, found, level);
+    }
+    let failed: Vec<&str> = outcome
+        .quantities
+        .iter()
+        .filter(|quantity| !quantity.valid)
+        .filter_map(|quantity| quantity.name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX))
+        .collect();
+    if !failed.is_empty() {
+        let sentence = format!(
+            "It is not to be believed before it is explained why these checks fail: {}.",
+            failed.join(", ")
+        );
+        let place = outcome.summary.len().min(1);
+        outcome.summary.insert(place, sentence);
+    }
+    Ok(())
+}
+
+/// The gauges against a free end, where the sheet says that the rod has one.
+fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
+    let (
+        MethodSheet::MultiPoint {
+            gauges,
+            free_end_at: Some(free_end),
+            ..
+        },
+        Some(Spectra::Gauges(spectra)),
+    ) = (&found.sheet.method, &found.measured.spectra)
+    else {
+        return;
+    };
+    let distances = gauges
+        .iter()
+        .map(|gauge| (free_end.si() - gauge.at.si()).abs());
+    let mut gamma = vec![Complex64::new(f64::NAN, 0.0); spectra.frequency_hz.len()];
+    for line in found.estimate.valid() {
+        gamma[line.index] = line.propagation_coefficient;
+    }
+    let quantity = estimate::gauge_quantity(found.measured, gauges);
+    let rod = estimate::rod_with_free_end(found.sheet);
+    let made = FreeEndNull::new(rod, distances.collect(), quantity)
+        .and_then(|check| check.with_noise_degrees_of_freedom(spectra.noise_degrees_of_freedom()))
+        .and_then(|check| {
+            estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
+        });
+    say(outcome, found, Check::FreeEndNull, made);
+}
+
+/// The first accepted hit, of motions at both ends.
+fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
+    let MethodSheet::TwoPoint {
+        impacted_end,
+        free_end,
+        ..
+    } = &found.sheet.method
+    else {
+        return;
+    };
+    let Some(first) = &found.measured.first_hit else {
+        return;
+    };
+    let hit = &first.record;
+    let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
+    let (Some(last), Ok(near), Ok(far)) = (
+        valid.last(),
+        hit.channel(impacted_end),
+        hit.channel(free_end),
+    ) else {
+        return;
+    };
+    let (near, far) = (near.to_vec(), far.to_vec());
+    let channels = vec![
+        Channel {
+            samples: &near,
+            distance: 0.0,
+        },
+        Channel {
+            samples: &far,
+            distance: found.distance,
+        },
+    ];
+    let rate = hit.sampling_rate_hz();
+    let fastest = valid
+        .iter()
+        .map(|line| line.phase_velocity)
+        .fold(0.0, f64::max);
+    // c grows by tan δ/π for each e-fold of the frequency, where the loss factor is constant
+    let growth = (0.5 * rate / last.frequency_hz).powf(last.loss_factor.max(0.0) / PI);
+    let arrivals = match Arrivals::new(channels, rate.recip(), first.silent) {
+        Ok(arrivals) => arrivals,
+        Err(error) => return say(outcome, found, Check::Causality, Err(error)),
+    };
+    let causality = arrivals.causality(FRONT * fastest * growth, level);
+    say(outcome, found, Check::Causality, causality);
+    // only a trigger tells how long after the silence the blow was, and with it what is the first wave
+    if let Some(trigger) = first.trigger {
+        let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
+        let passage = found.distance / fastest;
+        let polarity = arrivals.polarity(fastest, waiting + 0.5 * passage, level);
+        say(outcome, found, Check::Polarity, polarity);
+    }
+}
+
+fn say(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    check: Check,
+    made: Result<CheckOutcome, cmod::CmodError>,
+) {
+    let name = format!("{PREFIX}{check}");
+    match made {
+        Ok(made) => {
+            outcome.quantities.push(Quantity {
+                name: format!("{name}{SUFFIX}"),
+                unit: String::new(),
+                value: Some(made.p_value),
+                standard_error: None,
+                valid: made.verdict != CheckVerdict::Failed,
+                verdict: match made.verdict {
+                    CheckVerdict::Passed => "passed".to_owned(),
+                    CheckVerdict::Failed => format!("failed at the level {}", made.level),
+                    _ => "undecided".to_owned(),
+                },
+            });
+            if made.has_failed() {
+                outcome.warnings.push(in_words(&made, found));
+            }
+        }
+        Err(error) => outcome.log.push(LogEntry {
+            what: name,
+            accepted: false,
+            reasons: vec![format!("not made: {error}")],
+        }),
+    }
+}
+
+/// What a check that has failed may mean.
+fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
+    let at = made
+        .worst
+        .and_then(|index| {
+            let lines = found.estimate.lines();
+            lines.iter().find(|line| line.index == index)
+        })
+        .map(|line| format!(", most at {}", frequency(line.frequency_hz)))
+        .filter(|_| {
+            matches!(
+                made.check,
+                Check::Passivity | Check::KramersKronig | Check::FreeEndNull
+            )
+        })
+        .unwrap_or_default();
+    let cause = match made.check {
+        Check::Passivity => {
+            "E'' is below 0 by more than its errors allow: the ends may be interchanged, or a channel may be delayed or inverted"
+        }
+        Check::KramersKronig => {
+            "E' and E'' are not of one relaxing material: a resonance of a support or a sensor, lateral inertia, or errors that are \
+             stated too small"
+        }
+        Check::FreeEndNull => {
+            "the gauges do not see a free end: a gauge may be elsewhere than stated, wired the other way round or wrongly calibrated, \
+             or the rod bends or is held"
+        }
+        Check::Causality => {
+            "something arrives before the fastest wave can: a channel may be early, or a filter looks ahead"
+        }
+        Check::Polarity => {
+            "the first wave has opposite signs in the channels: one of the sensors points the other way"
+        }
+        _ => "what must hold for any material does not",
+    };
+    format!(
+        "The check of {} fails{at}: {cause} (p = {}).",
+        made.check,
+        significant(made.p_value, 2)
+    )
+}

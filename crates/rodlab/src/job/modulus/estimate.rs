@@ -1,0 +1,327 @@
+//! From spectra to a modulus, by the method of the sheet.
+
+use cmod::lateral_inertia::CorrectedEstimate;
+use cmod::multi_point::Quantity;
+use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
+use cmod::validity::AcceptanceLimits;
+use cmod::{
+    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, LateralInertia, ModulusEstimate,
+    MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd, SectionUncertainty,
+    SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
+};
+use num_complex::Complex64;
+use rodwave::slenderness::Theory;
+
+use super::gauges::Gauges;
+use super::measured::{Measured, Ratio, Spectra};
+use super::method::{GaugeSheet, MethodSheet, SectionSheet, SolverSheet};
+use super::{ModulusSheet, TheorySheet};
+use crate::RodlabError;
+use crate::sheet::Stated;
+
+pub(super) fn estimate(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    spectra: &Spectra,
+) -> Result<ModulusEstimate, RodlabError> {
+    match spectra {
+        Spectra::Ratio(ratio) => of_ratio(sheet, measured, ratio),
+        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges),
+    }
+}
+
+fn refused(error: CmodError) -> RodlabError {
+    RodlabError::step("finding the modulus", error)
+}
+
+fn of_ratio(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    ratio: &Ratio,
+) -> Result<ModulusEstimate, RodlabError> {
+    let limits = limits(sheet);
+    let specimen = &sheet.specimen;
+    let (frequency_hz, values, variance) = (&ratio.frequency_hz, &ratio.values, &ratio.variance);
+    match &sheet.method {
+        MethodSheet::TwoPoint { solver, .. } => {
+            let length = length(sheet)?;
+            let method = TwoPoint::new(Specimen {
+                length,
+                diameter: specimen.diameter.si(),
+                density: specimen.density.si(),
+                accelerometer_mass: end_mass(sheet),
+            })
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| {
+                method.with_specimen_uncertainty(SpecimenUncertainty {
+                    length: uncertainty(specimen.length.as_ref()),
+                    diameter: uncertainty(Some(&specimen.diameter)),
+                    density: uncertainty(Some(&specimen.density)),
+                    accelerometer_mass: uncertainty(specimen.accelerometer_mass.as_ref()),
+                })
+            })
+            .map_err(refused)?
+            .with_solver(match solver {
+                None | Some(SolverSheet::Continuation) => Solver::Continuation,
+                Some(SolverSheet::Newton) => Solver::Newton,
+                Some(SolverSheet::Series) => Solver::Series,
+            });
+            match (&ratio.coherence, ratio.averages) {
+                (Some(coherence), Some(averages)) => method.estimate_averaged(&AveragedRatio {
+                    frequency_hz,
+                    acceleration_ratio: values,
+                    coherence,
+                    averages,
+                }),
+                _ => method.estimate(frequency_hz, values, variance),
+            }
+        }
+        MethodSheet::Resonances { .. } => Resonances::new(rod_with_free_end(sheet), length(sheet)?)
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| {
+                let length = uncertainty(specimen.length.as_ref());
+                method.with_uncertainty(section_uncertainty(sheet, length))
+            })
+            .and_then(|method| method.estimate(frequency_hz, values, variance)),
+        MethodSheet::FreeEnd {
+            first,
+            second,
+            wave_speed,
+        } => {
+            let sections = [
+                section(measured, first, "method.first")?,
+                section(measured, second, "method.second")?,
+            ];
+            let distance = uncertainty(Some(&first.from_free_end))
+                .max(uncertainty(Some(&second.from_free_end)));
+            let [first, second] = sections;
+            FreeEnd::new(rod_with_free_end(sheet), first, second)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|m| m.with_uncertainty(section_uncertainty(sheet, distance)))
+                .and_then(|method| match wave_speed {
+                    Some(speed) => method.with_wave_speed(speed.si()),
+                    None => Ok(method),
+                })
+                .and_then(|method| method.estimate(frequency_hz, values, variance))
+        }
+        MethodSheet::SeparatePulses {
+            distance,
+            wave_speed,
+            ..
+        } => SeparatePulses::new(PulsedRod {
+            distance: distance.si(),
+            diameter: specimen.diameter.si(),
+            density: specimen.density.si(),
+        })
+        .and_then(|method| method.with_limits(limits))
+        .and_then(|m| m.with_uncertainty(section_uncertainty(sheet, uncertainty(Some(distance)))))
+        .and_then(|method| match wave_speed {
+            Some(speed) => method.with_wave_speed(speed.si()),
+            None => Ok(method),
+        })
+        .and_then(|method| method.estimate(frequency_hz, values, variance)),
+        MethodSheet::OneGauge {
+            section: at,
+            wave_speed,
+            ..
+        } => {
+            let distance = uncertainty(Some(&at.from_free_end));
+            OneGauge::new(
+                rod_with_free_end(sheet),
+                section(measured, at, "method.section")?,
+            )
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|m| m.with_uncertainty(section_uncertainty(sheet, distance)))
+            .and_then(|method| match wave_speed {
+                Some(speed) => method.with_wave_speed(speed.si()),
+                None => Ok(method),
+            })
+            .and_then(|method| method.estimate(frequency_hz, values, variance))
+        }
+        // a ratio is refused for these before it is read
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => {
+            sheet.method.ratio_in_words()?;
+            Err(CmodError::NoLines)
+        }
+    }
+    .map_err(refused)
+}
+
+fn of_gauges(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    gauges: &Gauges,
+) -> Result<ModulusEstimate, RodlabError> {
+    let limits = limits(sheet);
+    with_gauge_spectra(gauges, |spectra| match &sheet.method {
+        MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.estimate(spectra)),
+        MethodSheet::MultiPoint {
+            gauges, wave_speed, ..
+        } => MultiPoint::new(gauged_rod(sheet, gauges))
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| match wave_speed {
+                Some(speed) => method.with_wave_speed(speed.si()),
+                None => Ok(method),
+            })
+            .and_then(|method| {
+                method
+                    .with_quantity(gauge_quantity(measured, gauges))
+                    .estimate(spectra)
+            })
+            .map(|estimate| estimate.modulus().clone()),
+        _ => Err(CmodError::NoLines),
+    })
+    .map_err(refused)
+}
+
+/// The spectra as the methods of several gauges and their check take them.
+pub(super) fn with_gauge_spectra<T>(
+    gauges: &Gauges,
+    take: impl FnOnce(&GaugeSpectra<'_>) -> T,
+) -> T {
+    let tests: Vec<&[Vec<Complex64>]> = gauges.tests.iter().map(Vec::as_slice).collect();
+    take(&GaugeSpectra {
+        frequency_hz: &gauges.frequency_hz,
+        tests: &tests,
+        noise: &gauges.noise,
+    })
+}
+
+/// The modulus without lateral inertia, if the sheet wants it.
+pub(super) fn without_lateral_inertia(
+    sheet: &ModulusSheet,
+    apparent: &ModulusEstimate,
+) -> Result<Option<CorrectedEstimate>, RodlabError> {
+    let Some(asked) = &sheet.lateral_inertia else {
+        return Ok(None);
+    };
+    let ratio = &asked.poisson_ratio;
+    LateralInertia::new(
+        sheet.specimen.diameter.si(),
+        sheet.specimen.density.si(),
+        ratio.si(),
+    )
+    .and_then(|inertia| inertia.with_poisson_ratio_uncertainty(uncertainty(Some(ratio))))
+    .map(|inertia| match asked.theory {
+        None => inertia,
+        Some(TheorySheet::LoveRayleigh) => inertia.with_theory(Theory::LoveRayleigh),
+        Some(TheorySheet::PochhammerChree) => inertia.with_theory(Theory::PochhammerChree),
+    })
+    .and_then(|inertia| inertia.correct(apparent))
+    .map(Some)
+    .map_err(|error| RodlabError::step("lateral_inertia", error))
+}
+
+/// Distance over which waves are counted \[m\].
+pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
+    Ok(match &sheet.method {
+        MethodSheet::TwoPoint { .. } | MethodSheet::Resonances { .. } => length(sheet)?,
+        MethodSheet::FreeEnd { first, second, .. } => {
+            first.from_free_end.si().max(second.from_free_end.si())
+        }
+        MethodSheet::SeparatePulses { distance, .. } => distance.si(),
+        MethodSheet::OneGauge { section, .. } => 2.0 * section.from_free_end.si(),
+        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+            gauged_rod(sheet, gauges).least_distance()
+        }
+    })
+}
+
+/// Length of the specimen, which some methods need \[m\].
+pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
+    sheet
+        .specimen
+        .length
+        .as_ref()
+        .map(Stated::si)
+        .ok_or_else(|| {
+            RodlabError::request(
+                "specimen.length",
+                "missing",
+                format!("the length, which {} needs", sheet.method.name()),
+            )
+        })
+}
+
+pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
+    RodWithFreeEnd {
+        diameter: sheet.specimen.diameter.si(),
+        density: sheet.specimen.density.si(),
+        end_mass: end_mass(sheet),
+    }
+}
+
+fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedRod {
+    GaugedRod {
+        positions: gauges.iter().map(|gauge| gauge.at.si()).collect(),
+        diameter: sheet.specimen.diameter.si(),
+        density: sheet.specimen.density.si(),
+    }
+}
+
+/// Mass on the free end \[kg\].
+fn end_mass(sheet: &ModulusSheet) -> f64 {
+    let mass = sheet.specimen.accelerometer_mass.as_ref();
+    mass.map_or(0.0, Stated::si)
+}
+
+/// A section of a rod with a free end; what is measured there is told by the sheet, or by the channel.
+fn section(
+    measured: &Measured,
+    section: &SectionSheet,
+    field: &str,
+) -> Result<EndSection, RodlabError> {
+    let quantity = section
+        .quantity
+        .map(Quantity::from)
+        .or_else(|| measured.quantity_of(&section.channel));
+    Ok(EndSection {
+        distance: section.from_free_end.si(),
+        quantity: quantity.ok_or_else(|| {
+            RodlabError::request(
+                format!("{field}.quantity"),
+                "missing",
+                "Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell",
+            )
+        })?,
+    })
+}
+
+/// All gauges are of one quantity: that of the first.
+pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quantity {
+    gauges
+        .first()
+        .and_then(|gauge| measured.quantity_of(&gauge.channel))
+        .unwrap_or_default()
+}
+
+fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> SectionUncertainty {
+    SectionUncertainty {
+        distance,
+        diameter: uncertainty(Some(&sheet.specimen.diameter)),
+        density: uncertainty(Some(&sheet.specimen.density)),
+        end_mass: uncertainty(sheet.specimen.accelerometer_mass.as_ref()),
+    }
+}
+
+fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
+    stated.and_then(Stated::standard_uncertainty).unwrap_or(0.0)
+}
+
+pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
+    let default = AcceptanceLimits::default();
+    let or = |stated: &Option<Stated<crate::sheet::Ratio>>, default: f64| {
+        stated.as_ref().map_or(default, Stated::si)
+    };
+    AcceptanceLimits {
+        storage_modulus: or(&sheet.limits.storage_modulus, default.storage_modulus),
+        loss_factor: or(&sheet.limits.loss_factor, default.loss_factor),
+        error_amplification: or(
+            &sheet.limits.error_amplification,
+            default.error_amplification,
+        ),
+        coherence: or(&sheet.limits.coherence, default.coherence),
+    }
+}

@@ -1,0 +1,89 @@
+//! A ratio of spectra that another program has made.
+
+use cmod::two_point::variance_from_coherence;
+use labio::{Dimension, Unit};
+use num_complex::Complex64;
+
+use super::{Measured, Ratio, RatioErrors, RatioSheet, RatioValues, Spectra};
+use crate::RodlabError;
+use crate::chosen::Chosen;
+use crate::job::Surroundings;
+use crate::job::modulus::ModulusSheet;
+use crate::number_file::NumberFile;
+
+pub(super) fn of_file(
+    sheet: &ModulusSheet,
+    source: &RatioSheet,
+    around: &Surroundings<'_>,
+    chosen: &mut Chosen,
+) -> Result<Measured, RodlabError> {
+    let words = sheet.method.ratio_in_words()?;
+    let file = NumberFile::read(&source.path, around.folder, "source.path")?;
+    let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
+    let (values, frequency_hz) = match &source.values {
+        RatioValues::Complex(selector) => {
+            let column = file.column(selector, "source.values")?;
+            (
+                column.complex_numbers()?,
+                column.abscissa(hertz, "frequencies")?,
+            )
+        }
+        RatioValues::Parts { real, imaginary } => {
+            let column = file.column(real, "source.values.real")?;
+            let real = column.pure_numbers()?;
+            let imaginary = file
+                .column(imaginary, "source.values.imaginary")?
+                .pure_numbers()?;
+            let pairs = real.iter().zip(&imaginary);
+            (
+                pairs.map(|(re, im)| Complex64::new(*re, *im)).collect(),
+                column.abscissa(hertz, "frequencies")?,
+            )
+        }
+    };
+    chosen.stated("source.path", &source.path);
+    chosen.stated("source.values", words);
+    let refused = |error| RodlabError::step("source.errors", error);
+    let (variance, coherence, averages) = match &source.errors {
+        RatioErrors::Coherence { column, averages } => {
+            let coherence = file
+                .column(column, "source.errors.column")?
+                .pure_numbers()?;
+            chosen.stated("source.errors", format!("coherence of {averages} averages"));
+            let variance =
+                variance_from_coherence(&values, &coherence, *averages).map_err(refused)?;
+            (variance, Some(coherence), Some(*averages))
+        }
+        RatioErrors::StandardError { column } => {
+            chosen.stated("source.errors", "a column of standard errors");
+            let errors = file
+                .column(column, "source.errors.column")?
+                .pure_numbers()?;
+            (errors.iter().map(|e| e * e).collect(), None, None)
+        }
+        RatioErrors::Relative { of_value } => {
+            chosen.stated("source.errors", format!("{of_value} of each value"));
+            let relative = of_value.si();
+            let of = |value: &Complex64| relative * relative * value.norm_sqr();
+            (values.iter().map(of).collect(), None, None)
+        }
+    };
+    Ok(Measured {
+        spectra: Some(Spectra::Ratio(Ratio {
+            frequency_hz,
+            values,
+            variance,
+            coherence,
+            averages,
+        })),
+        missing: String::new(),
+        inputs: vec![file.input],
+        log: Vec::new(),
+        figures: Vec::new(),
+        in_words: Vec::new(),
+        warnings: Vec::new(),
+        quantities: Vec::new(),
+        first_hit: None,
+        calibration_error: 0.0,
+    })
+}

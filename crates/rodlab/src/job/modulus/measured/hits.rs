@@ -1,0 +1,218 @@
+//! Hits to averaged ratios and spectra of gauges.
+
+use cmod::multi_point::Quantity;
+use cmod::two_point::variance_from_coherence;
+use labio::{AveragedSpectra, Record, Window};
+
+use super::silence::{silent_samples, trigger_of};
+use super::{FirstHit, Measured, Ratio, Spectra};
+use crate::RodlabError;
+use crate::chosen::Chosen;
+use crate::hits::HitsSheet;
+use crate::job::Surroundings;
+use crate::job::modulus::method::{self, MethodSheet};
+use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
+use crate::records::Records;
+use crate::sheet::{Duration, Stated};
+
+/// Fewest hits of which a coherence can be formed. The spectra of gauges have their errors from the silence before a hit: of one hit,
+/// too.
+const FEWEST_HITS: usize = 2;
+
+pub(super) fn of_hits(
+    sheet: &ModulusSheet,
+    (records, hits, silent): (&Records, &HitsSheet, Option<&Stated<Duration>>),
+    around: &Surroundings<'_>,
+    chosen: &mut Chosen,
+) -> Result<Measured, RodlabError> {
+    let loaded = records.load(around.folder, "source.records")?;
+    chosen.extend(loaded.settings);
+    if let Some(first) = loaded.records.first() {
+        check_channels(&sheet.method, &first.record)?;
+    }
+    let channels = sheet.method.channels();
+    let reference = channels.first().map_or("", |taken| taken.channel);
+    let found = hits.find(loaded.records, reference, "source.hits")?;
+    chosen.extend(found.settings().to_vec());
+    let silent = silent_samples(&found, silent, chosen)?;
+    let mut in_words = found.in_words();
+    if let Some(first) = in_words.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    let accepted = found.accepted();
+    let mut measured = Measured {
+        spectra: None,
+        missing: String::new(),
+        inputs: loaded.inputs,
+        log: found.log(),
+        figures: histories::figures(&found, &channels, silent),
+        in_words: vec![format!("{in_words}.")],
+        warnings: loaded.warnings,
+        quantities: quantities(accepted.first().copied()),
+        first_hit: None,
+        calibration_error: calibration_error(accepted.first().copied(), &channels),
+    };
+    let fewest = match &sheet.method {
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => 1,
+        _ => FEWEST_HITS,
+    };
+    if accepted.len() < fewest {
+        let why = if fewest == FEWEST_HITS {
+            ": the coherence of one is 1 whatever was measured"
+        } else {
+            ""
+        };
+        measured.missing = format!(
+            "{} accepted of {} found, expected at least {fewest}{why}",
+            if accepted.len() == 1 {
+                "1 hit is"
+            } else {
+                "no hit is"
+            },
+            found.n_found()
+        );
+        return Ok(measured);
+    }
+    let spectra = match &sheet.method {
+        MethodSheet::TwoPoint {
+            impacted_end,
+            free_end,
+            ..
+        }
+        | MethodSheet::Resonances {
+            impacted_end,
+            free_end,
+        } => Spectra::Ratio(averaged_ratio(
+            accepted.iter().copied(),
+            impacted_end,
+            free_end,
+        )?),
+        MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(averaged_ratio(
+            accepted.iter().copied(),
+            &first.channel,
+            &second.channel,
+        )?),
+        MethodSheet::SeparatePulses { first, second, .. } => {
+            Spectra::Ratio(pulses::separate(&accepted, first, second)?)
+        }
+        MethodSheet::OneGauge {
+            section,
+            incident,
+            reflected,
+            ..
+        } => Spectra::Ratio(pulses::reflected(
+            &accepted,
+            &section.channel,
+            incident,
+            reflected,
+        )?),
+        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+            Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent)?)
+        }
+    };
+    measured.first_hit = found
+        .hits()
+        .find(|hit| hit.hit.is_accepted())
+        .and_then(|hit| {
+            let record = hit.hit.record()?;
+            Some(FirstHit {
+                record: record.clone(),
+                silent: silent?,
+                trigger: trigger_of(hit.hit, record),
+            })
+        });
+    measured.spectra = Some(spectra);
+    Ok(measured)
+}
+
+/// H1 with the denominator as input, and its variance by the coherence.
+pub(in crate::job::modulus) fn averaged_ratio<'a>(
+    hits: impl IntoIterator<Item = &'a Record>,
+    numerator: &str,
+    denominator: &str,
+) -> Result<Ratio, RodlabError> {
+    let averaging = |error| RodlabError::step("averaging the spectra of the hits", error);
+    let spectra = AveragedSpectra::of(hits, Window::Rectangular).map_err(averaging)?;
+    let response = spectra.h1(denominator, numerator).map_err(averaging)?;
+    let coherence = response
+        .coherence
+        .unwrap_or_else(|| vec![f64::NAN; response.values.len()]);
+    let variance =
+        variance_from_coherence(&response.values, &coherence, response.effective_averages)
+            .map_err(|error| RodlabError::step("the variance of the ratio", error))?;
+    Ok(Ratio {
+        frequency_hz: response.frequency_hz,
+        values: response.values,
+        variance,
+        coherence: Some(coherence),
+        averages: Some(response.effective_averages),
+    })
+}
+
+/// The channels of the method are there, and of quantities that it takes.
+fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabError> {
+    let known = record.channels();
+    let mut first: Option<(&str, labio::Quantity)> = None;
+    for taken in method.channels() {
+        let Some(channel) = known.iter().find(|c| c.name() == taken.channel) else {
+            let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
+            return Err(RodlabError::request(
+                taken.field,
+                format!("`{}`", taken.channel),
+                format!("one of the channels {}", names.join(", ")),
+            ));
+        };
+        let quantity = channel.quantity();
+        let is = || format!("`{}`, a channel of {}", taken.channel, quantity.name());
+        let motion = matches!(
+            quantity,
+            labio::Quantity::Displacement
+                | labio::Quantity::Velocity
+                | labio::Quantity::Acceleration
+        );
+        if taken.motion && !motion {
+            let expected = "a channel of acceleration, velocity or displacement";
+            return Err(RodlabError::request(taken.field, is(), expected));
+        }
+        if method::of_channel(quantity).is_none() {
+            let expected = "a channel of strain, acceleration, velocity or displacement";
+            return Err(RodlabError::request(taken.field, is(), expected));
+        }
+        match first {
+            Some((name, wanted)) if method.one_quantity() && wanted != quantity => {
+                return Err(RodlabError::request(
+                    taken.field,
+                    is(),
+                    format!("{}, as `{name}` is", wanted.name()),
+                ));
+            }
+            Some(_) => {}
+            None => first = Some((taken.channel, quantity)),
+        }
+    }
+    Ok(())
+}
+
+fn quantities(record: Option<&Record>) -> Vec<(String, Quantity)> {
+    let channels = record.map(Record::channels).unwrap_or_default();
+    channels
+        .iter()
+        .filter_map(|channel| {
+            let quantity = method::of_channel(channel.quantity())?;
+            Some((channel.name().to_owned(), quantity.into()))
+        })
+        .collect()
+}
+
+/// What the sensitivities of the channels leave uncertain of their ratio; they are independent of each other, and one channel alone
+/// has none.
+fn calibration_error(record: Option<&Record>, channels: &[method::Taken<'_>]) -> f64 {
+    let of = |taken: &method::Taken<'_>| {
+        let chain = record?.chain(taken.channel).ok()??;
+        Some(chain.relative_uncertainty())
+    };
+    match channels {
+        [_] => 0.0,
+        several => several.iter().filter_map(of).fold(0.0, f64::hypot),
+    }
+}

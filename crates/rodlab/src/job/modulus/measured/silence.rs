@@ -1,0 +1,58 @@
+//! How long a hit is silent before the blow.
+
+use labio::Record;
+use labio::hits::{Extent, Hit};
+
+use crate::RodlabError;
+use crate::chosen::Chosen;
+use crate::hits::FoundHits;
+use crate::sheet::{Duration, Stated};
+
+/// So long before the trigger a blow begins at most, unless the sheet says how long the silence is \[s\].
+const RISE: f64 = 0.2e-3;
+
+/// Number of samples before the blow, if it is known.
+pub(super) fn silent_samples(
+    found: &FoundHits,
+    stated: Option<&Stated<Duration>>,
+    chosen: &mut Chosen,
+) -> Result<Option<usize>, RodlabError> {
+    let name = "source.silent";
+    let first = found.hits().find_map(|hit| Some((hit, hit.hit.record()?)));
+    let Some((hit, record)) = first else {
+        return Ok(None);
+    };
+    let rate = record.sampling_rate_hz();
+    let extent = |seconds: f64| {
+        Extent::Seconds(seconds)
+            .samples(rate)
+            .map_err(|error| RodlabError::step(name, error))
+    };
+    if let Some(stated) = stated {
+        chosen.stated(name, stated);
+        return extent(stated.si()).map(Some);
+    }
+    if let Some(trigger) = trigger_of(hit.hit, record) {
+        // the trigger fires some time after the blow began
+        let before = trigger as f64 / rate;
+        let silent = before - (0.2 * before).min(RISE);
+        chosen.by_default(
+            name,
+            format!(
+                "{:.4} ms, the pre-trigger but for the rise of the blow",
+                1e3 * silent
+            ),
+        );
+        return extent(silent).map(Some);
+    }
+    chosen.by_default(name, "not known");
+    Ok(None)
+}
+
+/// The sample of a hit on which the trigger fired; none where each record is a hit.
+pub(super) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
+    let before = hit.time() - record.start_time();
+    (before > 0.0)
+        .then(|| Extent::Seconds(before).samples(record.sampling_rate_hz()))
+        .and_then(Result::ok)
+}

@@ -1,0 +1,245 @@
+//! How the modulus is found, and which channels it takes.
+
+use cmod::multi_point::Quantity;
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::sheet::{Coordinate, Length, Stated, Time, Velocity};
+
+/// A method with what it needs.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum MethodSheet {
+    /// The motions of both ends of a rod that is struck at one of them (paper A).
+    TwoPoint {
+        /// Channel of the struck end.
+        impacted_end: String,
+        /// Channel of the other end.
+        free_end: String,
+        /// How the equation is solved; `Continuation` by default.
+        #[serde(default)]
+        solver: Option<SolverSheet>,
+    },
+    /// The same motions, at the resonances only.
+    Resonances {
+        /// Channel of the struck end.
+        impacted_end: String,
+        /// Channel of the other end.
+        free_end: String,
+    },
+    /// Two sections of a rod with a free end.
+    FreeEnd {
+        /// The section whose spectrum is divided, usually the one nearer to the impact.
+        first: SectionSheet,
+        /// The section by which it is divided, usually the free end.
+        second: SectionSheet,
+        /// A guess of the wave speed, as `"1700 m/s"`, good to 30 %; searched by default.
+        #[serde(default)]
+        wave_speed: Option<Stated<Velocity>>,
+    },
+    /// One pulse at two sections, before anything comes back.
+    SeparatePulses {
+        /// The section that the pulse passes first.
+        first: WindowSheet,
+        /// The one that it passes later.
+        second: WindowSheet,
+        /// Distance between them.
+        distance: Stated<Length>,
+        /// A guess of the wave speed.
+        #[serde(default)]
+        wave_speed: Option<Stated<Velocity>>,
+    },
+    /// The incident and the reflected pulse at one section of a rod with a free end.
+    OneGauge {
+        /// The section.
+        section: SectionSheet,
+        /// The incident pulse, from and to, counted from the beginning of a hit's record.
+        incident: (Stated<Time>, Stated<Time>),
+        /// The reflected pulse.
+        reflected: (Stated<Time>, Stated<Time>),
+        /// A guess of the wave speed.
+        #[serde(default)]
+        wave_speed: Option<Stated<Velocity>>,
+    },
+    /// Three equidistant gauges, in closed form (paper B).
+    ThreePoint {
+        /// The gauges, in order of their positions.
+        gauges: Vec<GaugeSheet>,
+    },
+    /// Three gauges or more at any positions, by least squares.
+    MultiPoint {
+        /// The gauges, in order of their positions.
+        gauges: Vec<GaugeSheet>,
+        /// A guess of the wave speed.
+        #[serde(default)]
+        wave_speed: Option<Stated<Velocity>>,
+        /// Position of a free end, if the rod has one: then the gauges are checked against it.
+        #[serde(default)]
+        free_end_at: Option<Stated<Coordinate>>,
+    },
+}
+
+/// How the equation of the two-point method is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum SolverSheet {
+    /// By putting the mass of the accelerometer on in steps.
+    Continuation,
+    /// By Newton's iteration, as printed; for comparison.
+    Newton,
+    /// By the series in the mass ratio; for comparison.
+    Series,
+}
+
+/// A section of a rod with a free end.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SectionSheet {
+    /// Channel.
+    pub channel: String,
+    /// Distance from the free end, as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
+    pub from_free_end: Stated<Coordinate>,
+    /// What is measured there; by default what the channel is of. A ratio from a file has no channels: say it there.
+    #[serde(default)]
+    pub quantity: Option<QuantitySheet>,
+}
+
+/// A pulse at a section.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WindowSheet {
+    /// Channel.
+    pub channel: String,
+    /// Beginning of the pulse, counted from the beginning of a hit's record, as `"1.2 ms"`.
+    pub from: Stated<Time>,
+    /// Its end.
+    pub to: Stated<Time>,
+}
+
+/// A gauge.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeSheet {
+    /// Channel.
+    pub channel: String,
+    /// Position along the rod.
+    pub at: Stated<Coordinate>,
+}
+
+/// What is measured at a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum QuantitySheet {
+    /// Strain, positive in tension.
+    Strain,
+    /// Displacement towards the free end.
+    Displacement,
+    /// Velocity towards the free end.
+    Velocity,
+    /// Acceleration towards the free end.
+    Acceleration,
+}
+
+impl From<QuantitySheet> for Quantity {
+    fn from(quantity: QuantitySheet) -> Self {
+        match quantity {
+            QuantitySheet::Strain => Self::Strain,
+            QuantitySheet::Displacement => Self::Displacement,
+            QuantitySheet::Velocity => Self::Velocity,
+            QuantitySheet::Acceleration => Self::Acceleration,
+        }
+    }
+}
+
+/// What `cmod` calls the quantity of a channel; `None` for what no gauge on a rod measures.
+pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
+    match quantity {
+        labio::Quantity::Strain => Some(QuantitySheet::Strain),
+        labio::Quantity::Displacement => Some(QuantitySheet::Displacement),
+        labio::Quantity::Velocity => Some(QuantitySheet::Velocity),
+        labio::Quantity::Acceleration => Some(QuantitySheet::Acceleration),
+        _ => None,
+    }
+}
+
+/// A channel that a method takes, where the sheet names it, and whether only motions will do.
+pub(super) struct Taken<'a> {
+    pub(super) channel: &'a str,
+    pub(super) field: String,
+    pub(super) motion: bool,
+}
+
+impl MethodSheet {
+    /// Name of the method in the sheet.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::TwoPoint { .. } => "TwoPoint",
+            Self::Resonances { .. } => "Resonances",
+            Self::FreeEnd { .. } => "FreeEnd",
+            Self::SeparatePulses { .. } => "SeparatePulses",
+            Self::OneGauge { .. } => "OneGauge",
+            Self::ThreePoint { .. } => "ThreePoint",
+            Self::MultiPoint { .. } => "MultiPoint",
+        }
+    }
+
+    /// The channels, the first of which tells when a hit begins unless the sheet says otherwise.
+    pub(super) fn channels(&self) -> Vec<Taken<'_>> {
+        let taken = |channel, field: &str, motion| Taken {
+            channel,
+            field: format!("method.{field}"),
+            motion,
+        };
+        match self {
+            Self::TwoPoint {
+                impacted_end,
+                free_end,
+                ..
+            }
+            | Self::Resonances {
+                impacted_end,
+                free_end,
+            } => vec![
+                taken(impacted_end.as_str(), "impacted_end", true),
+                taken(free_end.as_str(), "free_end", true),
+            ],
+            Self::FreeEnd { first, second, .. } => vec![
+                taken(first.channel.as_str(), "first.channel", false),
+                taken(second.channel.as_str(), "second.channel", false),
+            ],
+            Self::SeparatePulses { first, second, .. } => vec![
+                taken(first.channel.as_str(), "first.channel", false),
+                taken(second.channel.as_str(), "second.channel", false),
+            ],
+            Self::OneGauge { section, .. } => {
+                vec![taken(section.channel.as_str(), "section.channel", false)]
+            }
+            Self::ThreePoint { gauges } | Self::MultiPoint { gauges, .. } => gauges
+                .iter()
+                .enumerate()
+                .map(|(index, gauge)| {
+                    let field = format!("gauges[{index}].channel");
+                    taken(gauge.channel.as_str(), &field, false)
+                })
+                .collect(),
+        }
+    }
+
+    /// Whether all channels must be of one quantity.
+    pub(super) fn one_quantity(&self) -> bool {
+        !matches!(self, Self::FreeEnd { .. })
+    }
+
+    /// What is divided by what in a file that has the ratio.
+    pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
+        match self {
+            Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end by free end"),
+            Self::FreeEnd { .. } => Ok("first section by second"),
+            Self::SeparatePulses { .. } => Ok("pulse at the second section by that at the first"),
+            Self::OneGauge { .. } => Ok("reflected pulse by incident pulse"),
+            Self::ThreePoint { .. } | Self::MultiPoint { .. } => Err(RodlabError::request(
+                "source",
+                "a ratio",
+                format!("hits: {} needs the spectra of all gauges", self.name()),
+            )),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Pulses cut out of the hits, and their ratio.
+
+use cmod::noise_of_cut_pulse;
+use labio::{AveragedSpectra, Channel, Record, Window};
+use ndarray::Array2;
+
+use super::measured::{Ratio, averaged_ratio};
+use super::method::WindowSheet;
+use crate::RodlabError;
+use crate::sheet::{Stated, Time};
+
+/// Names of the two pulses in the records that are made of them.
+const EARLIER: &str = "earlier pulse";
+const LATER: &str = "later pulse";
+
+/// A stretch of a channel.
+struct Cut<'a> {
+    channel: &'a str,
+    from: &'a Stated<Time>,
+    to: &'a Stated<Time>,
+    field: &'static str,
+}
+
+/// One pulse at two sections.
+pub(super) fn separate<'a>(
+    hits: &[&Record],
+    first: &'a WindowSheet,
+    second: &'a WindowSheet,
+) -> Result<Ratio, RodlabError> {
+    let cut = |window: &'a WindowSheet, field| Cut {
+        channel: &window.channel,
+        from: &window.from,
+        to: &window.to,
+        field,
+    };
+    ratio(
+        hits,
+        &[cut(first, "method.first"), cut(second, "method.second")],
+    )
+}
+
+/// The incident and the reflected pulse at one section.
+pub(super) fn reflected(
+    hits: &[&Record],
+    channel: &str,
+    incident: &(Stated<Time>, Stated<Time>),
+    reflected: &(Stated<Time>, Stated<Time>),
+) -> Result<Ratio, RodlabError> {
+    let cut = |(from, to), field| Cut {
+        channel,
+        from,
+        to,
+        field,
+    };
+    let (incident, reflected) = ((&incident.0, &incident.1), (&reflected.0, &reflected.1));
+    ratio(
+        hits,
+        &[
+            cut(incident, "method.incident"),
+            cut(reflected, "method.reflected"),
+        ],
+    )
+}
+
+/// The later pulse by the earlier one. What the windows have cut off is no random error, but has its size: it is added to the
+/// variance that the coherence tells.
+fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
+    let mut pulses = Vec::with_capacity(hits.len());
+    let mut edges = [[0.0; 2]; 2];
+    for hit in hits {
+        let (pulse, edges_of_hit) = pulses_of(hit, cuts)?;
+        for (sums, of_hit) in edges.iter_mut().zip(edges_of_hit) {
+            for (sum, edge) in sums.iter_mut().zip(of_hit) {
+                *sum += edge / hits.len() as f64;
+            }
+        }
+        pulses.push(pulse);
+    }
+    let mut ratio = averaged_ratio(&pulses, LATER, EARLIER)?;
+    let cutting = |error| RodlabError::step("the error of cut pulses", error);
+    let averaging = |error| RodlabError::step("averaging the pulses", error);
+    let spectra = AveragedSpectra::of(&pulses, Window::Rectangular).map_err(averaging)?;
+    let lines = ratio.frequency_hz.get(1..).unwrap_or_default();
+    for (name, edges) in [EARLIER, LATER].iter().zip(edges) {
+        let energy = spectra.auto(name).map_err(averaging)?;
+        let noise = noise_of_cut_pulse(0.0, edges, lines).map_err(cutting)?;
+        // the line at 0 Hz says nothing of the modulus, and has no such error
+        for (index, noise) in noise.iter().enumerate() {
+            let line = index + 1;
+            // the energy of a one-sided line is twice |q|²
+            let relative = 2.0 * noise * noise / energy[line];
+            ratio.variance[line] += ratio.values[line].norm_sqr() * relative;
+        }
+    }
+    Ok(ratio)
+}
+
+/// A record of the two pulses, silent elsewhere, and the values at the edges of each.
+fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<(Record, [[f64; 2]; 2]), RodlabError> {
+    let refused = |error| RodlabError::step("cutting a pulse out of a hit", error);
+    let mut samples = Array2::zeros((2, hit.n_samples()));
+    let mut edges = [[0.0; 2]; 2];
+    let mut channels = Vec::with_capacity(2);
+    for (row, (cut, name)) in cuts.iter().zip([EARLIER, LATER]).enumerate() {
+        let history = hit.channel(cut.channel).map_err(refused)?;
+        let [from, to] = [cut.from, cut.to].map(|time| sample_at(time.si(), hit));
+        let range = match (from, to) {
+            (Some(from), Some(to)) if from + 2 < to && to < hit.n_samples() => from..to,
+            _ => {
+                return Err(RodlabError::request(
+                    cut.field,
+                    format!("\"{}\" to \"{}\"", cut.from, cut.to),
+                    format!(
+                        "a stretch of the record of a hit, 0 to {:.4} ms",
+                        1e3 * hit.duration()
+                    ),
+                ));
+            }
+        };
+        edges[row] = [history[range.start], history[range.end - 1]];
+        for index in range {
+            samples[[row, index]] = history[index];
+        }
+        let quantity = hit
+            .channels()
+            .iter()
+            .find(|channel| channel.name() == cut.channel)
+            .map(Channel::quantity);
+        if let Some(quantity) = quantity {
+            channels.push(Channel::new(name, quantity).map_err(refused)?);
+        }
+    }
+    let record = Record::new(
+        samples,
+        hit.sampling_rate_hz(),
+        hit.start_time(),
+        channels,
+        hit.provenance().clone(),
+    );
+    Ok((record.map_err(refused)?, edges))
+}
+
+/// The sample nearest to `time` \[s\] from the beginning of the hit.
+fn sample_at(time: f64, hit: &Record) -> Option<usize> {
+    labio::hits::Extent::Seconds(time)
+        .samples(hit.sampling_rate_hz())
+        .ok()
+}

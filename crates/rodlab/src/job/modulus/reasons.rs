@@ -1,0 +1,171 @@
+//! Why lines are not valid, counted.
+
+use std::collections::BTreeMap;
+
+use cmod::estimate::ModulusEstimate;
+use cmod::validity::Violation;
+
+use crate::digits::frequency;
+use crate::outcome::LogEntry;
+
+/// So many stretches of frequency are named for one reason.
+const STRETCHES_NAMED: usize = 4;
+
+/// The reasons of all lines.
+pub(super) struct Reasons {
+    /// For each line of the estimate the reasons in few words; empty if it is valid.
+    pub(super) of_line: Vec<Vec<&'static str>>,
+    counts: Vec<(&'static str, usize)>,
+}
+
+pub(super) fn of(estimate: &ModulusEstimate) -> Reasons {
+    let mut of_line = Vec::with_capacity(estimate.lines().len());
+    let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
+    for line in estimate.lines() {
+        let mut reasons: Vec<&'static str> = line
+            .validity
+            .violations()
+            .iter()
+            .map(in_few_words)
+            .collect();
+        reasons.sort_unstable();
+        reasons.dedup();
+        for reason in &reasons {
+            *counts.entry(reason).or_default() += 1;
+        }
+        of_line.push(reasons);
+    }
+    let mut counts: Vec<(&'static str, usize)> = counts.into_iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
+    Reasons { of_line, counts }
+}
+
+/// A violation without its numbers.
+fn in_few_words(violation: &Violation) -> &'static str {
+    match violation {
+        Violation::WavelengthTooShort { .. } => "wavelength below five diameters",
+        Violation::WavelengthTooLong { .. } => "wavelength above five lengths",
+        Violation::DampingNotPositive { .. } => "damping coefficient not positive",
+        Violation::WaveNumberNotPositive { .. } => "wave number not positive",
+        Violation::BranchAmbiguous(_) => "number of waves in doubt",
+        Violation::NotConverged { .. } => "iteration did not settle",
+        Violation::RootNotFollowed { .. } => "root lost where two roots meet",
+        Violation::SeriesTruncated { .. } => "series in the mass ratio not accurate enough",
+        Violation::NearSingular { .. } => "too near a singular frequency for this noise",
+        Violation::ErrorTooLarge { quantity: "E'", .. } => "error of E' above its limit",
+        Violation::ErrorTooLarge { .. } => "error of the loss factor above its limit",
+        Violation::ErrorAmplified { .. } => "errors amplified above the limit",
+        Violation::CoherenceTooLow { .. } => "coherence below its limit",
+        Violation::NodeAtMiddleGauge { .. } => "node at the middle gauge",
+        Violation::Misfit { .. } => "two waves do not explain the gauges",
+        _ => "another condition",
+    }
+}
+
+impl Reasons {
+    /// The commonest, as `error of E' above its limit (312 lines), ...`.
+    pub(super) fn commonest(&self, most: usize) -> String {
+        let named: Vec<String> = self
+            .counts
+            .iter()
+            .take(most)
+            .map(|(reason, count)| format!("{reason} ({})", lines(*count)))
+            .collect();
+        named.join(", ")
+    }
+
+    /// One entry for the valid lines, one for each reason against the others, and one for each refusal.
+    pub(super) fn log(&self, estimate: &ModulusEstimate) -> Vec<LogEntry> {
+        let all = estimate.lines();
+        let frequencies = |keep: &dyn Fn(usize) -> bool| -> Vec<Option<f64>> {
+            let at = |index: usize| keep(index).then(|| all[index].frequency_hz);
+            (0..all.len()).map(at).collect()
+        };
+        let valid = frequencies(&|index| self.of_line[index].is_empty());
+        let mut log = vec![LogEntry {
+            what: format!(
+                "{} of {} are valid: {}",
+                valid.iter().flatten().count(),
+                lines(all.len()),
+                stretches(&valid)
+            ),
+            accepted: valid.iter().any(Option::is_some),
+            reasons: Vec::new(),
+        }];
+        for (reason, count) in &self.counts {
+            let with = frequencies(&|index| self.of_line[index].contains(reason));
+            log.push(LogEntry {
+                what: format!("{}: {}", lines(*count), stretches(&with)),
+                accepted: false,
+                reasons: vec![(*reason).to_owned()],
+            });
+        }
+        let mut refused: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for line in estimate.refused() {
+            refused
+                .entry(line.reason.to_string())
+                .or_default()
+                .push(line.frequency_hz);
+        }
+        for (reason, at) in refused {
+            let (first, last) = (at.first(), at.last());
+            log.push(LogEntry {
+                what: format!(
+                    "{} without a modulus: {} to {}",
+                    lines(at.len()),
+                    frequency(first.copied().unwrap_or(f64::NAN)),
+                    frequency(last.copied().unwrap_or(f64::NAN))
+                ),
+                accepted: false,
+                reasons: vec![reason],
+            });
+        }
+        log
+    }
+}
+
+pub(super) fn lines(count: usize) -> String {
+    match count {
+        1 => "1 line".to_owned(),
+        count => format!("{count} lines"),
+    }
+}
+
+/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not among them.
+fn stretches(lines: &[Option<f64>]) -> String {
+    let mut found: Vec<(usize, f64, f64)> = Vec::new();
+    let mut open = false;
+    for line in lines {
+        match line {
+            Some(f) if open => {
+                if let Some(last) = found.last_mut() {
+                    *last = (last.0 + 1, last.1, *f);
+                }
+            }
+            Some(f) => found.push((1, *f, *f)),
+            None => {}
+        }
+        open = line.is_some();
+    }
+    if found.is_empty() {
+        return "nowhere".to_owned();
+    }
+    let count = found.len();
+    found.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
+    found.truncate(STRETCHES_NAMED);
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut words: Vec<String> = found
+        .iter()
+        .map(|(length, from, to)| {
+            if *length == 1 {
+                frequency(*from)
+            } else {
+                format!("{} to {}", frequency(*from), frequency(*to))
+            }
+        })
+        .collect();
+    if count > STRETCHES_NAMED {
+        words.push(format!("{} shorter stretches", count - STRETCHES_NAMED));
+    }
+    words.join(", ")
+}

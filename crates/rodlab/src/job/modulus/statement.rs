@@ -1,0 +1,296 @@
+//! What was found, in quantities and sentences.
+
+use cmod::ModulusLine;
+
+use super::reasons::{Reasons, lines};
+use super::{Found, MethodSheet};
+use crate::Outcome;
+use crate::digits::{frequency, percent, significant};
+use crate::outcome::{Quantity, Verdict};
+
+/// A line stands for a frequency that was asked for if it is nearer than this part of it.
+const NEAR: f64 = 0.02;
+
+pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
+    let all = found.estimate.lines();
+    let valid: Vec<&ModulusLine> = found.estimate.valid().collect();
+    let (Some(first), Some(last)) = (valid.first(), valid.last()) else {
+        let why = if all.is_empty() {
+            found
+                .estimate
+                .refused()
+                .first()
+                .map_or("there is none".to_owned(), |line| line.reason.to_string())
+        } else {
+            reasons.commonest(3)
+        };
+        let reason = format!(
+            "none of {} is valid: {why}",
+            lines(all.len() + found.estimate.refused().len())
+        );
+        outcome
+            .summary
+            .insert(0, format!("There is no modulus: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+        at_frequencies(outcome, found, &[]);
+        return;
+    };
+    let named = at_frequencies(outcome, found, &decades(first, last));
+    let middle = (first.frequency_hz * last.frequency_hz).sqrt();
+    let to_middle = |line: &&ModulusLine| (line.frequency_hz / middle).ln().abs();
+    let nearest = |lines: &[&ModulusLine]| -> Option<usize> {
+        let mut best: Option<(usize, f64)> = None;
+        for (index, line) in lines.iter().enumerate() {
+            let distance = to_middle(line);
+            if best.is_none_or(|(_, least)| distance < least) {
+                best = Some((index, distance));
+            }
+        }
+        best.map(|(index, _)| index)
+    };
+    let best = nearest(&named)
+        .and_then(|index| named.get(index))
+        .or_else(|| nearest(&valid).and_then(|index| valid.get(index)));
+    if let Some(line) = best {
+        outcome
+            .summary
+            .insert(0, answer(line, first, last, &valid, all.len()));
+    }
+    outcome.summary.insert(
+        1,
+        format!(
+            "Found by {}; an error is one standard error, of {}.",
+            method_in_words(&found.sheet.method),
+            if gauged(&found.sheet.method) {
+                "noise"
+            } else {
+                "noise and specimen together"
+            }
+        ),
+    );
+    if valid.len() < all.len() {
+        outcome.summary.push(format!(
+            "Against the other lines: {}.",
+            reasons.commonest(3)
+        ));
+    }
+    warn(outcome, found, &valid);
+}
+
+fn answer(
+    line: &ModulusLine,
+    first: &ModulusLine,
+    last: &ModulusLine,
+    valid: &[&ModulusLine],
+    all: usize,
+) -> String {
+    let error = &line.standard_error;
+    let (modulus, unit) = in_pascal(line.modulus.re);
+    format!(
+        "E' = {} {unit} ± {} and loss factor {} ± {} at {}; {} of {} valid from {} to {}.",
+        significant(modulus, 3),
+        percent(error.storage_modulus / line.modulus.re.abs()),
+        significant(line.loss_factor, 3),
+        percent(error.loss_factor / line.loss_factor.abs()),
+        frequency(line.frequency_hz),
+        valid.len(),
+        if all == 1 {
+            "1 line is".to_owned()
+        } else {
+            format!("{all} lines are")
+        },
+        frequency(first.frequency_hz),
+        frequency(last.frequency_hz),
+    )
+}
+
+/// In GPa or in MPa.
+fn in_pascal(value: f64) -> (f64, &'static str) {
+    if value.abs() >= 0.1e9 {
+        (1e-9 * value, "GPa")
+    } else {
+        (1e-6 * value, "MPa")
+    }
+}
+
+fn method_in_words(method: &MethodSheet) -> &'static str {
+    match method {
+        MethodSheet::TwoPoint { .. } => "the two-point method",
+        MethodSheet::Resonances { .. } => "the resonances of the rod",
+        MethodSheet::FreeEnd { .. } => "the method of two sections and a free end",
+        MethodSheet::SeparatePulses { .. } => "separate pulses at two sections",
+        MethodSheet::OneGauge { .. } => "the incident and the reflected pulse at one gauge",
+        MethodSheet::ThreePoint { .. } => "the three-point method",
+        MethodSheet::MultiPoint { .. } => "least squares over all gauges",
+    }
+}
+
+/// 1, 2 and 5 of each decade of the valid band \[Hz\].
+fn decades(first: &ModulusLine, last: &ModulusLine) -> Vec<f64> {
+    let mut wanted = Vec::new();
+    let mut decade = 1.0;
+    while decade <= last.frequency_hz {
+        for step in [1.0, 2.0, 5.0] {
+            let f = step * decade;
+            if f >= first.frequency_hz && f <= last.frequency_hz {
+                wanted.push(f);
+            }
+        }
+        decade *= 10.0;
+    }
+    wanted
+}
+
+/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns their lines that are valid.
+fn at_frequencies<'a>(
+    outcome: &mut Outcome,
+    found: &Found<'a>,
+    usual: &[f64],
+) -> Vec<&'a ModulusLine> {
+    let asked = found.sheet.report_at.as_ref();
+    let wanted: Vec<f64> = asked.map_or_else(
+        || usual.to_vec(),
+        |texts| texts.iter().map(crate::sheet::Stated::si).collect(),
+    );
+    let mut valid = Vec::new();
+    for f in wanted {
+        let distance = |line: &&ModulusLine| (line.frequency_hz - f).abs();
+        let line = found
+            .estimate
+            .lines()
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .filter(|line| distance(line) <= NEAR * f);
+        match line {
+            Some(line) => {
+                if line.validity.is_valid() {
+                    valid.push(line);
+                } else if asked.is_none() {
+                    // a usual frequency that fell on a bad line
+                    continue;
+                }
+                of_line(outcome, line);
+            }
+            None => {
+                if asked.is_some() {
+                    outcome.quantities.push(Quantity {
+                        name: format!("storage modulus at {}", frequency(f)),
+                        unit: "GPa".to_owned(),
+                        value: None,
+                        standard_error: None,
+                        valid: false,
+                        verdict: "no line within 2 % of this frequency".to_owned(),
+                    });
+                }
+            }
+        }
+    }
+    valid
+}
+
+fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
+    let at = frequency(line.frequency_hz);
+    let valid = line.validity.is_valid();
+    let error = &line.standard_error;
+    let (_, unit) = in_pascal(line.modulus.re);
+    let scale = if unit == "GPa" { 1e-9 } else { 1e-6 };
+    for (name, unit, value, error) in [
+        (
+            "storage modulus",
+            unit,
+            scale * line.modulus.re,
+            scale * error.storage_modulus,
+        ),
+        (
+            "loss modulus",
+            unit,
+            scale * line.modulus.im,
+            scale * error.loss_modulus,
+        ),
+        ("loss factor", "", line.loss_factor, error.loss_factor),
+        (
+            "phase velocity",
+            "m/s",
+            line.phase_velocity,
+            error.phase_velocity,
+        ),
+    ] {
+        outcome.quantities.push(Quantity {
+            name: format!("{name} at {at}"),
+            unit: unit.to_owned(),
+            value: Some(value),
+            standard_error: Some(error),
+            valid,
+            verdict: line.validity.to_string(),
+        });
+    }
+}
+
+/// Whether the method takes the spectra of gauges, and knows no errors of the specimen.
+fn gauged(method: &MethodSheet) -> bool {
+    matches!(
+        method,
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
+    )
+}
+
+fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
+    let specimen = &found.sheet.specimen;
+    if specimen.density.standard_uncertainty().is_none() {
+        outcome.warnings.push(
+            "The density is stated without an uncertainty: its relative error is that of every modulus, and not in the errors."
+                .to_owned(),
+        );
+    }
+    if gauged(&found.sheet.method) {
+        outcome.warnings.push(
+            "The errors are those of noise: what is uncertain of the density and of the positions of the gauges is not in them."
+                .to_owned(),
+        );
+    }
+    if let Some(corrected) = found.corrected {
+        let relative = |line: &ModulusLine| {
+            let position = found
+                .estimate
+                .lines()
+                .iter()
+                .position(|other| other.index == line.index)?;
+            let correction = corrected.corrections().get(position)?;
+            Some((
+                line.frequency_hz,
+                line.modulus.re / correction.apparent_modulus.re - 1.0,
+            ))
+        };
+        if let Some((f, most)) = valid.last().and_then(|line| relative(line)) {
+            outcome.summary.push(format!(
+                "Lateral inertia was taken out: it raises E' by {} at {}.",
+                percent(most),
+                frequency(f)
+            ));
+        }
+    }
+    let calibration = found.measured.calibration_error;
+    let amplified = valid
+        .iter()
+        .max_by(|a, b| a.error_amplification.total_cmp(&b.error_amplification));
+    if let Some(line) = amplified.filter(|_| calibration > 0.0) {
+        outcome.warnings.push(format!(
+            "The sensitivities leave the ratio of the channels uncertain by {}, which is up to {} of the modulus (at {}) and not in its \
+             errors: calibrate the sensors against each other.",
+            percent(calibration),
+            percent(calibration * line.error_amplification),
+            frequency(line.frequency_hz)
+        ));
+    }
+    let systematic = |line: &&ModulusLine| {
+        line.systematic_error().storage_modulus > line.random_error().storage_modulus
+    };
+    let by_specimen = valid.iter().filter(|line| systematic(line)).count();
+    if by_specimen > valid.len() / 2 {
+        outcome.warnings.push(format!(
+            "On {by_specimen} of {} valid lines the specimen contributes more to the error of E' than the noise: that part is the same \
+             on all lines, and more hits do not lessen it.",
+            valid.len()
+        ));
+    }
+}

@@ -1,0 +1,94 @@
+//! The ratio of spectra as a universal file, for other programs, and for this one.
+
+use labio::format::Writer;
+use labio::format::uff58::{Encoding, Precision, Uff58Writer};
+use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
+
+use super::Found;
+use super::measured::Ratio;
+use crate::RodlabError;
+use crate::outcome::Attachment;
+
+/// Spacing of lines that counts as even, by its relative deviation.
+const EVEN: f64 = 1e-9;
+/// Characters of a line of the header.
+const LINE: usize = 78;
+
+/// `ratio.uff` with the ratio and its coherence; none where the method has no ratio of equal quantities on even lines.
+pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
+    let Some(ratio) = found.ratio().filter(|_| found.sheet.method.one_quantity()) else {
+        return Ok(None);
+    };
+    let Some(abscissa) = even(ratio) else {
+        return Ok(None);
+    };
+    let words = found.sheet.method.ratio_in_words()?;
+    let mut contents = Contents::of_format("rodlab");
+    let mut series = |name: &str, kind, ordinate| {
+        let property = |key: &str, value: &str| {
+            let one_line: String = value
+                .chars()
+                .filter(|c| !c.is_control())
+                .take(LINE)
+                .collect();
+            (format!("uff58.{key}"), one_line.trim().to_owned())
+        };
+        contents.series.push(Series {
+            name: name.to_owned(),
+            kind,
+            abscissa: abscissa.clone(),
+            ordinate,
+            abscissa_axis: axis("Frequency", "Hz"),
+            ordinate_axis: axis(name, ""),
+            properties: vec![
+                property("id2", &found.sheet.title),
+                property("id4", &format!("{name}: {words}")),
+            ],
+        });
+    };
+    series(
+        "ratio",
+        SeriesKind::Transmissibility,
+        Ordinate::Complex(ratio.values.clone()),
+    );
+    if let Some(coherence) = &ratio.coherence {
+        series(
+            "coherence",
+            SeriesKind::Coherence,
+            Ordinate::Real(coherence.clone()),
+        );
+    }
+    let mut bytes = Vec::new();
+    let writer = Uff58Writer {
+        encoding: Encoding::Ascii,
+        precision: Precision::Double,
+    };
+    writer
+        .write(&contents, &mut bytes)
+        .map_err(|error| RodlabError::step("writing ratio.uff", error))?;
+    Ok(Some(Attachment {
+        name: "ratio.uff".to_owned(),
+        bytes,
+    }))
+}
+
+/// The lines as start and step.
+fn even(ratio: &Ratio) -> Option<Abscissa> {
+    let frequency = &ratio.frequency_hz;
+    let (first, last) = (*frequency.first()?, *frequency.last()?);
+    let step = (last - first) / (frequency.len().checked_sub(1).filter(|n| *n > 0)? as f64);
+    let is_even = frequency
+        .iter()
+        .enumerate()
+        .all(|(index, f)| (f - (first + index as f64 * step)).abs() <= EVEN * last);
+    let finite = ratio.values.iter().all(|value| value.is_finite());
+    (is_even && finite).then_some(Abscissa::Even { start: first, step })
+}
+
+fn axis(label: &str, unit_text: &str) -> SeriesAxis {
+    SeriesAxis {
+        label: label.to_owned(),
+        unit_text: unit_text.to_owned(),
+        unit: None,
+    }
+}

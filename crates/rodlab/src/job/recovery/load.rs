@@ -1,0 +1,91 @@
+//! What was done to a specimen, as a sheet says it.
+
+use cmod::recovery::{LoadHistory, LoadSegment};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::sheet::{Duration, Frequency, Stated, Stress};
+
+/// A part of a load.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum LoadSheet {
+    /// A constant stress; `"0 MPa"` for a rest.
+    Constant {
+        /// Stress, as `"45 MPa"`.
+        stress: Stated<Stress>,
+        /// Duration, as `"30 min"`.
+        duration: Stated<Duration>,
+    },
+    /// A stress that changes evenly.
+    Ramp {
+        /// Stress at the beginning.
+        from: Stated<Stress>,
+        /// Stress at the end.
+        to: Stated<Stress>,
+        /// Duration.
+        duration: Stated<Duration>,
+    },
+    /// A sine about a mean.
+    Periodic {
+        /// Mean stress.
+        mean: Stated<Stress>,
+        /// Amplitude.
+        amplitude: Stated<Stress>,
+        /// Frequency of the load, as `"4 Hz"`.
+        frequency: Stated<Frequency>,
+        /// Duration.
+        duration: Stated<Duration>,
+    },
+}
+
+impl LoadSheet {
+    fn segment(&self) -> LoadSegment {
+        match self {
+            Self::Constant { stress, duration } => LoadSegment::Constant {
+                stress: stress.si(),
+                duration: duration.si(),
+            },
+            Self::Ramp { from, to, duration } => LoadSegment::Ramp {
+                from: from.si(),
+                to: to.si(),
+                duration: duration.si(),
+            },
+            Self::Periodic {
+                mean,
+                amplitude,
+                frequency,
+                duration,
+            } => LoadSegment::Periodic {
+                mean: mean.si(),
+                amplitude: amplitude.si(),
+                frequency_hz: frequency.si(),
+                duration: duration.si(),
+            },
+        }
+    }
+}
+
+/// The load of all parts one after the other; `field` is its place in the sheet.
+pub(super) fn history(parts: &[LoadSheet], field: &str) -> Result<LoadHistory, RodlabError> {
+    LoadHistory::new(parts.iter().map(LoadSheet::segment).collect())
+        .map_err(|error| RodlabError::step(field, error))
+}
+
+/// As `45 MPa for 30 min, 45 MPa to 0 MPa in 1 s`.
+pub(super) fn in_words(parts: &[LoadSheet]) -> String {
+    let words: Vec<String> = parts
+        .iter()
+        .map(|part| match part {
+            LoadSheet::Constant { stress, duration } => format!("{stress} for {duration}"),
+            LoadSheet::Ramp { from, to, duration } => format!("{from} to {to} in {duration}"),
+            LoadSheet::Periodic {
+                mean,
+                amplitude,
+                frequency,
+                duration,
+            } => format!("{mean} and {amplitude} at {frequency} for {duration}"),
+        })
+        .collect();
+    words.join(", ")
+}

@@ -1,0 +1,164 @@
+//! Readings of a loss factor, in the sheet or in a file of their own.
+
+use cmod::recovery::{LossFactorReadings, RecoveryTest};
+use labio::{Dimension, Unit};
+use serde::Deserialize;
+
+use super::{ReadingsAre, RecoverySheet, TestSheet, load};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::number_file::NumberFile;
+use crate::outcome::InputFile;
+use crate::records::Selector;
+use crate::sheet::{Stated, Time};
+
+/// What was read.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ReadingsSheet {
+    /// In the sheet.
+    Here(
+        /// One after the other, in order of time.
+        Vec<Reading>,
+    ),
+    /// In a file of its own, over a column of times with its unit.
+    File {
+        /// Its name, relative to the sheet.
+        path: String,
+        /// Column of the readings, by name or by number from 1, without the column of times.
+        readings: Selector,
+        /// Column of their standard errors.
+        #[serde(default)]
+        standard_errors: Option<Selector>,
+    },
+}
+
+/// A reading.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reading {
+    /// Time after unloading, as `"1 min"`.
+    pub at: Stated<Time>,
+    /// The loss factor, or its change; a pure number.
+    pub value: f64,
+    /// Its standard error, where it differs from that of the sheet.
+    #[serde(default)]
+    pub standard_error: Option<f64>,
+}
+
+struct Columns {
+    time: Vec<f64>,
+    value: Vec<f64>,
+    standard_error: Vec<f64>,
+}
+
+/// A test, the standard errors of its readings, and the file that was read for it.
+pub(super) struct Read {
+    pub(super) test: RecoveryTest,
+    pub(super) standard_error: Vec<f64>,
+    pub(super) input: Option<InputFile>,
+}
+
+/// The test at `field` of the sheet.
+pub(super) fn test(
+    sheet: &RecoverySheet,
+    test: &TestSheet,
+    field: &str,
+    around: &Surroundings<'_>,
+) -> Result<Read, RodlabError> {
+    let (columns, input) = columns(sheet, test, field, around)?;
+    let virgin = virgin(sheet)?;
+    let change: Vec<f64> = columns.value.iter().map(|value| value - virgin).collect();
+    let virgin_standard_error = sheet
+        .virgin_loss_factor
+        .as_ref()
+        .and_then(Stated::standard_uncertainty)
+        .unwrap_or(0.0);
+    let frequency = test.frequency.as_ref().unwrap_or(&sheet.frequency);
+    let readings = LossFactorReadings {
+        time: &columns.time,
+        change: &change,
+        standard_error: &columns.standard_error,
+        virgin_standard_error,
+    };
+    let load = load::history(&test.load, &format!("{field}.load"))?;
+    let test = RecoveryTest::new(test.name.as_str(), load, frequency.si(), readings)
+        .map_err(|error| RodlabError::step(field, error))?;
+    Ok(Read {
+        test,
+        standard_error: columns.standard_error,
+        input,
+    })
+}
+
+/// What is taken off the readings.
+fn virgin(sheet: &RecoverySheet) -> Result<f64, RodlabError> {
+    let are = sheet.readings_are.unwrap_or(ReadingsAre::LossFactors);
+    match (are, &sheet.virgin_loss_factor) {
+        (ReadingsAre::Changes, _) => Ok(0.0),
+        (ReadingsAre::LossFactors, Some(virgin)) => Ok(virgin.si()),
+        (ReadingsAre::LossFactors, None) => Err(RodlabError::request(
+            "virgin_loss_factor",
+            "missing",
+            "the loss factor before any load, or `readings_are: Changes`",
+        )),
+    }
+}
+
+fn columns(
+    sheet: &RecoverySheet,
+    test: &TestSheet,
+    field: &str,
+    around: &Surroundings<'_>,
+) -> Result<(Columns, Option<InputFile>), RodlabError> {
+    let common = sheet.standard_error.as_ref().map(Stated::si);
+    let missing = |place: String| {
+        RodlabError::request(
+            place,
+            "without a standard error",
+            "one there, or `standard_error` of the sheet for all",
+        )
+    };
+    match &test.readings {
+        ReadingsSheet::Here(readings) => {
+            let mut standard_error = Vec::with_capacity(readings.len());
+            for (index, reading) in readings.iter().enumerate() {
+                let stated = reading.standard_error.or(common);
+                let place = || missing(format!("{field}.readings[{index}]"));
+                standard_error.push(stated.ok_or_else(place)?);
+            }
+            let columns = Columns {
+                time: readings.iter().map(|reading| reading.at.si()).collect(),
+                value: readings.iter().map(|reading| reading.value).collect(),
+                standard_error,
+            };
+            Ok((columns, None))
+        }
+        ReadingsSheet::File {
+            path,
+            readings,
+            standard_errors,
+        } => {
+            let file = NumberFile::read(path, around.folder, &format!("{field}.readings.path"))?;
+            let column = file.column(readings, &format!("{field}.readings.readings"))?;
+            let value = column.pure_numbers()?;
+            let second = Unit::parse("s").map_or(Dimension::NONE, |unit| unit.dimension());
+            let time = column.abscissa(second, "times")?;
+            let standard_error = match standard_errors {
+                Some(errors) => file
+                    .column(errors, &format!("{field}.readings.standard_errors"))?
+                    .pure_numbers()?,
+                None => {
+                    let common = common.ok_or_else(|| missing(format!("{field}.readings")))?;
+                    vec![common; value.len()]
+                }
+            };
+            let columns = Columns {
+                time,
+                value,
+                standard_error,
+            };
+            Ok((columns, Some(file.input)))
+        }
+    }
+}

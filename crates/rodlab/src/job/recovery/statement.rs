@@ -1,0 +1,243 @@
+//! What was found, in quantities and sentences.
+
+use cmod::CmodError;
+use cmod::recovery::RecoveryTest;
+use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Identified};
+
+use super::{ErrorScaleSheet, Found};
+use crate::Outcome;
+use crate::digits::{frequency, percent, significant};
+use crate::outcome::{LogEntry, Quantity, Verdict};
+
+/// Where the mean square of the residuals is larger than this many standard deviations of it above 1, the model or the stated
+/// errors are wrong.
+const DEVIATIONS: f64 = 3.0;
+
+/// The verdict where nothing could be fitted, with what each test tells by itself.
+pub(super) fn without_fit(
+    outcome: &mut Outcome,
+    tests: &[RecoveryTest],
+    singles: &[Result<SingleTestFit, CmodError>],
+    error: &CmodError,
+) {
+    outcome.verdict = Verdict::NotAllowed {
+        reason: format!("no model can be fitted: {error}"),
+    };
+    outcome
+        .summary
+        .push(format!("No model can be fitted: {error}."));
+    of_single_tests(outcome, tests, singles);
+}
+
+pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
+    let fit = &found.fit;
+    let unidentified = fit.estimates.iter().find_map(|estimate| {
+        matches!(estimate.verdict, Identified::NotIdentifiable(_))
+            .then(|| format!("{} is {}", estimate.name, estimate.verdict))
+    });
+    for estimate in &fit.estimates {
+        outcome.quantities.push(quantity(estimate));
+    }
+    match unidentified {
+        Some(reason) => {
+            outcome.summary.push(format!(
+                "The tests do not determine the model: the {reason}."
+            ));
+            outcome.verdict = Verdict::NotAllowed { reason };
+        }
+        None => outcome.summary.push(answer(found)),
+    }
+    outcome.summary.push(format!(
+        "{} readings of {} tests at {}: chi-square {} with {} degrees of freedom.",
+        found.tests.iter().map(|t| t.time().len()).sum::<usize>(),
+        found.tests.len(),
+        frequency(found.sheet.frequency.si()),
+        significant(fit.chi_squared, 3),
+        fit.degrees_of_freedom,
+    ));
+    outcome.quantities.push(Quantity {
+        name: "chi-square of the readings".to_owned(),
+        unit: String::new(),
+        value: Some(fit.chi_squared),
+        standard_error: None,
+        valid: true,
+        verdict: format!("{} degrees of freedom", fit.degrees_of_freedom),
+    });
+    of_single_tests(outcome, &found.tests, &found.singles);
+    if let Some(paper) = &found.paper {
+        for (name, unit, value) in [
+            (
+                "modulus of the spring beside the dashpot, procedure of the paper",
+                "Pa",
+                paper.parameters.parallel_modulus,
+            ),
+            (
+                "coefficient of the dashpot, procedure of the paper",
+                "Pa^-(m+1) s^-1",
+                paper.parameters.coefficient,
+            ),
+            (
+                "exponent of the dashpot, procedure of the paper",
+                "",
+                paper.parameters.exponent,
+            ),
+        ] {
+            outcome.quantities.push(Quantity {
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+                value: Some(value),
+                standard_error: None,
+                valid: true,
+                verdict: "without errors: compare with the joint fit".to_owned(),
+            });
+        }
+    }
+    warn(outcome, found);
+}
+
+/// The first sentence where there is an answer.
+fn answer(found: &Found<'_>) -> String {
+    let of = |symbol: &str| found.fit.estimates.iter().find(|e| e.symbol == symbol);
+    let exponent = of("m").map_or_else(String::new, |m| {
+        format!(
+            "{} ± {}",
+            significant(m.value, 3),
+            significant(m.standard_error, 2)
+        )
+    });
+    let modulus = of("E2").map_or_else(String::new, |e| {
+        format!(
+            "{} kPa ± {}",
+            significant(1e-3 * e.value, 3),
+            percent(e.standard_error)
+        )
+    });
+    format!(
+        "The dashpot has the exponent m = {exponent}, and the spring beside it the modulus E2 = {modulus}."
+    )
+}
+
+fn quantity(estimate: &Estimate) -> Quantity {
+    let identified = !matches!(estimate.verdict, Identified::NotIdentifiable(_));
+    let mut verdict = estimate.verdict.to_string();
+    let standard_error = match estimate.scale {
+        Scale::Difference => Some(estimate.standard_error),
+        // that of the logarithm; as an error of the value it means nothing from a factor of about two on
+        Scale::Ratio if estimate.standard_error < 0.5 => {
+            Some(estimate.value * estimate.standard_error)
+        }
+        Scale::Ratio => {
+            if identified {
+                let factor = significant(estimate.standard_error.exp(), 2);
+                verdict = format!("{verdict}; known to a factor of {factor}");
+            }
+            None
+        }
+    };
+    Quantity {
+        name: format!("{} ({})", estimate.name, estimate.symbol),
+        unit: match estimate.unit {
+            "1" => String::new(),
+            unit => unit.to_owned(),
+        },
+        value: identified.then_some(estimate.value),
+        standard_error: standard_error.filter(|error| identified && error.is_finite()),
+        valid: identified,
+        verdict,
+    }
+}
+
+/// Initial change and recovery time of each test, equation 4 of paper C.
+fn of_single_tests(
+    outcome: &mut Outcome,
+    tests: &[RecoveryTest],
+    singles: &[Result<SingleTestFit, CmodError>],
+) {
+    for (test, single) in tests.iter().zip(singles) {
+        let name = test.name();
+        match single {
+            Ok(single) => {
+                for (what, unit, value, error) in [
+                    (
+                        "initial change of the loss factor",
+                        "",
+                        single.initial_change,
+                        single.initial_change_error,
+                    ),
+                    (
+                        "recovery time",
+                        "s",
+                        single.recovery_time,
+                        single.recovery_time_error,
+                    ),
+                ] {
+                    let determined = error < 0.5;
+                    outcome.quantities.push(Quantity {
+                        name: format!("{what}, {name} alone"),
+                        unit: unit.to_owned(),
+                        value: determined.then_some(value),
+                        standard_error: determined.then_some(value * error),
+                        valid: determined,
+                        verdict: if determined {
+                            "determined by this test".to_owned()
+                        } else {
+                            "not determined by this test alone".to_owned()
+                        },
+                    });
+                }
+            }
+            Err(error) => outcome.log.push(LogEntry {
+                what: format!("{name} by itself"),
+                accepted: false,
+                reasons: vec![error.to_string()],
+            }),
+        }
+    }
+}
+
+fn warn(outcome: &mut Outcome, found: &Found<'_>) {
+    let fit = &found.fit;
+    let freedom = fit.degrees_of_freedom as f64;
+    let stated = found.sheet.error_scale != Some(ErrorScaleSheet::FromResidual);
+    // χ² has the mean ν and the variance 2ν
+    let most = freedom + DEVIATIONS * (2.0 * freedom).sqrt();
+    if stated && freedom > 0.0 && fit.chi_squared > most {
+        outcome.warnings.push(format!(
+            "The readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
+             expected below {}. Either the errors are larger than stated, or the model does not hold; the errors of the result are \
+             too small.",
+            significant(fit.chi_squared, 3),
+            fit.degrees_of_freedom,
+            significant(most, 3)
+        ));
+    }
+    if fit.ending != Ending::Converged {
+        outcome.warnings.push(format!(
+            "The fit did not settle ({:?}): its values are where the iteration stopped.",
+            fit.ending
+        ));
+    }
+    outcome.warnings.push(
+        "The model describes the loss factor at the frequency of the tests and nothing else: its springs are no moduli of the \
+         material under creep."
+            .to_owned(),
+    );
+}
+
+/// The predicted loads: what a reading a minute after unloading would show, and later.
+pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), CmodError> {
+    for (name, test) in &found.predictions {
+        let times = [60.0, 600.0, 3600.0];
+        for (time, point) in times.iter().zip(found.curve(test, &times)?) {
+            outcome.quantities.push(Quantity {
+                name: format!("change of the loss factor {time:.0} s after {name}, predicted"),
+                unit: String::new(),
+                value: Some(point.change),
+                standard_error: Some(point.standard_error).filter(|error| error.is_finite()),
+                valid: point.standard_error.is_finite(),
+                verdict: "by the common model".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! Files of numbers over a time or a frequency that are no records of sensors: readings, ratios of spectra.
+
+use std::fs;
+use std::path::Path;
+
+use labio::{Abscissa, Contents, Dimension, Ordinate, Series, Unit, format};
+use num_complex::Complex64;
+
+use crate::RodlabError;
+use crate::outcome::InputFile;
+use crate::records::Selector;
+
+/// A file that was read.
+#[derive(Debug)]
+pub(crate) struct NumberFile {
+    pub(crate) contents: Contents,
+    pub(crate) input: InputFile,
+}
+
+impl NumberFile {
+    /// Reads the file at `path`, relative to `folder`; `field` is where the sheet names it.
+    pub(crate) fn read(path: &str, folder: &Path, field: &str) -> Result<Self, RodlabError> {
+        let full = folder.join(path);
+        if !full.exists() {
+            return Err(RodlabError::NoFile {
+                pattern: path.to_owned(),
+                folder: folder.to_path_buf(),
+            });
+        }
+        let bytes = fs::read(&full).map_err(|source| RodlabError::Read { path: full, source })?;
+        let contents = format::read_bytes(&bytes)
+            .map_err(|error| RodlabError::step(format!("{field}: reading {path}"), error))?;
+        let input = InputFile {
+            path: path.to_owned(),
+            format: contents.format.to_owned(),
+            bytes: bytes.len() as u64,
+            sha256: labio::ContentHash::of(&bytes).to_string(),
+        };
+        Ok(Self { contents, input })
+    }
+
+    /// The column that `selector` names; columns are counted from 1 without the abscissa.
+    pub(crate) fn column(
+        &self,
+        selector: &Selector,
+        field: &str,
+    ) -> Result<Column<'_>, RodlabError> {
+        let series = &self.contents.series;
+        let found = match selector {
+            Selector::Number(number) => number.checked_sub(1).and_then(|index| series.get(index)),
+            Selector::Name(name) => series.iter().find(|series| series.name == *name),
+        };
+        let field = format!("{field} ({})", self.input.path);
+        match found {
+            Some(series) => Ok(Column { series, field }),
+            None => {
+                let names: Vec<String> = series.iter().map(|s| format!("`{}`", s.name)).collect();
+                let found = match selector {
+                    Selector::Number(number) => format!("column {number}"),
+                    Selector::Name(name) => format!("`{name}`"),
+                };
+                Err(RodlabError::request(
+                    field,
+                    found,
+                    format!("one of the columns {}", names.join(", ")),
+                ))
+            }
+        }
+    }
+}
+
+/// A column of a file, over its abscissa.
+#[derive(Debug)]
+pub(crate) struct Column<'a> {
+    series: &'a Series,
+    field: String,
+}
+
+impl Column<'_> {
+    /// The abscissa in SI; it must be a quantity of this `dimension`, called `quantity`.
+    pub(crate) fn abscissa(
+        &self,
+        dimension: Dimension,
+        quantity: &str,
+    ) -> Result<Vec<f64>, RodlabError> {
+        let axis = &self.series.abscissa_axis;
+        let unit = axis.unit.as_ref().filter(|u| u.dimension() == dimension);
+        let Some(unit) = unit else {
+            let found = if axis.unit_text.is_empty() {
+                format!("over `{}`, without a unit", axis.label)
+            } else {
+                format!("over `{}` [{}]", axis.label, axis.unit_text)
+            };
+            return Err(self.refused(&found, &format!("a column of {quantity} with its unit")));
+        };
+        let count = self.series.ordinate.len();
+        Ok(match &self.series.abscissa {
+            Abscissa::Even { start, step } => {
+                let at = |index: usize| unit.to_si(start + index as f64 * step);
+                (0..count).map(at).collect()
+            }
+            Abscissa::Uneven(values) => values.iter().map(|value| unit.to_si(*value)).collect(),
+        })
+    }
+
+    /// Pure numbers: without a unit, in % or in 1.
+    pub(crate) fn pure_numbers(&self) -> Result<Vec<f64>, RodlabError> {
+        let unit = self.pure_unit()?;
+        match &self.series.ordinate {
+            Ordinate::Real(values) => Ok(values
+                .iter()
+                .map(|value| unit.as_ref().map_or(*value, |unit| unit.to_si(*value)))
+                .collect()),
+            Ordinate::Complex(_) => Err(self.refused("of complex numbers", "real numbers")),
+        }
+    }
+
+    /// Complex numbers without a unit.
+    pub(crate) fn complex_numbers(&self) -> Result<Vec<Complex64>, RodlabError> {
+        self.pure_unit()?;
+        match &self.series.ordinate {
+            Ordinate::Complex(values) => Ok(values.clone()),
+            Ordinate::Real(_) => Err(self.refused(
+                "of real numbers",
+                "complex numbers, or `real` and `imaginary` apart",
+            )),
+        }
+    }
+
+    fn pure_unit(&self) -> Result<Option<Unit>, RodlabError> {
+        let axis = &self.series.ordinate_axis;
+        match &axis.unit {
+            Some(unit) if unit.dimension() == Dimension::NONE => Ok(Some(unit.clone())),
+            None if axis.unit_text.is_empty() => Ok(None),
+            _ => Err(self.refused(&format!("in [{}]", axis.unit_text), "a pure number")),
+        }
+    }
+
+    fn refused(&self, found: &str, expected: &str) -> RodlabError {
+        let found = format!("`{}`, a column {found}", self.series.name);
+        RodlabError::request(self.field.as_str(), found, expected)
+    }
+}

@@ -1,0 +1,254 @@
+//! Virtual records of the rod of paper A with instrument noise, written as files of a recorder.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
+use labio::{Channel, Provenance, Quantity, Record};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rodwave::chain::Termination;
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::{EndAccelerationTest, RaisedCosine, Specimen};
+use rodwave::experiment::strains_in_a_frame::{Excitation, FrameMember};
+use rodwave::medium::Medium;
+use rodwave::modulus::ConstantQ;
+use rodwave::synthesis::DampedSynthesis;
+
+pub(crate) const RATE_HZ: f64 = 65_536.0;
+/// Samples of a hit.
+pub(crate) const SAMPLES: usize = 4096;
+const OVERSAMPLING: usize = 8;
+/// Samples of the recorder before a blow.
+const LEAD: usize = 128;
+/// 0.5 mV/g as V/(m/s²).
+const VOLTS: f64 = 0.5e-3 / 9.80665;
+
+fn medium() -> Medium<ConstantQ> {
+    Medium::new(912.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+}
+
+/// The modulus of the rod over frequency \[Hz\].
+pub(crate) fn polypropylene() -> impl Fn(f64) -> Complex64 {
+    let medium = medium();
+    move |f| medium.modulus(TAU * f)
+}
+
+/// Accelerations of the ends after one blow of 100 N and 80 µs, filtered and sampled, without noise.
+fn filtered(random: &mut ChaCha8Rng) -> Record {
+    let rig = Specimen {
+        section: Circle::of_diameter(0.0158).unwrap().into(),
+        length: 0.799,
+        accelerometer_mass: 2.9e-3,
+    };
+    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
+    let count = (SAMPLES + LEAD) * OVERSAMPLING;
+    let synthesis = DampedSynthesis::new(count as f64 * interval, interval)
+        .unwrap()
+        .smoothed(2.5 * interval)
+        .unwrap();
+    let exact = EndAccelerationTest::analytic(&medium(), &rig)
+        .unwrap()
+        .record(&RaisedCosine::new(100.0, 8e-5).unwrap(), &synthesis)
+        .unwrap();
+    let ends = [exact.impacted_end, exact.free_end];
+    let lead = LEAD * OVERSAMPLING;
+    let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
+        let end: &Vec<f64> = &ends[channel];
+        sample.checked_sub(lead).map_or(0.0, |after| end[after])
+    });
+    let channels = ["struck end", "free end"]
+        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
+        .to_vec();
+    let provenance = Provenance::computed(exact.generator);
+    let history = Record::new(samples, 1.0 / interval, 0.0, channels, provenance).unwrap();
+    Instrument::new()
+        .anti_alias(AntiAlias::butterworth(8, 22e3).unwrap())
+        .sample(RATE_HZ, 0.0)
+        .unwrap()
+        .record(&history, random)
+        .unwrap()
+        .record
+}
+
+/// `hits.npy`: so many hits one after the other in one recording of two channels \[V\], with noise and 16 bits.
+pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let one = filtered(&mut random);
+    let mut instrument = Instrument::new();
+    for name in ["struck end", "free end"] {
+        let peak = one
+            .channel(name)
+            .unwrap()
+            .iter()
+            .fold(0.0_f64, |p, a| p.max(a.abs()));
+        // 2e-4 of the peak over the band
+        let density = (2e-4 * peak).powi(2) / (0.5 * RATE_HZ);
+        instrument = instrument
+            .noise(name, NoiseSpectrum::white(density).unwrap())
+            .convert_channel(name, Converter::new(16, 1.25 * peak).unwrap());
+    }
+    let mut rows = [Vec::new(), Vec::new()];
+    for _ in 0..count {
+        let hit = instrument.record(&one, &mut random).unwrap().record;
+        for (row, samples) in rows.iter_mut().zip(hit.samples().rows()) {
+            row.extend(samples.iter().map(|a| VOLTS * a));
+        }
+    }
+    write_npy(&folder.join("hits.npy"), &rows);
+}
+
+/// Strains at `positions` \[m\] of the same rod, free at both ends, each hit in a file `gauges_N.npy` \[µε\] of its own.
+pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed: u64) {
+    let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
+    let n_samples = (SAMPLES + LEAD) * OVERSAMPLING;
+    let synthesis = DampedSynthesis::new(n_samples as f64 * interval, interval)
+        .unwrap()
+        .smoothed(2.5 * interval)
+        .unwrap();
+    let member = FrameMember::analytic(
+        &medium(),
+        Circle::of_diameter(0.0158).unwrap(),
+        0.8,
+        positions,
+        Termination::Free,
+    )
+    .unwrap();
+    let blow = RaisedCosine::new(100.0, 8e-5).unwrap();
+    let exact = member
+        .record(&Excitation::Force(&blow), &synthesis)
+        .unwrap();
+    let lead = LEAD * OVERSAMPLING;
+    let samples = Array2::from_shape_fn((positions.len(), n_samples), |(gauge, sample)| {
+        let strain: &Vec<f64> = &exact.strains[gauge];
+        sample.checked_sub(lead).map_or(0.0, |after| strain[after])
+    });
+    let names: Vec<String> = (1..=positions.len())
+        .map(|n| format!("gauge {n}"))
+        .collect();
+    let channels = names
+        .iter()
+        .map(|name| Channel::new(name, Quantity::Strain).unwrap())
+        .collect();
+    let provenance = Provenance::computed(exact.generator);
+    let history = Record::new(samples, 1.0 / interval, 0.0, channels, provenance).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let one = Instrument::new()
+        .anti_alias(AntiAlias::butterworth(8, 22e3).unwrap())
+        .sample(RATE_HZ, 0.0)
+        .unwrap()
+        .record(&history, &mut random)
+        .unwrap()
+        .record;
+    let mut instrument = Instrument::new();
+    for name in &names {
+        // 0.01 microstrain over the band, of a peak of some 190
+        let density = 0.01e-6_f64.powi(2) / (0.5 * RATE_HZ);
+        instrument = instrument.noise(name, NoiseSpectrum::white(density).unwrap());
+    }
+    for number in 1..=count {
+        let hit = instrument.record(&one, &mut random).unwrap().record;
+        let rows: Vec<Vec<f64>> = hit
+            .samples()
+            .rows()
+            .into_iter()
+            .map(|row| row.iter().map(|strain| 1e6 * strain).collect())
+            .collect();
+        write_npy(&folder.join(format!("gauges_{number:02}.npy")), &rows);
+    }
+}
+
+/// A long rod of masses, springs and dashpots beside the springs, struck at one end: explicit in time. Strains at two sections.
+///
+/// Its modulus is E + iωη but for the discreteness, (k dx)²/12 of E: at 8 kHz 5e-4.
+pub(crate) struct LongRod {
+    pub(crate) length: f64,
+    pub(crate) stiffness: f64,
+    pub(crate) viscosity: f64,
+    pub(crate) density: f64,
+}
+
+/// Sampling rate of the records of a [`LongRod`].
+pub(crate) const FAST_RATE_HZ: f64 = 200e3;
+
+impl LongRod {
+    /// Files `pulses_N.npy` of `count` hits [µε], silent for 1 ms and 5 ms long, with noise.
+    pub(crate) fn write_pulses(&self, folder: &Path, sections: [f64; 2], count: usize, seed: u64) {
+        let dx = 2.5e-3;
+        let cells = (self.length / dx).round() as usize;
+        let dt = 5e-7;
+        let every = (1.0 / (FAST_RATE_HZ * dt)).round() as usize;
+        let (lead, n_samples) = (200, 1000);
+        let mut displacement = vec![0.0; cells + 1];
+        let mut velocity = vec![0.0; cells + 1];
+        let mut stress = vec![0.0; cells];
+        let mut rows = [vec![0.0; lead], vec![0.0; lead]];
+        let gauges = sections.map(|x| (x / dx).round() as usize);
+        // stress on the struck end, 0.5 MPa for 100 µs
+        let blow = |t: f64| {
+            let phase = TAU * t / 1e-4;
+            if t < 1e-4 {
+                0.25e6 * (1.0 - phase.cos())
+            } else {
+                0.0
+            }
+        };
+        for step in 0..(n_samples - lead) * every {
+            if step % every == 0 {
+                for (row, gauge) in rows.iter_mut().zip(gauges) {
+                    // at a mass: the mean of the springs on both sides
+                    let strain = displacement[gauge + 1] - displacement[gauge - 1];
+                    row.push(1e6 * strain / (2.0 * dx));
+                }
+            }
+            for cell in 0..cells {
+                let strain = displacement[cell + 1] - displacement[cell];
+                let rate = velocity[cell + 1] - velocity[cell];
+                stress[cell] = (self.stiffness * strain + self.viscosity * rate) / dx;
+            }
+            let inertia = self.density * dx;
+            velocity[0] += dt * (stress[0] + blow(step as f64 * dt)) / (0.5 * inertia);
+            for node in 1..cells {
+                velocity[node] += dt * (stress[node] - stress[node - 1]) / inertia;
+            }
+            velocity[cells] -= dt * stress[cells - 1] / (0.5 * inertia);
+            for (u, v) in displacement.iter_mut().zip(&velocity) {
+                *u += dt * v;
+            }
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for number in 1..=count {
+            let noisy: Vec<Vec<f64>> = rows
+                .iter()
+                .map(|row| {
+                    let noise = |strain: &f64| strain + 0.1 * (random.random::<f64>() - 0.5);
+                    row.iter().map(noise).collect()
+                })
+                .collect();
+            write_npy(&folder.join(format!("pulses_{number:02}.npy")), &noisy);
+        }
+    }
+}
+
+/// An array of two axes, in the format of NumPy.
+pub(crate) fn write_npy(path: &Path, rows: &[Vec<f64>]) {
+    let mut header = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}",
+        rows.len(),
+        rows[0].len()
+    );
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
+    bytes.extend(header.into_bytes());
+    for value in rows.iter().flatten() {
+        bytes.extend(value.to_le_bytes());
+    }
+    fs::write(path, bytes).unwrap();
+}
