@@ -20,7 +20,8 @@ mod stated;
 pub use diagnostic::SheetError;
 pub use stated::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
-    Ratio, SpecificImpedance, Stated, Stiffness, Stress, Temperature, Time, Velocity, Viscosity, Written,
+    Ratio, SpecificImpedance, Stated, Stiffness, Stress, Temperature, Time, Velocity, Viscosity,
+    Written,
 };
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 

@@ -4,6 +4,7 @@
 mod figures;
 mod laws;
 mod tests_of_sheet;
+mod words;
 
 pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
@@ -17,6 +18,7 @@ use crate::outcome::{Column, Setting, Table, Verdict};
 use crate::sheet::{Density, Length, Stated};
 use crate::{Outcome, RodlabError};
 use laws::FittedLaw;
+use words::Shown;
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -40,9 +42,19 @@ pub struct IdentifySheet {
     /// Whether the laws are compared with each other and with linear competitors.
     #[serde(default = "yes")]
     pub compare: bool,
-    /// Whether profile likelihoods are computed for the law that comes out, or else for the most probable one.
+    /// Whether profile likelihoods are computed for the law that comes out, or else for the one whose response is nearest, if the
+    /// data determine its damping.
     #[serde(default = "yes")]
     pub profiles: bool,
+    /// Longest cell of the rod in the direct problem, as `"8 mm"` for a rod whose waves are long; 4 mm by default.
+    #[serde(default)]
+    pub cell: Option<Stated<Length>>,
+}
+
+impl IdentifySheet {
+    fn cell(&self) -> f64 {
+        self.cell.as_ref().map_or(DEFAULT_CELL, Stated::si)
+    }
 }
 
 /// The rod.
@@ -105,19 +117,28 @@ pub(crate) fn run(
     around.progress.begins("identification", steps);
     let mut laws = Vec::with_capacity(sheet.laws.len());
     for law in &sheet.laws {
-        laws.push(laws::fit(*law, &tests)?);
+        laws.push(laws::fit(
+            *law,
+            sheet.cell.as_ref().map(Stated::si),
+            &tests,
+        )?);
         around.progress.one_more();
         around.go_on()?;
     }
     let comparison = sheet
         .compare
-        .then(|| Selection::new(Candidate::standard())?.compare(&tests))
+        .then(|| {
+            Selection::new(Candidate::standard())?
+                .with_cell(sheet.cell())?
+                .compare(&tests)
+        })
         .transpose()
         .map_err(|error| RodlabError::step("comparing the laws", error))?;
     around.progress.one_more();
     around.go_on()?;
-    let profiles = if sheet.profiles {
-        profiles(&laws, comparison.as_ref(), &tests)?
+    let identified = laws.iter().any(FittedLaw::has_identified_damping);
+    let profiles = if sheet.profiles && identified {
+        profiles(&laws, comparison.as_ref(), &tests, sheet.cell())?
     } else {
         Vec::new()
     };
@@ -141,11 +162,12 @@ pub(crate) fn run(
     Ok(outcome)
 }
 
-/// Of the law that is named; else of the most probable one that was fitted.
+/// Of the law that is named; else of the one whose response is nearest.
 fn profiles(
     laws: &[FittedLaw],
     comparison: Option<&Comparison>,
     tests: &[RodTest],
+    cell: f64,
 ) -> Result<Vec<Profile>, RodlabError> {
     let named = comparison.and_then(Comparison::law).map(|law| &law.name);
     let best = laws
@@ -158,7 +180,7 @@ fn profiles(
     else {
         return Ok(Vec::new());
     };
-    profile::profiles(&candidate, tests, DEFAULT_CELL)
+    profile::profiles(&candidate, tests, cell)
         .map_err(|error| RodlabError::step("profile likelihoods", error))
 }
 
@@ -180,6 +202,13 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
     say("laws", laws.join(", "), sheet.laws == all_laws());
     say("compare", sheet.compare.to_string(), sheet.compare);
     say("profiles", sheet.profiles.to_string(), sheet.profiles);
+    let usual = || format!("{} mm", 1e3 * DEFAULT_CELL);
+    let cell = sheet.cell.as_ref();
+    say(
+        "cell",
+        cell.map_or_else(usual, Stated::to_string),
+        cell.is_none(),
+    );
     let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
     say(
         "differentiator",
@@ -231,13 +260,11 @@ fn answer(found: &Found, outcome: &mut Outcome) {
         }
     }
     for profile in &found.profiles {
-        outcome
-            .summary
-            .push(format!("{}: {}.", profile.parameter, profile.reason()));
+        outcome.summary.push(Shown::of(profile).in_words(profile));
     }
     if !identified {
         outcome.verdict = Verdict::NotAllowed {
-            reason: "no law has a damping that these data determine: within their noise the rod is elastic".to_owned(),
+            reason: "no law has a damping that these data determine: within their noise the rod may be elastic".to_owned(),
         };
     }
 }

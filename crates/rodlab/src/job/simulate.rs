@@ -1,9 +1,41 @@
-//! A virtual test, for planning and for trying the other commands.
+//! A virtual test, for planning and for trying the other commands: records as the laboratory would have them, and the sheet that
+//! evaluates them.
 
+mod blows;
+mod creep_recovery;
+mod end_accelerations;
+mod figures;
+mod files;
+mod frame_strains;
+mod hammer_on_body;
+mod impacted_rod;
+mod instrument;
+mod truth;
+
+pub use blows::{BlowsSheet, ShapeSheet};
+pub use creep_recovery::{CreepLoadSheet, CreepRecoverySheet};
+pub use end_accelerations::EndAccelerationsSheet;
+pub use frame_strains::{StrainsInFrameSheet, SupportSheet};
+pub use hammer_on_body::HammerOnBodySheet;
+pub use impacted_rod::{ImpactedRodSheet, InelasticLawSheet, SensorsSheet, StrikerSheet};
+pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet, LevelText};
+
+use rodwave::medium::Medium;
 use serde::Deserialize;
 
-use super::Surroundings;
+use super::{About, Surroundings};
+use crate::figure::Figure;
+use crate::outcome::{Attachment, Setting, Table};
+use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::{Outcome, RodlabError};
+use blows::Recorded;
+use files::Naming;
+use truth::Truth;
+
+/// Name of the files of records, unless stated.
+const USUAL_OUTPUT: &str = "records.csv";
+/// Seed, unless stated.
+const USUAL_SEED: u64 = 1;
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -11,11 +43,211 @@ use crate::{Outcome, RodlabError};
 pub struct SimulateSheet {
     /// Title of the test.
     pub title: String,
+    /// Free texts for the report.
+    #[serde(default)]
+    pub about: About,
+    /// Materials by the names that the experiment calls them.
+    #[serde(default)]
+    pub materials: Materials,
+    /// What is done to what.
+    pub experiment: ExperimentSheet,
+    /// Sensors, filter, sampling and converter; every experiment but `CreepRecovery` needs them.
+    #[serde(default)]
+    pub instrument: Option<InstrumentSheet>,
+    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`, `hits-2.csv`, ... The extension says
+    /// the format: csv, npy, npz, uff, wav. `"records.csv"` by default.
+    #[serde(default)]
+    pub output: Option<String>,
+    /// Seed of scatter and noise, 1 by default: the same sheet gives the same files to the last bit.
+    #[serde(default)]
+    pub seed: Option<u64>,
+}
+
+/// What is done to what.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ExperimentSheet {
+    /// Accelerations of both ends of a rod (paper A).
+    EndAccelerations(Box<EndAccelerationsSheet>),
+    /// Strains of a member of a structure (paper B).
+    StrainsInFrame(Box<StrainsInFrameSheet>),
+    /// Loss factors after creep loads (paper C).
+    CreepRecovery(Box<CreepRecoverySheet>),
+    /// A rod of an inelastic law that a projectile strikes (paper D).
+    ImpactedRod(Box<ImpactedRodSheet>),
+    /// Blows of a hammer on the face of a body (paper E).
+    HammerOnBody(Box<HammerOnBodySheet>),
+}
+
+/// What every experiment needs of the sheet.
+struct Request<'a> {
+    title: &'a str,
+    materials: &'a Materials,
+    seed: u64,
+    naming: Naming,
+}
+
+impl Request<'_> {
+    /// How long a record is silent \[s\]: up to where the filter reaches ahead of the blow.
+    fn silent(&self, instrument: &InstrumentSheet) -> f64 {
+        instrument.before() - 25.0 / instrument.sampling_rate.si()
+    }
+}
+
+/// What an experiment gives.
+struct Made {
+    recorded: Option<Recorded>,
+    truth: Truth,
+    tables: Vec<Table>,
+    figures: Vec<Figure>,
+    in_words: String,
+    /// The first is the one to go on with.
+    evaluations: Vec<Evaluation>,
+}
+
+/// A sheet that evaluates what was recorded.
+struct Evaluation {
+    job: &'static str,
+    file: &'static str,
+    text: String,
+}
+
+impl Evaluation {
+    fn new(job: &'static str, file: &'static str, sheet: String, generator: &str) -> Self {
+        let text = format!(
+            "// Evaluates virtual records: `rodlab {job} {file}`. What is true stands in truth.csv beside this sheet.\n\
+             // They were made by: {generator}.\n{sheet}"
+        );
+        Self { job, file, text }
+    }
+}
+
+/// The material called `name`, which must be known in the right half plane: histories are wanted.
+fn analytic(
+    request: &Request<'_>,
+    name: &str,
+    field: &str,
+) -> Result<Medium<AnalyticLaw>, RodlabError> {
+    match material_called(request.materials, name, field)? {
+        Material::Analytic(medium) => Ok(medium),
+        Material::OnAxis(_) => Err(RodlabError::request(
+            field,
+            format!("`{name}`, whose law is known for real frequencies only"),
+            "a material with a causal law: a history is wanted",
+        )),
+    }
 }
 
 pub(crate) fn run(
     sheet: &SimulateSheet,
-    _around: &Surroundings<'_>,
+    around: &Surroundings<'_>,
 ) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("simulate", sheet.title.as_str()))
+    let mut outcome = Outcome::of("simulate", sheet.title.as_str());
+    sheet.about.tell(&mut outcome);
+    settings(sheet, &mut outcome);
+    let request = Request {
+        title: &sheet.title,
+        materials: &sheet.materials,
+        seed: sheet.seed.unwrap_or(USUAL_SEED),
+        naming: Naming::of(sheet.output.as_deref().unwrap_or(USUAL_OUTPUT))?,
+    };
+    let needed = || {
+        RodlabError::request(
+            "instrument",
+            "missing",
+            "at least `(sampling_rate: .., length: ..)`: this experiment is recorded",
+        )
+    };
+    let instrument = sheet.instrument.as_ref();
+    if let Some(instrument) = instrument {
+        instrument.check()?;
+    }
+    let instrument_or = || instrument.ok_or_else(needed);
+    let made = match &sheet.experiment {
+        ExperimentSheet::EndAccelerations(test) => test.make(&request, instrument_or()?, around)?,
+        ExperimentSheet::StrainsInFrame(test) => test.make(&request, instrument_or()?, around)?,
+        ExperimentSheet::CreepRecovery(test) => test.make(&request, around)?,
+        ExperimentSheet::ImpactedRod(test) => test.make(&request, instrument_or()?, around)?,
+        ExperimentSheet::HammerOnBody(test) => test.make(&request, instrument_or()?, around)?,
+    };
+    tell(made, instrument, &mut outcome)?;
+    Ok(outcome)
+}
+
+fn settings(sheet: &SimulateSheet, outcome: &mut Outcome) {
+    let mut say = |name: &str, value: String, by_default: bool| {
+        outcome.settings.push(Setting {
+            name: name.to_owned(),
+            value,
+            by_default,
+        });
+    };
+    let experiment = match &sheet.experiment {
+        ExperimentSheet::EndAccelerations(_) => "EndAccelerations",
+        ExperimentSheet::StrainsInFrame(_) => "StrainsInFrame",
+        ExperimentSheet::CreepRecovery(_) => "CreepRecovery",
+        ExperimentSheet::ImpactedRod(_) => "ImpactedRod",
+        ExperimentSheet::HammerOnBody(_) => "HammerOnBody",
+    };
+    say("experiment", experiment.to_owned(), false);
+    let output = sheet.output.as_deref();
+    say(
+        "output",
+        output.unwrap_or(USUAL_OUTPUT).to_owned(),
+        output.is_none(),
+    );
+    let seed = sheet.seed.unwrap_or(USUAL_SEED);
+    say("seed", seed.to_string(), sheet.seed.is_none());
+    if let Some(instrument) = &sheet.instrument {
+        outcome.settings.extend(instrument.settings());
+    }
+}
+
+fn tell(
+    made: Made,
+    instrument: Option<&InstrumentSheet>,
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    outcome.summary.push(format!("{}.", made.in_words));
+    for evaluation in &made.evaluations {
+        outcome.summary.push(format!(
+            "The sheet `{}` evaluates them: `rodlab {} {}` in the folder of this result.",
+            evaluation.file, evaluation.job, evaluation.file
+        ));
+    }
+    made.truth.tell(outcome);
+    outcome.tables.extend(made.tables);
+    outcome.figures.extend(made.figures);
+    if let Some(recorded) = made.recorded {
+        outcome.summary.push(format!(
+            "{} records, made by: {}.",
+            recorded.records.len(),
+            recorded.generator
+        ));
+        outcome.log.extend(recorded.log);
+        outcome.warnings.extend(recorded.warnings);
+        let names: Vec<String> = recorded
+            .files
+            .iter()
+            .map(|file| file.name.clone())
+            .collect();
+        outcome
+            .figures
+            .extend(figures::histories(&recorded.records, &names));
+        if let Some(instrument) = instrument {
+            let cutoff = instrument.cutoff_hz();
+            outcome
+                .figures
+                .extend(figures::spectra(&recorded.records, cutoff)?);
+        }
+        outcome.tables.extend(figures::table(&recorded.records));
+        outcome.attachments.extend(recorded.files);
+    }
+    for evaluation in made.evaluations {
+        outcome.attachments.push(Attachment {
+            name: evaluation.file.to_owned(),
+            bytes: evaluation.text.into_bytes(),
+        });
+    }
+    Ok(())
 }

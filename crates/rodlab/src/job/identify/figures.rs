@@ -2,6 +2,7 @@
 
 use super::Found;
 use super::laws::FittedLaw;
+use super::words::Shown;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::outcome::{Column, Table};
 
@@ -114,13 +115,18 @@ fn profiles(found: &Found) -> Figure {
         .profiles
         .iter()
         .map(|profile| {
-            let (x, y): (Vec<f64>, Vec<f64>) = profile.curve.iter().copied().unzip();
+            let shown = Shown::of(profile);
+            let (x, y): (Vec<f64>, Vec<f64>) = profile
+                .curve
+                .iter()
+                .map(|(at, rise)| (shown.value(*at), *rise))
+                .unzip();
             let ends = [
-                x.first().copied().unwrap_or(profile.range.0),
-                x.last().copied().unwrap_or(profile.range.1),
+                x.first().copied().unwrap_or(f64::NAN),
+                x.last().copied().unwrap_or(f64::NAN),
             ];
             Panel {
-                x: Axis::linear(profile.parameter.replace('_', " "), ""),
+                x: Axis::linear(shown.name.as_str(), shown.unit.as_str()),
                 y: Axis::linear("rise of chi-square", "").within([0.0, 12.0]),
                 marks: vec![
                     Mark::Line {
@@ -137,7 +143,7 @@ fn profiles(found: &Found) -> Figure {
                     },
                     Mark::At {
                         name: "minimum".to_owned(),
-                        x: profile.value,
+                        x: shown.value(profile.value),
                     },
                 ],
                 greyed: Vec::new(),

@@ -5,7 +5,7 @@ use rodwave::inelastic::{
     DEFAULT_REFERENCE_STRESS, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 
-use super::LawName;
+use super::{LawName, words};
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
 
@@ -23,26 +23,40 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-pub(super) fn fit(law: LawName, tests: &[RodTest]) -> Result<FittedLaw, RodlabError> {
+pub(super) fn fit(
+    law: LawName,
+    cell: Option<f64>,
+    tests: &[RodTest],
+) -> Result<FittedLaw, RodlabError> {
     let refused = |error| RodlabError::step("laws", error);
     // the rate is scanned; the shapes are those from which paper D starts
     match law {
-        LawName::Maxwell => of(Maxwell::new(1e6).map_err(refused)?, tests),
+        LawName::Maxwell => of(Maxwell::new(1e6).map_err(refused)?, cell, tests),
         LawName::Norton => of(
             MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS)
                 .map_err(refused)?,
+            cell,
             tests,
         ),
         LawName::GurevichRabinovich => of(
             MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, DEFAULT_REFERENCE_STRESS)
                 .map_err(refused)?,
+            cell,
             tests,
         ),
     }
 }
 
-fn of<L: IdentifiableLaw + 'static>(law: L, tests: &[RodTest]) -> Result<FittedLaw, RodlabError> {
-    let identified = Fit::of(law)
+fn of<L: IdentifiableLaw + 'static>(
+    law: L,
+    cell: Option<f64>,
+    tests: &[RodTest],
+) -> Result<FittedLaw, RodlabError> {
+    let fit = match cell {
+        Some(cell) => Fit::of(law).with_cell(cell),
+        None => Fit::of(law),
+    };
+    let identified = fit
         .to(tests)
         .map_err(|error| RodlabError::step(format!("the law {}", L::NAME), error))?;
     let estimates = identified
@@ -82,10 +96,10 @@ impl FittedLaw {
             .estimates
             .iter()
             .filter(|estimate| estimate.role == Role::Coordinate)
-            .map(ToString::to_string)
+            .map(words::of_estimate)
             .collect();
         format!(
-            "{}: {}; the response differs by {:.2} % of the impact velocity.",
+            "{}: {}; simulated and measured response differ by {:.2} % of the impact velocity (root mean square).",
             self.name,
             parameters.join("; "),
             100.0 * self.relative_error
@@ -109,7 +123,7 @@ impl FittedLaw {
             what: format!("fit of the law {}", self.name),
             accepted: true,
             reasons: vec![format!(
-                "{}; {} starts, {} minima of another period left",
+                "{}; starts: {}; minima of another period left: {}",
                 self.termination, self.starts, self.skips
             )],
         });
@@ -123,7 +137,11 @@ impl FittedLaw {
         let identified = estimate.verdict == Verdict::Identified;
         Quantity {
             name: format!("{}: {} {}", self.name, estimate.name, estimate.symbol),
-            unit: estimate.unit.to_owned(),
+            unit: if estimate.unit == "1" {
+                String::new()
+            } else {
+                estimate.unit.to_owned()
+            },
             value: Some(estimate.value).filter(|value| value.is_finite()),
             standard_error: Some(error).filter(|error| error.is_finite()),
             valid: identified,

@@ -1,0 +1,177 @@
+//! Parameters and their profiles as a person reads them.
+
+use maxwellid::profile::Profile;
+use maxwellid::{Estimate, Scale};
+
+/// Prefixes from 10⁻⁶ to 10⁹.
+const PREFIXES: [(f64, &str); 6] = [
+    (1e9, "G"),
+    (1e6, "M"),
+    (1e3, "k"),
+    (1.0, ""),
+    (1e-3, "m"),
+    (1e-6, "u"),
+];
+
+/// The largest prefix that leaves at least 1 of the unit; none for units that take none.
+fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
+    if !unit.starts_with("Pa") || unit.contains('^') {
+        return (1.0, "");
+    }
+    let fits = |(size, _): &&(f64, &str)| value.abs() >= *size;
+    PREFIXES.iter().find(fits).copied().unwrap_or((1.0, ""))
+}
+
+/// `digits` significant digits, as a power of ten only where the plain number would be long.
+fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&magnitude) {
+        let decimals = usize::try_from(digits - 1).unwrap_or(0);
+        return format!("{value:.decimals$e}");
+    }
+    let whole = (-4..6).find(|m| magnitude < f64::from(*m) + 0.5);
+    let decimals = usize::try_from(digits - 1 - whole.unwrap_or(0)).unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
+/// Value and unit, as `2.601 GPa`.
+fn with_unit(value: f64, unit: &str, digits: i32) -> String {
+    let (size, prefix) = prefix_for(value, unit);
+    let unit = if unit == "1" { "" } else { unit };
+    format!("{} {prefix}{unit}", significant(value / size, digits))
+        .trim_end()
+        .to_owned()
+}
+
+/// As `E = 2.601 GPa ± 0.1 %`, with the verdict where the data do not determine it.
+pub(super) fn of_estimate(estimate: &Estimate) -> String {
+    let value = with_unit(estimate.value, estimate.unit, 4);
+    let error = match estimate.scale {
+        _ if !estimate.standard_error.is_finite() => "error unbounded".to_owned(),
+        Scale::Ratio => format!("± {} %", significant(100.0 * estimate.standard_error, 2)),
+        Scale::Difference => format!("± {}", significant(estimate.standard_error, 2)),
+    };
+    let verdict = if estimate.verdict == maxwellid::Verdict::Identified {
+        String::new()
+    } else {
+        format!(" ({})", estimate.verdict)
+    };
+    format!("{} = {value} {error}{verdict}", estimate.symbol)
+}
+
+/// Name of a profile's parameter and its unit; the logarithm is of the value in that unit.
+struct Named {
+    name: String,
+    unit: &'static str,
+    is_logarithm: bool,
+}
+
+fn named(parameter: &str) -> Named {
+    let (name, is_logarithm) = match parameter.strip_prefix("ln_") {
+        Some(name) => (name, true),
+        None => (parameter, false),
+    };
+    let (name, unit) = match name {
+        "modulus" => ("Young's modulus", "Pa"),
+        "reference_rate" => ("inelastic strain rate at 10 MPa", "1/s"),
+        other => (other, "1"),
+    };
+    Named {
+        name: name.replace('_', " "),
+        unit,
+        is_logarithm,
+    }
+}
+
+/// A profile over the parameter itself, where the fit goes by its logarithm.
+pub(super) struct Shown {
+    pub(super) name: String,
+    pub(super) unit: String,
+    /// What a number of the profile is in `unit`.
+    of: Box<dyn Fn(f64) -> f64>,
+}
+
+impl Shown {
+    pub(super) fn of(profile: &Profile) -> Self {
+        let Named {
+            name,
+            unit,
+            is_logarithm,
+        } = named(&profile.parameter);
+        let (size, prefix) = if is_logarithm {
+            prefix_for(profile.value.exp(), unit)
+        } else {
+            (1.0, "")
+        };
+        let of: Box<dyn Fn(f64) -> f64> = if is_logarithm {
+            Box::new(move |value| value.exp() / size)
+        } else {
+            Box::new(|value| value)
+        };
+        let unit = if unit == "1" { "" } else { unit };
+        Self {
+            name,
+            unit: format!("{prefix}{unit}"),
+            of,
+        }
+    }
+
+    pub(super) fn value(&self, number: f64) -> f64 {
+        (self.of)(number)
+    }
+
+    /// As `Young's modulus: between 2.59 GPa and 2.61 GPa with 95 %`.
+    pub(super) fn in_words(&self, profile: &Profile) -> String {
+        let text = |number: f64| {
+            let value = significant(self.value(number), 4);
+            format!("{value} {}", self.unit).trim_end().to_owned()
+        };
+        let (low, high) = (text(profile.range.0), text(profile.range.1));
+        match (profile.lower, profile.upper) {
+            (Some(lower), Some(upper)) => format!(
+                "{}: from {} to {} with 95 % (profile likelihood).",
+                self.name,
+                text(lower),
+                text(upper)
+            ),
+            (Some(lower), None) => format!(
+                "{}: above {} with 95 %; nothing up to {high} is excluded (profile likelihood).",
+                self.name,
+                text(lower)
+            ),
+            (None, Some(upper)) => format!(
+                "{}: below {} with 95 %; nothing down to {low} is excluded (profile likelihood).",
+                self.name,
+                text(upper)
+            ),
+            (None, None) => format!(
+                "{}: no value from {low} to {high} is excluded at 95 % (profile likelihood).",
+                self.name
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_long_as_they_are_good() {
+        let cases = [
+            (with_unit(2.6014e9, "Pa", 4), "2.601 GPa"),
+            (with_unit(4.8264e6, "Pa s", 4), "4.826 MPa s"),
+            (with_unit(1.793_74, "1", 4), "1.794"),
+            (with_unit(8.2648, "1/s", 4), "8.265 1/s"),
+            (with_unit(4.354e11, "Pa^kappa s", 4), "4.354e11 Pa^kappa s"),
+            (significant(0.051, 2), "0.051"),
+            (significant(12.3, 2), "12"),
+        ];
+        for (found, expected) in cases {
+            assert_eq!(found, expected);
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Blows of a hammer on a linear body: one response, several strengths.
+
+use labio::Record;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rodwave::experiment::end_accelerations::{HalfSine, Pulse, RaisedCosine};
+use serde::Deserialize;
+
+use super::files::Naming;
+use super::instrument::{History, InstrumentSheet};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::outcome::{Attachment, LogEntry};
+use crate::sheet::{Duration, Force, Ratio, Stated};
+
+/// Parts by which the strengths of blows differ, unless stated.
+const USUAL_SCATTER: f64 = 0.05;
+
+/// The blows of a hammer.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlowsSheet {
+    /// Number of hits, each a record.
+    pub hits: usize,
+    /// Largest force, as `"100 N"`.
+    pub peak: Stated<Force>,
+    /// Duration of the contact, as `"80 us"`.
+    pub duration: Stated<Duration>,
+    /// Shape of the force: a raised cosine unless stated.
+    #[serde(default)]
+    pub shape: ShapeSheet,
+    /// Largest part by which the strength of a hit differs from `peak`, evenly to either side; `"5 %"` by default.
+    #[serde(default)]
+    pub scatter: Option<Stated<Ratio>>,
+}
+
+/// Shape of the force of a blow.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum ShapeSheet {
+    /// Smooth at both ends.
+    #[default]
+    RaisedCosine,
+    /// Of a rigid hammer on a spring.
+    HalfSine,
+}
+
+impl BlowsSheet {
+    fn scatter(&self) -> f64 {
+        self.scatter.as_ref().map_or(USUAL_SCATTER, Stated::si)
+    }
+
+    pub(super) fn check(&self, field: &str) -> Result<(), RodlabError> {
+        if !(1..=999).contains(&self.hits) {
+            return Err(RodlabError::request(
+                format!("{field}.hits"),
+                self.hits.to_string(),
+                "1 to 999",
+            ));
+        }
+        if self.scatter() >= 1.0 {
+            return Err(RodlabError::request(
+                format!("{field}.scatter"),
+                self.scatter().to_string(),
+                "below 1: a blow is no pull",
+            ));
+        }
+        Ok(())
+    }
+
+    pub(super) fn pulse(&self, field: &str) -> Result<Box<dyn Pulse>, RodlabError> {
+        let refused = |error| RodlabError::step(field, error);
+        let (peak, duration) = (self.peak.si(), self.duration.si());
+        Ok(match self.shape {
+            ShapeSheet::RaisedCosine => {
+                Box::new(RaisedCosine::new(peak, duration).map_err(refused)?)
+            }
+            ShapeSheet::HalfSine => Box::new(HalfSine::new(peak, duration).map_err(refused)?),
+        })
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        let shape = match self.shape {
+            ShapeSheet::RaisedCosine => "raised cosines",
+            ShapeSheet::HalfSine => "half sines",
+        };
+        let scatter = 100.0 * self.scatter();
+        format!(
+            "{} hits, {shape} of {} and {}, strengths within {scatter} %",
+            self.hits, self.peak, self.duration
+        )
+    }
+}
+
+/// What was recorded of several events.
+pub(super) struct Recorded {
+    pub(super) records: Vec<Record>,
+    pub(super) files: Vec<Attachment>,
+    pub(super) log: Vec<LogEntry>,
+    pub(super) warnings: Vec<String>,
+    pub(super) generator: String,
+}
+
+impl Recorded {
+    pub(super) fn by(generator: &str) -> Self {
+        Self {
+            records: Vec::new(),
+            files: Vec::new(),
+            log: Vec::new(),
+            warnings: Vec::new(),
+            generator: generator.to_owned(),
+        }
+    }
+
+    /// Takes one more, as the file `name`.
+    pub(super) fn take(
+        &mut self,
+        taken: labio::instrument::Acquisition,
+        naming: &Naming,
+        name: String,
+        what: String,
+    ) -> Result<(), RodlabError> {
+        let reasons: Vec<String> = taken
+            .saturations
+            .iter()
+            .map(|over| {
+                format!(
+                    "{} samples of `{}` are beyond the range of the converter",
+                    over.n_samples, over.channel
+                )
+            })
+            .collect();
+        for reason in &reasons {
+            self.warnings.push(format!("{name}: {reason}"));
+        }
+        self.log.push(LogEntry {
+            what: format!("{name}, {what}"),
+            accepted: reasons.is_empty(),
+            reasons,
+        });
+        let file = naming.attachment(&taken.record, name, &self.generator)?;
+        self.files.push(file);
+        self.records.push(taken.record);
+        Ok(())
+    }
+}
+
+/// Largest value of each channel.
+pub(super) fn peaks(record: &Record) -> Vec<f64> {
+    let rows = record.samples();
+    rows.rows()
+        .into_iter()
+        .map(|row| {
+            row.iter()
+                .fold(0.0_f64, |peak, value| peak.max(value.abs()))
+        })
+        .collect()
+}
+
+/// The records of all hits: `history` is the response to the blow of full strength. Every hit draws from a stream of its own.
+pub(super) fn record(
+    blows: &BlowsSheet,
+    history: &History,
+    instrument: &InstrumentSheet,
+    naming: &Naming,
+    seed: u64,
+    around: &Surroundings<'_>,
+) -> Result<Recorded, RodlabError> {
+    let sampled = instrument.sampled(history)?;
+    let peaks = peaks(&sampled);
+    let mut recorded = Recorded::by(&history.generator);
+    for hit in 1..=blows.hits {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(hit as u64);
+        let strength = 1.0 + blows.scatter() * random.random_range(-1.0..=1.0);
+        let struck = Record::new(
+            &sampled.samples() * strength,
+            sampled.sampling_rate_hz(),
+            0.0,
+            sampled.channels().to_vec(),
+            sampled.provenance().clone(),
+        )
+        .map_err(|error| RodlabError::step("instrument", error))?;
+        let taken = instrument.recorded(&struck, &peaks, &mut random)?;
+        recorded.take(
+            taken,
+            naming,
+            naming.file(hit, blows.hits),
+            format!("a blow of {:.4} N", strength * blows.peak.si()),
+        )?;
+        around.progress.one_more();
+        around.go_on()?;
+    }
+    Ok(recorded)
+}

@@ -1,0 +1,265 @@
+//! The tests of paper C: the loss factor of a rod that recovers from loads.
+
+use std::f64::consts::TAU;
+
+use cmod::recovery::{LoadHistory, LoadSegment, ThreeElement, ThreeElementParameters};
+use labio::instrument::{Instrument, NoiseSpectrum};
+use labio::{Channel, Provenance, Quantity, Record};
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+use super::truth::Truth;
+use super::{Evaluation, Made, Request};
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::job::Surroundings;
+use crate::outcome::{Column, Table};
+use crate::sheet::{Duration, Frequency, Pressure, Ratio, Stated};
+
+const FIELD: &str = "experiment: CreepRecovery";
+/// The stress of the dashpot is integrated through the load; the recovery is its closed form (paper C, eq. 4). The evaluation has both
+/// from the same crate: what it can be asked here is noise, and not whether the model is right.
+const GENERATOR: &str = "cmod::recovery, three-element model";
+
+/// A material of three elements, and loads.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CreepRecoverySheet {
+    /// Modulus E1 of the virgin material, as `"3.1 GPa"`.
+    pub series_modulus: Stated<Pressure>,
+    /// Modulus E2 of the spring beside the dashpot, as `"13.1 kPa"`.
+    pub parallel_modulus: Stated<Pressure>,
+    /// Exponent m of the dashpot, as `"1.8"`.
+    pub exponent: Stated<Ratio>,
+    /// Coefficient B of the dashpot, in Pa^-(m+1) s^-1, as `4.55e-21`.
+    pub coefficient: f64,
+    /// Loss factor of the virgin material, as `"0.025"`.
+    pub virgin_loss_factor: Stated<Ratio>,
+    /// Frequency at which the loss factor is read, as `"10 kHz"`.
+    pub frequency: Stated<Frequency>,
+    /// Standard deviation of the error of a reading, as `"0.0004"`.
+    pub error: Stated<Ratio>,
+    /// Loads, one test each.
+    pub loads: Vec<CreepLoadSheet>,
+    /// Times after unloading at which the loss factor is read, as `["1 min", "5 min"]`.
+    pub read_at: Vec<Stated<Duration>>,
+}
+
+/// A constant stress for a while.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CreepLoadSheet {
+    /// Stress, as `"45 MPa"`.
+    pub stress: Stated<Pressure>,
+    /// Duration, as `"30 min"`.
+    pub duration: Stated<Duration>,
+}
+
+/// Loss factors after a load.
+struct Readings<'a> {
+    load: &'a CreepLoadSheet,
+    exact: Vec<f64>,
+    read: Vec<f64>,
+}
+
+impl CreepRecoverySheet {
+    pub(super) fn make(
+        &self,
+        request: &Request<'_>,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        for (field, empty) in [
+            ("loads", self.loads.is_empty()),
+            ("read_at", self.read_at.len() < 2),
+        ] {
+            if empty {
+                return Err(RodlabError::request(
+                    format!("{FIELD}.{field}"),
+                    "too short",
+                    "at least one load and two times",
+                ));
+            }
+        }
+        let model = ThreeElement::new(ThreeElementParameters {
+            series_modulus: self.series_modulus.si(),
+            parallel_modulus: self.parallel_modulus.si(),
+            coefficient: self.coefficient,
+            exponent: self.exponent.si(),
+        })
+        .map_err(refused)?;
+        around.has_read_all()?;
+
+        let omega = TAU * self.frequency.si();
+        let mut truth = Truth::default();
+        truth.add("modulus E1", self.series_modulus.si(), "Pa");
+        truth.add("modulus E2", self.parallel_modulus.si(), "Pa");
+        truth.add("exponent m", self.exponent.si(), "");
+        truth.add("coefficient B", self.coefficient, "Pa^-(m+1) s^-1");
+        let mut tests = Vec::new();
+        for (number, load) in self.loads.iter().enumerate() {
+            let segment = LoadSegment::Constant {
+                stress: load.stress.si(),
+                duration: load.duration.si(),
+            };
+            let history = LoadHistory::new(vec![segment]).map_err(refused)?;
+            let recovery = model.recovery(&history).map_err(refused)?;
+            let place = format!("recovery time after {} for {}", load.stress, load.duration);
+            truth.add(place, recovery.recovery_time(), "s");
+            let virgin = self.virgin_loss_factor.si();
+            let exact: Vec<f64> = self
+                .read_at
+                .iter()
+                .map(|at| virgin + recovery.loss_factor_change(omega, at.si()))
+                .collect();
+            let read = self.with_errors(&exact, request.seed, number as u64 + 1)?;
+            tests.push(Readings { load, exact, read });
+            around.go_on()?;
+        }
+        Ok(Made {
+            truth,
+            tables: vec![self.table(&tests)],
+            figures: vec![self.figure(&tests)],
+            in_words: format!(
+                "{} loads, loss factor at {} read {} times after each",
+                self.loads.len(),
+                self.frequency,
+                self.read_at.len()
+            ),
+            evaluations: vec![self.evaluation(request, &tests)],
+            recorded: None,
+        })
+    }
+
+    /// `exact` with normal errors: white noise of which every reading is a sample.
+    fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        let name = "loss factor";
+        let values = Array2::from_shape_fn((1, exact.len()), |(_, k)| exact[k]);
+        let channel = Channel::new(name, Quantity::Strain).map_err(refused)?;
+        let record = Record::new(
+            values,
+            1.0,
+            0.0,
+            vec![channel],
+            Provenance::computed(GENERATOR),
+        )
+        .map_err(refused)?;
+        let spectrum = NoiseSpectrum::white(2.0 * self.error.si().powi(2)).map_err(refused)?;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(stream);
+        let taken = Instrument::new()
+            .noise(name, spectrum)
+            .record(&record, &mut random)
+            .map_err(refused)?;
+        Ok(taken.record.channel(name).map_err(refused)?.to_vec())
+    }
+
+    fn table(&self, tests: &[Readings<'_>]) -> Table {
+        let times: Vec<f64> = self.read_at.iter().map(Stated::si).collect();
+        let mut columns = vec![Column::numbers("time after unloading", "s", times)];
+        for test in tests {
+            let of = format!("{} for {}", test.load.stress, test.load.duration);
+            columns.push(Column::numbers(
+                format!("read, {of}"),
+                "",
+                test.read.clone(),
+            ));
+            columns.push(Column::numbers(
+                format!("exact, {of}"),
+                "",
+                test.exact.clone(),
+            ));
+        }
+        Table {
+            name: "readings".to_owned(),
+            title: "Loss factors after unloading".to_owned(),
+            columns,
+        }
+    }
+
+    fn figure(&self, tests: &[Readings<'_>]) -> Figure {
+        let minutes: Vec<f64> = self.read_at.iter().map(|at| at.si() / 60.0).collect();
+        let marks = tests
+            .iter()
+            .enumerate()
+            .flat_map(|(index, test)| {
+                let role = Role::of_series(index);
+                [
+                    Mark::Line {
+                        name: String::new(),
+                        role,
+                        x: minutes.clone(),
+                        y: test.exact.clone(),
+                    },
+                    Mark::Points {
+                        name: format!("{} for {}", test.load.stress, test.load.duration),
+                        role,
+                        x: minutes.clone(),
+                        y: test.read.clone(),
+                        error: vec![self.error.si(); test.read.len()],
+                    },
+                ]
+            })
+            .collect();
+        Figure {
+            name: "recovery".to_owned(),
+            title: "Loss factor after unloading".to_owned(),
+            caption: "Readings with their standard deviation, and the law that made them."
+                .to_owned(),
+            panels: vec![Panel {
+                x: Axis::logarithmic("time after unloading", "min"),
+                y: Axis::linear("loss factor", ""),
+                marks,
+                greyed: Vec::new(),
+                equal_axes: false,
+            }],
+        }
+    }
+
+    fn evaluation(&self, request: &Request<'_>, tests: &[Readings<'_>]) -> Evaluation {
+        let tests: String = tests
+            .iter()
+            .map(|test| {
+                let CreepLoadSheet { stress, duration } = test.load;
+                let readings: String = self
+                    .read_at
+                    .iter()
+                    .zip(&test.read)
+                    .map(|(at, value)| {
+                        format!("\n                (at: \"{at}\", value: {value:.6}),")
+                    })
+                    .collect();
+                format!(
+                    r#"
+        (
+            name: "{stress} for {duration}",
+            load: [Constant(stress: "{stress}", duration: "{duration}")],
+            readings: Here([{readings}
+            ]),
+        ),"#
+                )
+            })
+            .collect();
+        let text = format!(
+            r#"Recovery(
+    title: {title:?},
+    series_modulus: "{modulus}",
+    frequency: "{frequency}",
+    virgin_loss_factor: "{virgin}",
+    standard_error: "{error}",
+    tests: [{tests}
+    ],
+)
+"#,
+            title = request.title,
+            modulus = self.series_modulus,
+            frequency = self.frequency,
+            virgin = self.virgin_loss_factor,
+            error = self.error,
+        );
+        Evaluation::new("recovery", "recovery.ron", text, GENERATOR)
+    }
+}

@@ -1,0 +1,158 @@
+//! The test of paper A: accelerations of both ends of a rod that is struck at one.
+
+use labio::Quantity;
+use rodwave::element::Circle;
+use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
+use rodwave::synthesis::DampedSynthesis;
+use serde::Deserialize;
+
+use super::blows::{self, BlowsSheet};
+use super::instrument::{History, InstrumentSheet, Sensed};
+use super::truth::{self, Truth};
+use super::{Evaluation, Made, Request, analytic};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::sheet::{AddedMass, Length, Stated};
+
+const STRUCK: &str = "struck end";
+const FREE: &str = "free end";
+const FIELD: &str = "experiment: EndAccelerations";
+
+/// A rod with accelerometers on both ends.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndAccelerationsSheet {
+    /// Name of the material.
+    pub material: String,
+    /// Length, as `"799 mm"`.
+    pub length: Stated<Length>,
+    /// Diameter, as `"15.8 mm"`.
+    pub diameter: Stated<Length>,
+    /// Mass of each accelerometer, as `"2.9 gram"`; none by default.
+    #[serde(default)]
+    pub accelerometer_mass: Option<Stated<AddedMass>>,
+    /// The blows on the struck end.
+    pub blows: BlowsSheet,
+}
+
+impl EndAccelerationsSheet {
+    pub(super) fn make(
+        &self,
+        request: &Request<'_>,
+        instrument: &InstrumentSheet,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        self.blows.check(&format!("{FIELD}.blows"))?;
+        let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
+        let mass = self.accelerometer_mass.as_ref().map_or(0.0, Stated::si);
+        let specimen = Specimen {
+            section: Circle::of_diameter(self.diameter.si())
+                .map_err(refused)?
+                .into(),
+            length: self.length.si(),
+            accelerometer_mass: mass,
+        };
+        let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
+        let step = instrument.fine_step();
+        let synthesis = DampedSynthesis::new(instrument.duration(), step)
+            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
+            .map_err(refused)?;
+        let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
+        around.has_read_all()?;
+
+        around.progress.begins("hits", self.blows.hits);
+        let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;
+        let sensed = |name: &str, values: Vec<f64>| Sensed {
+            name: name.to_owned(),
+            quantity: Quantity::Acceleration,
+            values,
+        };
+        let history = History {
+            generator: exact.generator.to_owned(),
+            begins: exact.start,
+            step: exact.interval,
+            channels: vec![
+                sensed(STRUCK, exact.impacted_end),
+                sensed(FREE, exact.free_end),
+            ],
+        };
+        let recorded = blows::record(
+            &self.blows,
+            &history,
+            instrument,
+            &request.naming,
+            request.seed,
+            around,
+        )?;
+        let mut truth = Truth::default();
+        truth.add("length", self.length.si(), "m");
+        truth.add("diameter", self.diameter.si(), "m");
+        truth.add("density", medium.density(), "kg/m3");
+        truth.add("accelerometer mass", mass, "kg");
+        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
+        Ok(Made {
+            truth,
+            tables: vec![truth::modulus(&medium, 0.01 * band, band)],
+            figures: Vec::new(),
+            in_words: format!(
+                "{} on a rod of {} by {}, accelerations of both ends",
+                self.blows.in_words(),
+                self.length,
+                self.diameter
+            ),
+            evaluations: vec![self.evaluation(request, &recorded, instrument, medium.density())],
+            recorded: Some(recorded),
+        })
+    }
+
+    fn evaluation(
+        &self,
+        request: &Request<'_>,
+        recorded: &blows::Recorded,
+        instrument: &InstrumentSheet,
+        density: f64,
+    ) -> Evaluation {
+        let mass = self
+            .accelerometer_mass
+            .as_ref()
+            .map(|mass| format!("\n        accelerometer_mass: \"{mass}\","))
+            .unwrap_or_default();
+        let records = recorded
+            .records
+            .first()
+            .map(|first| {
+                request
+                    .naming
+                    .records_of_sheet(&request.naming.pattern(), first, "        ")
+            })
+            .unwrap_or_default();
+        // up to where the filter passes everything
+        let highest = 1e-3 * (instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si());
+        let text = format!(
+            r#"Modulus(
+    title: {title:?},
+    specimen: (
+        length: "{length}",
+        diameter: "{diameter}",
+        density: "{density} kg/m3",{mass}
+    ),
+    method: TwoPoint(impacted_end: "{STRUCK}", free_end: "{FREE}"),
+    // each record is a hit
+    source: Hits(
+        {records},
+        // the filter reaches ahead of the blow
+        silent: "{silent:.4} ms",
+    ),
+    // where the filter of the recorder passes everything
+    band: (from: "100 Hz", to: "{highest:.3} kHz"),
+)
+"#,
+            title = request.title,
+            length = self.length,
+            diameter = self.diameter,
+            silent = 1e3 * request.silent(instrument),
+        );
+        Evaluation::new("modulus", "modulus.ron", text, &recorded.generator)
+    }
+}

@@ -1,0 +1,120 @@
+//! Figures and tables of virtual records: histories and their spectra.
+
+use labio::{AveragedSpectra, Record, Window};
+
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::outcome::{Column, Table};
+
+/// Unit in which a quantity is drawn, and how many of it one of SI is.
+fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
+    match quantity {
+        labio::Quantity::Strain => (1e6, "µm/m"),
+        labio::Quantity::Displacement => (1e3, "mm"),
+        other => (1.0, other.unit()),
+    }
+}
+
+/// Histories of all channels; the first records have their own lines.
+pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> {
+    let first = records.first()?;
+    let panels = first
+        .channels()
+        .iter()
+        .map(|channel| {
+            let (factor, unit) = shown(channel.quantity());
+            let marks = records
+                .iter()
+                .zip(names)
+                .take(5)
+                .enumerate()
+                .filter_map(|(index, (record, name))| {
+                    let samples = record.channel(channel.name()).ok()?;
+                    Some(Mark::Line {
+                        name: name.clone(),
+                        role: Role::of_series(index),
+                        x: (0..samples.len())
+                            .map(|k| 1e3 * record.time_at(k))
+                            .collect(),
+                        y: samples.iter().map(|v| factor * v).collect(),
+                    })
+                })
+                .collect();
+            Panel {
+                x: Axis::linear("time", "ms"),
+                y: Axis::linear(
+                    format!("{}, {}", channel.quantity().name(), channel.name()),
+                    unit,
+                ),
+                marks,
+                greyed: Vec::new(),
+                equal_axes: false,
+            }
+        })
+        .collect();
+    Some(Figure {
+        name: "histories".to_owned(),
+        title: "Virtual records".to_owned(),
+        caption: "As recorded, with the noise of the instruments; five records at most.".to_owned(),
+        panels,
+    })
+}
+
+/// Magnitudes of the spectra of the first record: √(G_xx) of each channel over its largest line.
+pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figure>, RodlabError> {
+    let Some(first) = records.first() else {
+        return Ok(None);
+    };
+    let refused = |error| RodlabError::step("spectra of the records", error);
+    let spectra = AveragedSpectra::of([first], Window::Rectangular).map_err(refused)?;
+    let mut marks = Vec::new();
+    for (index, channel) in first.channels().iter().enumerate() {
+        let auto = spectra.auto(channel.name()).map_err(refused)?;
+        let largest = auto.iter().skip(1).fold(0.0_f64, |a, b| a.max(*b));
+        marks.push(Mark::Line {
+            name: channel.name().to_owned(),
+            role: Role::of_series(index),
+            x: spectra.frequency_hz()[1..]
+                .iter()
+                .map(|f| 1e-3 * f)
+                .collect(),
+            y: auto[1..]
+                .iter()
+                .map(|g| 10.0 * (g / largest).log10())
+                .collect(),
+        });
+    }
+    marks.push(Mark::At {
+        name: "cut-off of the filter".to_owned(),
+        x: 1e-3 * cutoff_hz,
+    });
+    Ok(Some(Figure {
+        name: "spectra".to_owned(),
+        title: "Spectra of the first record".to_owned(),
+        caption: "Each channel over its largest line.".to_owned(),
+        panels: vec![Panel {
+            x: Axis::linear("frequency", "kHz"),
+            y: Axis::linear("auto-spectrum", "dB"),
+            marks,
+            greyed: Vec::new(),
+            equal_axes: false,
+        }],
+    }))
+}
+
+/// The first record as a table.
+pub(super) fn table(records: &[Record]) -> Option<Table> {
+    let first = records.first()?;
+    let time = (0..first.n_samples()).map(|k| first.time_at(k)).collect();
+    let mut columns = vec![Column::numbers("time", "s", time)];
+    for channel in first.channels() {
+        let samples = first.channel(channel.name()).ok()?.to_vec();
+        let unit = channel.quantity().unit();
+        columns.push(Column::numbers(channel.name(), unit, samples));
+    }
+    Some(Table {
+        name: "first-record".to_owned(),
+        title: "First record".to_owned(),
+        columns,
+    })
+}

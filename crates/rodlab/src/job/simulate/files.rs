@@ -1,0 +1,252 @@
+//! Records as the files that a recorder leaves, and what a sheet has to say to read them.
+
+use labio::format::Writer;
+use labio::format::csv::Csv;
+use labio::format::npy::Npy;
+use labio::format::npz::Npz;
+use labio::format::uff58::Uff58Writer;
+use labio::format::wav::Wav;
+use labio::{Abscissa, Contents, Ordinate, Record, Series, SeriesAxis, SeriesKind, Unit};
+
+use crate::RodlabError;
+use crate::outcome::Attachment;
+
+/// Name and format of the files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Naming {
+    stem: String,
+    extension: Extension,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Extension {
+    Csv,
+    Npy,
+    Npz,
+    Uff,
+    Wav,
+}
+
+impl Extension {
+    const ALL: [Self; 5] = [Self::Csv, Self::Npy, Self::Npz, Self::Uff, Self::Wav];
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Npy => "npy",
+            Self::Npz => "npz",
+            Self::Uff => "uff",
+            Self::Wav => "wav",
+        }
+    }
+}
+
+impl Naming {
+    /// Of the name of a file, as `hits.csv`.
+    pub(super) fn of(output: &str) -> Result<Self, RodlabError> {
+        let wrong = || {
+            let known: Vec<&str> = Extension::ALL.iter().map(|e| e.text()).collect();
+            RodlabError::request(
+                "output",
+                format!("`{output}`"),
+                format!(
+                    "the name of a file in the folder of the result with one of the extensions {}",
+                    known.join(", ")
+                ),
+            )
+        };
+        let (stem, extension) = output.rsplit_once('.').ok_or_else(wrong)?;
+        let extension = Extension::ALL
+            .into_iter()
+            .find(|known| known.text() == extension)
+            .ok_or_else(wrong)?;
+        let plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | ' ' | '.');
+        if stem.is_empty() || stem.starts_with('.') || !stem.chars().all(plain) {
+            return Err(wrong());
+        }
+        Ok(Self {
+            stem: stem.to_owned(),
+            extension,
+        })
+    }
+
+    /// Of the record `number` of `of`, from 1: in the order of their names the files are in the order of the records.
+    pub(super) fn file(&self, number: usize, of: usize) -> String {
+        let extension = self.extension.text();
+        let digits = of.to_string().len();
+        format!("{}-{number:0digits$}.{extension}", self.stem)
+    }
+
+    /// All of them.
+    pub(super) fn pattern(&self) -> String {
+        format!("{}-*.{}", self.stem, self.extension.text())
+    }
+
+    /// What a sheet says to read `files` of records like `record`: the field `records`, indented by `indent`.
+    pub(super) fn records_of_sheet(&self, files: &str, record: &Record, indent: &str) -> String {
+        let bare = self.extension == Extension::Npy;
+        let rate = if bare {
+            format!(
+                "\n{indent}    sampling_rate: \"{} Hz\",",
+                record.sampling_rate_hz()
+            )
+        } else {
+            String::new()
+        };
+        let channels: String = record
+            .channels()
+            .iter()
+            .enumerate()
+            .map(|(index, channel)| {
+                let name = channel.name();
+                let from = if bare {
+                    let unit = channel.quantity().unit();
+                    format!("from: {}, unit: {unit:?}", index + 1)
+                } else {
+                    format!("from: {name:?}")
+                };
+                format!("\n{indent}        (name: {name:?}, {from}),")
+            })
+            .collect();
+        format!(
+            "records: (\n{indent}    files: [{files:?}],{rate}\n{indent}    channels: [{channels}\n{indent}    ],\n{indent})"
+        )
+    }
+
+    /// `record` as a file; it carries what made it, where the format can.
+    pub(super) fn attachment(
+        &self,
+        record: &Record,
+        name: String,
+        generator: &str,
+    ) -> Result<Attachment, RodlabError> {
+        let refused = |error| RodlabError::step(format!("writing {name}"), error);
+        let mut contents = Contents::of_format("computed");
+        let bare = self.extension == Extension::Npy;
+        // where the format has a place for it
+        match self.extension {
+            Extension::Csv | Extension::Npz => contents
+                .properties
+                .push(("generator".to_owned(), generator.to_owned())),
+            Extension::Wav => contents
+                .properties
+                .push(("ISFT".to_owned(), generator.to_owned())),
+            Extension::Npy | Extension::Uff => {}
+        }
+        let of_series = if self.extension == Extension::Uff {
+            vec![("uff58.id2".to_owned(), generator.to_owned())]
+        } else {
+            Vec::new()
+        };
+        let axis = |label: &str, unit: &str| -> Result<SeriesAxis, RodlabError> {
+            Ok(SeriesAxis {
+                label: if self.extension == Extension::Wav {
+                    String::new()
+                } else {
+                    label.to_owned()
+                },
+                unit_text: unit.to_owned(),
+                unit: Some(Unit::parse(unit).map_err(refused)?),
+            })
+        };
+        let several = record.channels().len() > 1;
+        for (index, channel) in record.channels().iter().enumerate() {
+            let samples = record.channel(channel.name()).map_err(refused)?.to_vec();
+            let quantity = channel.quantity();
+            contents.series.push(if bare {
+                // numbers and nothing else, a row for each channel
+                Series {
+                    name: if several {
+                        format!("[{index}, :]")
+                    } else {
+                        String::new()
+                    },
+                    kind: SeriesKind::General,
+                    abscissa: Abscissa::Even {
+                        start: 0.0,
+                        step: 1.0,
+                    },
+                    ordinate: Ordinate::Real(samples),
+                    abscissa_axis: SeriesAxis {
+                        label: "index".to_owned(),
+                        ..SeriesAxis::default()
+                    },
+                    ordinate_axis: SeriesAxis::default(),
+                    properties: Vec::new(),
+                }
+            } else {
+                Series {
+                    name: channel.name().to_owned(),
+                    kind: SeriesKind::TimeResponse,
+                    abscissa: Abscissa::Even {
+                        start: 0.0,
+                        step: 1.0 / record.sampling_rate_hz(),
+                    },
+                    ordinate: Ordinate::Real(samples),
+                    abscissa_axis: axis("time", "s")?,
+                    ordinate_axis: axis(quantity.name(), quantity.unit())?,
+                    properties: of_series.clone(),
+                }
+            });
+        }
+        let mut bytes = Vec::new();
+        let writer: &dyn Writer = match self.extension {
+            Extension::Csv => &Csv,
+            Extension::Npy => &Npy,
+            Extension::Npz => &Npz,
+            Extension::Uff => &Uff58Writer::default(),
+            Extension::Wav => &Wav,
+        };
+        writer.write(&contents, &mut bytes).map_err(refused)?;
+        Ok(Attachment { name, bytes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use labio::{Channel, Provenance, Quantity};
+    use ndarray::array;
+
+    #[test]
+    fn names_are_in_the_order_of_the_records() {
+        let naming = Naming::of("hits.csv").unwrap();
+        assert_eq!(naming.file(3, 10), "hits-03.csv");
+        assert_eq!(naming.pattern(), "hits-*.csv");
+        for wrong in ["hits", "hits.xlsx", "../hits.csv", ".csv", "a/b.npy"] {
+            assert!(Naming::of(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_format_is_read_back() {
+        let channels = vec![
+            Channel::new("struck end", Quantity::Acceleration).unwrap(),
+            Channel::new("gauge", Quantity::Strain).unwrap(),
+        ];
+        let samples = array![[0.0, 1.5, -2.25, 4.0], [1e-6, 2e-6, -3e-6, 0.0]];
+        let made_by = Provenance::computed("a closed form");
+        let record = Record::new(samples.clone(), 51_200.0, 0.0, channels, made_by).unwrap();
+        for extension in Extension::ALL {
+            let name = format!("one.{}", extension.text());
+            let naming = Naming::of(&name).unwrap();
+            let file = naming
+                .attachment(&record, name.clone(), "a closed form")
+                .unwrap();
+            let back = labio::format::read_bytes(&file.bytes).unwrap();
+            assert_eq!(back.series.len(), 2, "{name}");
+            for (series, row) in back.series.iter().zip(samples.rows()) {
+                assert_eq!(series.ordinate, Ordinate::Real(row.to_vec()), "{name}");
+            }
+            let says = |property: &(String, String)| property.1.contains("a closed form");
+            assert!(
+                extension == Extension::Npy
+                    || back.properties.iter().any(says)
+                    || back.series[0].properties.iter().any(says),
+                "{name}: {:?} {:?}",
+                back.properties,
+                back.series[0].properties
+            );
+        }
+    }
+}

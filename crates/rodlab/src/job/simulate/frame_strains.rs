@@ -1,0 +1,224 @@
+//! The test of paper B: strains at sections of a rod that is a member of a structure.
+
+use labio::Quantity;
+use rodwave::chain::{LaplaceVariable, Termination};
+use rodwave::element::Circle;
+use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
+use rodwave::synthesis::DampedSynthesis;
+use serde::Deserialize;
+
+use super::blows::{self, BlowsSheet};
+use super::instrument::{History, InstrumentSheet, Sensed};
+use super::truth::{self, Truth};
+use super::{Evaluation, Made, Request, analytic};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::sheet::{AddedMass, Coordinate, Length, SpecificImpedance, Stated, Stiffness};
+
+const FIELD: &str = "experiment: StrainsInFrame";
+/// Distances of gauges are equal if they differ by less than this part.
+const EQUIDISTANT: f64 = 1e-9;
+
+/// A rod between two structures, with strain gauges.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StrainsInFrameSheet {
+    /// Name of the material.
+    pub material: String,
+    /// Length, as `"800 mm"`.
+    pub length: Stated<Length>,
+    /// Diameter, as `"16 mm"`.
+    pub diameter: Stated<Length>,
+    /// Positions of the gauges from the struck end, in order.
+    pub gauges: Vec<Stated<Coordinate>>,
+    /// What holds the struck end, beside the hammer; nothing by default.
+    #[serde(default)]
+    pub struck_end: SupportSheet,
+    /// What holds the other end; nothing by default.
+    #[serde(default)]
+    pub other_end: SupportSheet,
+    /// The blows on the struck end.
+    pub blows: BlowsSheet,
+}
+
+/// A spring and a dashpot to the ground and a mass, side by side, each of which may be absent.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SupportSheet {
+    /// Spring, as `"70 N/m"`.
+    pub stiffness: Option<Stated<Stiffness>>,
+    /// Dashpot, as `"0.02 kg/s"`.
+    pub resistance: Option<Stated<SpecificImpedance>>,
+    /// Mass, as `"15 gram"`.
+    pub mass: Option<Stated<AddedMass>>,
+}
+
+impl SupportSheet {
+    /// `None` where there is nothing.
+    fn support(&self) -> Option<EndSupport> {
+        let absent = self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none();
+        (!absent).then(|| EndSupport {
+            stiffness: self.stiffness.as_ref().map_or(0.0, Stated::si),
+            resistance: self.resistance.as_ref().map_or(0.0, Stated::si),
+            mass: self.mass.as_ref().map_or(0.0, Stated::si),
+        })
+    }
+}
+
+fn name(gauge: usize) -> String {
+    format!("gauge {}", gauge + 1)
+}
+
+impl StrainsInFrameSheet {
+    pub(super) fn make(
+        &self,
+        request: &Request<'_>,
+        instrument: &InstrumentSheet,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        self.blows.check(&format!("{FIELD}.blows"))?;
+        if self.gauges.len() < 3 {
+            return Err(RodlabError::request(
+                format!("{FIELD}.gauges"),
+                format!("{} gauges", self.gauges.len()),
+                "three or more",
+            ));
+        }
+        let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
+        let positions: Vec<f64> = self.gauges.iter().map(Stated::si).collect();
+        let section = Circle::of_diameter(self.diameter.si()).map_err(refused)?;
+        let right: Termination<LaplaceVariable> = self
+            .other_end
+            .support()
+            .map_or(Termination::Free, EndSupport::analytic_termination);
+        let length = self.length.si();
+        let mut member =
+            FrameMember::analytic(&medium, section, length, &positions, right).map_err(refused)?;
+        if let Some(support) = self.struck_end.support() {
+            member = member
+                .with_analytic_left_structure(support.analytic_termination())
+                .map_err(refused)?;
+        }
+        let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
+        let step = instrument.fine_step();
+        let synthesis = DampedSynthesis::new(instrument.duration(), step)
+            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
+            .map_err(refused)?;
+        around.has_read_all()?;
+
+        around.progress.begins("hits", self.blows.hits);
+        let exact = member
+            .record(&Excitation::Force(pulse.as_ref()), &synthesis)
+            .map_err(refused)?;
+        let history = History {
+            generator: exact.generator.to_owned(),
+            begins: exact.start,
+            step: exact.interval,
+            channels: exact
+                .strains
+                .into_iter()
+                .enumerate()
+                .map(|(gauge, values)| Sensed {
+                    name: name(gauge),
+                    quantity: Quantity::Strain,
+                    values,
+                })
+                .collect(),
+        };
+        let recorded = blows::record(
+            &self.blows,
+            &history,
+            instrument,
+            &request.naming,
+            request.seed,
+            around,
+        )?;
+        let mut truth = Truth::default();
+        truth.add("length", length, "m");
+        truth.add("diameter", self.diameter.si(), "m");
+        truth.add("density", medium.density(), "kg/m3");
+        for (gauge, position) in positions.iter().enumerate() {
+            truth.add(format!("position of {}", name(gauge)), *position, "m");
+        }
+        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
+        Ok(Made {
+            truth,
+            tables: vec![truth::modulus(&medium, 0.01 * band, band)],
+            figures: Vec::new(),
+            in_words: format!(
+                "{} on a rod of {} by {} between two structures, strains at {} sections",
+                self.blows.in_words(),
+                self.length,
+                self.diameter,
+                positions.len()
+            ),
+            evaluations: vec![self.evaluation(request, &recorded, instrument, medium.density())],
+            recorded: Some(recorded),
+        })
+    }
+
+    fn is_equidistant(&self) -> bool {
+        let [first, middle, last] = self.gauges.as_slice() else {
+            return false;
+        };
+        let distances = [middle.si() - first.si(), last.si() - middle.si()];
+        (distances[0] - distances[1]).abs() <= EQUIDISTANT * distances[0].abs()
+    }
+
+    fn evaluation(
+        &self,
+        request: &Request<'_>,
+        recorded: &blows::Recorded,
+        instrument: &InstrumentSheet,
+        density: f64,
+    ) -> Evaluation {
+        let method = if self.is_equidistant() {
+            "ThreePoint"
+        } else {
+            "MultiPoint"
+        };
+        let gauges: String = self
+            .gauges
+            .iter()
+            .enumerate()
+            .map(|(gauge, at)| format!("\n        (channel: {:?}, at: \"{at}\"),", name(gauge)))
+            .collect();
+        let records = recorded
+            .records
+            .first()
+            .map(|first| {
+                request
+                    .naming
+                    .records_of_sheet(&request.naming.pattern(), first, "        ")
+            })
+            .unwrap_or_default();
+        let highest = 1e-3 * (instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si());
+        let text = format!(
+            r#"Modulus(
+    title: {title:?},
+    specimen: (
+        length: "{length}",
+        diameter: "{diameter}",
+        density: "{density} kg/m3",
+    ),
+    method: {method}(gauges: [{gauges}
+    ]),
+    // each record is a hit
+    source: Hits(
+        {records},
+        // the noise of the gauges is read here; the filter reaches ahead of the blow
+        silent: "{silent:.4} ms",
+    ),
+    // where the filter of the recorder passes everything
+    band: (from: "100 Hz", to: "{highest:.3} kHz"),
+)
+"#,
+            title = request.title,
+            length = self.length,
+            diameter = self.diameter,
+            silent = 1e3 * request.silent(instrument),
+        );
+        Evaluation::new("modulus", "modulus.ron", text, &recorded.generator)
+    }
+}

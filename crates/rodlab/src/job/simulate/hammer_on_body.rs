@@ -1,0 +1,196 @@
+//! The first half of paper E: the acceleration of an impact face under the blows of a hammer.
+
+use labio::Quantity;
+use num_complex::Complex64;
+use rodwave::synthesis::DampedSynthesis;
+use serde::Deserialize;
+
+use super::blows::{self, BlowsSheet};
+use super::instrument::{History, InstrumentSheet, Sensed};
+use super::truth::Truth;
+use super::{Evaluation, Made, Request};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::outcome::{Column, Table};
+use crate::sheet::body::{BodySheet, ComputedBody};
+
+const FIELD: &str = "experiment: HammerOnBody";
+const HAMMER: &str = "hammer";
+const FACE: &str = "face";
+const GENERATOR: &str = "hammer on a body: chain recursion, damped Fourier transform";
+/// Lines of the table of the true mobility.
+const LINES: usize = 200;
+
+/// A body that is struck with a hammer.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HammerOnBodySheet {
+    /// The body, from its impact face on.
+    pub body: BodySheet,
+    /// The blows on the face.
+    pub blows: BlowsSheet,
+}
+
+impl HammerOnBodySheet {
+    pub(super) fn make(
+        &self,
+        request: &Request<'_>,
+        instrument: &InstrumentSheet,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        self.blows.check(&format!("{FIELD}.blows"))?;
+        let place = format!("{FIELD}.body");
+        let body = self.body.body(request.materials, &place)?;
+        let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
+        let step = instrument.fine_step();
+        let synthesis = DampedSynthesis::new(instrument.duration(), step)
+            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
+            .map_err(refused)?;
+        around.has_read_all()?;
+
+        around.progress.begins("hits", self.blows.hits);
+        let mut force = Vec::new();
+        let mut acceleration = Vec::new();
+        for s in synthesis.arguments() {
+            let transform = pulse.transform(s);
+            force.push(transform);
+            acceleration.push(s * mobility_at(&body, s, &place)? * transform);
+        }
+        let force = synthesis.history(&force).map_err(refused)?;
+        let acceleration = synthesis.history(&acceleration).map_err(refused)?;
+        let history = History {
+            generator: GENERATOR.to_owned(),
+            begins: force.start,
+            step: force.interval,
+            channels: vec![
+                Sensed {
+                    name: HAMMER.to_owned(),
+                    quantity: Quantity::Force,
+                    values: force.samples,
+                },
+                Sensed {
+                    name: FACE.to_owned(),
+                    quantity: Quantity::Acceleration,
+                    values: acceleration.samples,
+                },
+            ],
+        };
+        let recorded = blows::record(
+            &self.blows,
+            &history,
+            instrument,
+            &request.naming,
+            request.seed,
+            around,
+        )?;
+        let mut truth = Truth::default();
+        if let Some(mass) = body.free_mass() {
+            truth.add("mass of the free body", mass, "kg");
+        }
+        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
+        let records = recorded
+            .records
+            .first()
+            .map(|first| {
+                let pattern = request.naming.pattern();
+                request.naming.records_of_sheet(&pattern, first, "    ")
+            })
+            .unwrap_or_default();
+        let highest = 1e-3 * band;
+        let frf = format!(
+            r#"Frf(
+    title: {title:?},
+    // each record is a hit
+    {records},
+    input: "{HAMMER}",
+    outputs: ["{FACE}"],
+    kind: Mobility,
+    // where the filter of the recorder passes everything
+    band: (from: "20 Hz", to: "{highest:.3} kHz"),
+)
+"#,
+            title = request.title,
+        );
+        let support = body
+            .free_mass()
+            .map(|mass| format!("\n    support: Free(mass: \"{mass} kg\"),"))
+            .unwrap_or_default();
+        let indented = records.replace('\n', "\n    ");
+        let mobility = format!(
+            r#"Mobility(
+    title: {title:?},
+    // each record is a hit
+    source: Hits(
+        {indented},
+        force: "{HAMMER}",
+        response: "{FACE}",
+    ),
+    // where the filter of the recorder passes everything
+    up_to: "{highest:.3} kHz",{support}
+)
+"#,
+            title = request.title,
+        );
+        Ok(Made {
+            truth,
+            tables: vec![true_mobility(&body, band)?],
+            figures: Vec::new(),
+            in_words: format!(
+                "{} on the face of a body, force and acceleration",
+                self.blows.in_words()
+            ),
+            evaluations: vec![
+                Evaluation::new("mobility", "mobility.ron", mobility, GENERATOR),
+                Evaluation::new("frf", "frf.ron", frf, GENERATOR),
+            ],
+            recorded: Some(recorded),
+        })
+    }
+}
+
+/// Mobility at `s` in the right half plane.
+fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex64, RodlabError> {
+    match body {
+        ComputedBody::Analytic(chain) => chain
+            .mobility_at_s(s)
+            .map_err(|error| RodlabError::step(place, error)),
+        ComputedBody::OnAxis(_) => Err(RodlabError::request(
+            place,
+            "of a material whose law is known for real frequencies only",
+            "causal laws: a history is wanted",
+        )),
+        ComputedBody::Lump {
+            mass: Some(mass), ..
+        } => Ok(1.0 / (*mass * s)),
+        ComputedBody::Lump { impedance, .. } => Ok(Complex64::from(1.0 / impedance)),
+    }
+}
+
+fn true_mobility(body: &ComputedBody, band: f64) -> Result<Table, RodlabError> {
+    let frequency: Vec<f64> = (1..=LINES)
+        .map(|line| band * line as f64 / LINES as f64)
+        .collect();
+    let mobility: Vec<Complex64> = frequency
+        .iter()
+        .map(|f| body.mobility(*f))
+        .collect::<Result<_, _>>()
+        .map_err(|error| RodlabError::step(format!("{FIELD}.body"), error))?;
+    Ok(Table {
+        name: "true-mobility".to_owned(),
+        title: "Mobility of the virtual face".to_owned(),
+        columns: vec![
+            Column::numbers("frequency", "Hz", frequency),
+            Column::numbers(
+                "real part",
+                "m/(N s)",
+                mobility.iter().map(|y| y.re).collect(),
+            ),
+            Column::numbers(
+                "imaginary part",
+                "m/(N s)",
+                mobility.iter().map(|y| y.im).collect(),
+            ),
+        ],
+    })
+}

@@ -1,0 +1,374 @@
+//! The test of paper D: a rod of an inelastic law, struck by a projectile at one or several velocities.
+
+mod evaluation;
+mod sections;
+
+use labio::Quantity;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rodwave::InelasticRod;
+use rodwave::impact::{ImpactHistory, ImpactTest, Striker};
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+};
+use rodwave::lumped;
+use serde::Deserialize;
+
+use super::blows::{Recorded, peaks};
+use super::instrument::{History, InstrumentSheet, Sensed};
+use super::truth::Truth;
+use super::{Made, Request};
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::outcome::{Column, Table};
+use crate::sheet::{Density, Frequency, Length, Pressure, Ratio, Stated, Velocity, Viscosity};
+
+const FIELD: &str = "experiment: ImpactedRod";
+const NEAR: &str = "near end";
+const FREE: &str = "free end";
+/// Cells in the shortest wave that the recorder passes, unless stated: the chain then errs by some thousandths of its front.
+const CELLS_PER_WAVE: f64 = 100.0;
+
+/// A rod that is struck by a projectile.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactedRodSheet {
+    /// Length of the rod, as `"402 mm"`.
+    pub length: Stated<Length>,
+    /// Diameter, as `"16 mm"`.
+    pub diameter: Stated<Length>,
+    /// Density, as `"912 kg/m3"`.
+    pub density: Stated<Density>,
+    /// Young's modulus, as `"2.6 GPa"`.
+    pub modulus: Stated<Pressure>,
+    /// Law of the inelastic strain rate.
+    pub law: InelasticLawSheet,
+    /// Distance of the section near the struck end from the free end, as `"394 mm"`.
+    pub section_distance: Stated<Length>,
+    /// The projectile.
+    pub striker: StrikerSheet,
+    /// Its velocities, one test each, as `["3 m/s", "10 m/s"]`.
+    pub velocities: Vec<Stated<Velocity>>,
+    /// What the sensors feel: velocities unless stated.
+    #[serde(default)]
+    pub sensors: SensorsSheet,
+    /// Longest cell of the chain, as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
+    #[serde(default)]
+    pub cell: Option<Stated<Length>>,
+}
+
+/// A law of paper D.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum InelasticLawSheet {
+    /// No inelastic strain.
+    Elastic,
+    /// Strain rate proportional to stress.
+    Maxwell {
+        /// Viscosity, as `"4 MPa s"`.
+        viscosity: Stated<Viscosity>,
+    },
+    /// Strain rate as a power of the stress.
+    Norton {
+        /// Exponent, as `"1.8"`.
+        exponent: Stated<Ratio>,
+        /// Strain rate at 10 MPa, as `"8 1/s"`.
+        rate_at_10_mpa: Stated<Frequency>,
+    },
+    /// Strain rate that grows with an exponential of the stress.
+    GurevichRabinovich {
+        /// Viscosity at vanishing stress.
+        viscosity: Stated<Viscosity>,
+        /// Activation stress, as `"8 MPa"`.
+        activation_stress: Stated<Pressure>,
+    },
+}
+
+/// A cylindrical elastic projectile.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StrikerSheet {
+    /// Length, as `"30 mm"`.
+    pub length: Stated<Length>,
+    /// Diameter, as `"15.8 mm"`.
+    pub diameter: Stated<Length>,
+    /// Density, as `"2700 kg/m3"`.
+    pub density: Stated<Density>,
+    /// Young's modulus, as `"69 GPa"`.
+    pub modulus: Stated<Pressure>,
+}
+
+/// What is measured at the two sections.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SensorsSheet {
+    /// Velocities.
+    #[default]
+    Velocity,
+    /// Displacements; what has moved further than the range stays there.
+    Displacement {
+        /// Range of the transducers, as `"20 mm"`.
+        range: Stated<Length>,
+    },
+}
+
+/// The tests of all velocities with one law.
+struct Struck<'a, L> {
+    sheet: &'a ImpactedRodSheet,
+    rod: InelasticRod<L>,
+    cell: f64,
+    duration: f64,
+}
+
+impl<L: InelasticLaw> Struck<'_, L> {
+    fn test(&self, velocity: f64, section_distance: f64) -> ImpactTest<L> {
+        let striker = &self.sheet.striker;
+        ImpactTest {
+            striker: Striker {
+                length: striker.length.si(),
+                diameter: striker.diameter.si(),
+                density: striker.density.si(),
+                modulus: striker.modulus.si(),
+                velocity,
+            },
+            rod: self.rod.clone(),
+            diameter: self.sheet.diameter.si(),
+            section_distance,
+        }
+    }
+
+    fn run(&self, velocity: f64, section_distance: f64) -> Result<ImpactHistory, RodlabError> {
+        self.test(velocity, section_distance)
+            .run(self.cell, self.duration)
+            .map_err(|error| RodlabError::step(FIELD, error))
+    }
+}
+
+/// `$use` with the law of the sheet, which is of another type each.
+macro_rules! with_law {
+    ($sheet:expr, |$law:ident| $use:expr) => {{
+        let refused = |error| RodlabError::step(format!("{FIELD}.law"), error);
+        match &$sheet.law {
+            InelasticLawSheet::Elastic => {
+                let $law = Elastic;
+                $use
+            }
+            InelasticLawSheet::Maxwell { viscosity } => {
+                let $law = Maxwell::new(viscosity.si()).map_err(refused)?;
+                $use
+            }
+            InelasticLawSheet::Norton {
+                exponent,
+                rate_at_10_mpa,
+            } => {
+                let rate = rate_at_10_mpa.si();
+                let $law = MaxwellNorton::from_reference_rate(exponent.si(), rate, 10e6)
+                    .map_err(refused)?;
+                $use
+            }
+            InelasticLawSheet::GurevichRabinovich {
+                viscosity,
+                activation_stress,
+            } => {
+                let $law = MaxwellGurevichRabinovich::new(viscosity.si(), activation_stress.si())
+                    .map_err(refused)?;
+                $use
+            }
+        }
+    }};
+}
+
+impl ImpactedRodSheet {
+    pub(super) fn make(
+        &self,
+        request: &Request<'_>,
+        instrument: &InstrumentSheet,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        self.check()?;
+        with_law!(self, |law| self.with(law, request, instrument, around))
+    }
+
+    fn check(&self) -> Result<(), RodlabError> {
+        if self.velocities.is_empty() {
+            return Err(RodlabError::request(
+                format!("{FIELD}.velocities"),
+                "empty",
+                "at least one velocity",
+            ));
+        }
+        if self.section_distance.si() > self.length.si() {
+            return Err(RodlabError::request(
+                format!("{FIELD}.section_distance"),
+                self.section_distance.to_string(),
+                format!("at most the length of the rod, {}", self.length),
+            ));
+        }
+        Ok(())
+    }
+
+    fn with<L: InelasticLaw>(
+        &self,
+        law: L,
+        request: &Request<'_>,
+        instrument: &InstrumentSheet,
+        around: &Surroundings<'_>,
+    ) -> Result<Made, RodlabError> {
+        let refused = |error| RodlabError::step(FIELD, error);
+        let (length, density) = (self.length.si(), self.density.si());
+        let rod = InelasticRod::new(length, density, self.modulus.si(), law).map_err(refused)?;
+        let shortest_wave = rod.wave_speed() / instrument.cutoff_hz();
+        let struck = Struck {
+            sheet: self,
+            cell: self
+                .cell
+                .as_ref()
+                .map_or(shortest_wave / CELLS_PER_WAVE, Stated::si),
+            rod,
+            duration: instrument.duration(),
+        };
+        around.has_read_all()?;
+
+        let steps = self.velocities.len() + sections::COUNT;
+        around.progress.begins("impacts", steps);
+        let mut recorded = Recorded::by(lumped::GENERATOR);
+        let mut levels = Vec::new();
+        let mut balances = Vec::new();
+        for (number, velocity) in self.velocities.iter().enumerate() {
+            let history = struck.run(velocity.si(), self.section_distance.si())?;
+            balances.push((velocity.si(), history.balance));
+            let sampled = instrument.sampled(&self.sensed(&history))?;
+            let peaks = peaks(&sampled);
+            levels.push(
+                sampled
+                    .channels()
+                    .iter()
+                    .zip(&peaks)
+                    .map(|(channel, peak)| instrument.noise_level(channel, *peak))
+                    .collect::<Result<Vec<_>, _>>()?,
+            );
+            let mut random = ChaCha8Rng::seed_from_u64(request.seed);
+            random.set_stream(number as u64 + 1);
+            let taken = instrument.recorded(&sampled, &peaks, &mut random)?;
+            let name = request.naming.file(number + 1, self.velocities.len());
+            recorded.take(
+                taken,
+                &request.naming,
+                name,
+                format!("struck at {velocity}"),
+            )?;
+            around.progress.one_more();
+            around.go_on()?;
+        }
+        let figure = sections::figure(&struck, around)?;
+        let mut truth = Truth::default();
+        truth.add("Young's modulus", self.modulus.si(), "Pa");
+        for (name, value, unit) in self.law_in_numbers() {
+            truth.add(name, value, unit);
+        }
+        truth.add("density", density, "kg/m3");
+        truth.add(
+            "distance of the section from the free end",
+            self.section_distance.si(),
+            "m",
+        );
+        let of = |pick: &dyn Fn(&rodwave::impact::ImpactBalance) -> f64| -> Vec<f64> {
+            balances.iter().map(|(_, balance)| pick(balance)).collect()
+        };
+        let balance = Table {
+            name: "balances".to_owned(),
+            title: "Momentum and energy at the end of the record".to_owned(),
+            columns: vec![
+                Column::numbers(
+                    "impact velocity",
+                    "m/s",
+                    balances.iter().map(|b| b.0).collect(),
+                ),
+                Column::numbers(
+                    "energy of the striker before",
+                    "J",
+                    of(&|b| b.energy_before),
+                ),
+                Column::numbers("energy at the end", "J", of(&|b| b.energy_after)),
+                Column::numbers("energy dissipated", "J", of(&|b| b.energy_dissipated)),
+                Column::numbers("lost momentum, relative", "", of(&|b| b.momentum_residual)),
+            ],
+        };
+        let velocities: Vec<String> = self.velocities.iter().map(ToString::to_string).collect();
+        Ok(Made {
+            truth,
+            tables: vec![balance],
+            figures: vec![figure],
+            in_words: format!(
+                "A rod of {} by {}, struck at {}, two sections",
+                self.length,
+                self.diameter,
+                velocities.join(", ")
+            ),
+            evaluations: vec![evaluation::sheet(self, request, &recorded, &levels)?],
+            recorded: Some(recorded),
+        })
+    }
+
+    /// What the sensors feel of an impact.
+    fn sensed(&self, history: &ImpactHistory) -> History {
+        let step = history.step;
+        let (quantity, begins, range) = match &self.sensors {
+            // velocities of the chain are half a step late
+            SensorsSheet::Velocity => (Quantity::Velocity, 0.5 * step, f64::INFINITY),
+            SensorsSheet::Displacement { range } => (Quantity::Displacement, step, range.si()),
+        };
+        let felt = |velocity: &[f64]| -> Vec<f64> {
+            if quantity == Quantity::Velocity {
+                return velocity.to_vec();
+            }
+            let mut displacement = 0.0;
+            let steps = velocity.iter().map(|v| {
+                displacement += v * step;
+                f64::clamp(displacement, -range, range)
+            });
+            steps.collect()
+        };
+        let channel = |name: &str, velocity: &[f64]| Sensed {
+            name: name.to_owned(),
+            quantity,
+            values: felt(velocity),
+        };
+        History {
+            generator: lumped::GENERATOR.to_owned(),
+            begins,
+            step,
+            channels: vec![
+                channel(NEAR, &history.section_velocity),
+                channel(FREE, &history.free_end_velocity),
+            ],
+        }
+    }
+
+    fn law_in_numbers(&self) -> Vec<(&'static str, f64, &'static str)> {
+        match &self.law {
+            InelasticLawSheet::Elastic => Vec::new(),
+            InelasticLawSheet::Maxwell { viscosity } => {
+                vec![("viscosity", viscosity.si(), "Pa s")]
+            }
+            InelasticLawSheet::Norton {
+                exponent,
+                rate_at_10_mpa,
+            } => vec![
+                ("exponent", exponent.si(), ""),
+                (
+                    "inelastic strain rate at 10 MPa",
+                    rate_at_10_mpa.si(),
+                    "1/s",
+                ),
+            ],
+            InelasticLawSheet::GurevichRabinovich {
+                viscosity,
+                activation_stress,
+            } => vec![
+                ("viscosity at vanishing stress", viscosity.si(), "Pa s"),
+                ("activation stress", activation_stress.si(), "Pa"),
+            ],
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The sheet that evaluates a virtual impact.
+
+use labio::Record;
+
+use super::{FREE, ImpactedRodSheet, NEAR, SensorsSheet};
+use crate::RodlabError;
+use crate::job::simulate::blows::Recorded;
+use crate::job::simulate::{Evaluation, Request};
+
+/// For `rodlab identify`; `levels` are the standard deviations of the noise of each test, where there is noise.
+pub(super) fn sheet(
+    sheet: &ImpactedRodSheet,
+    request: &Request<'_>,
+    recorded: &Recorded,
+    levels: &[Vec<Option<f64>>],
+) -> Result<Evaluation, RodlabError> {
+    let mut tests = String::new();
+    for (number, ((velocity, record), levels)) in sheet
+        .velocities
+        .iter()
+        .zip(&recorded.records)
+        .zip(levels)
+        .enumerate()
+    {
+        let file = request.naming.file(number + 1, sheet.velocities.len());
+        tests.push_str(&one(
+            sheet,
+            request,
+            &file,
+            &velocity.to_string(),
+            record,
+            levels,
+            &recorded.generator,
+        ));
+    }
+    let text = format!(
+        r#"Identify(
+    title: {title:?},
+    specimen: (
+        // from the section near the struck end to the free end
+        length: "{length}",
+        density: "{density}",
+    ),
+    tests: [{tests}
+    ],
+)
+"#,
+        title = request.title,
+        length = sheet.section_distance,
+        density = sheet.density,
+    );
+    Ok(Evaluation::new(
+        "identify",
+        "identify.ron",
+        text,
+        &recorded.generator,
+    ))
+}
+
+fn one(
+    sheet: &ImpactedRodSheet,
+    request: &Request<'_>,
+    file: &str,
+    velocity: &str,
+    record: &Record,
+    levels: &[Option<f64>],
+    generator: &str,
+) -> String {
+    let records = request
+        .naming
+        .records_of_sheet(file, record, "            ");
+    let (kind, unit, range) = match &sheet.sensors {
+        SensorsSheet::Velocity => ("Velocities", "m/s", String::new()),
+        SensorsSheet::Displacement { range } => (
+            "Displacements",
+            "m",
+            format!("\n            range: \"{range}\","),
+        ),
+    };
+    let noise = match levels {
+        [Some(near), Some(free)] => format!(
+            "\n            noise: {kind}(excitation: \"{near:e} {unit}\", response: \"{free:e} {unit}\"),"
+        ),
+        _ => String::new(),
+    };
+    format!(
+        r#"
+        (
+            name: "{velocity}",
+            {records},
+            excitation: "{NEAR}",
+            response: "{FREE}",
+            impact_velocity: "{velocity}",{noise}{range}
+            // no solver inverts what it has made itself
+            generator: "{generator}",
+        ),"#
+    )
+}

@@ -1,0 +1,73 @@
+//! Velocities at sections along the rod: how the waves run.
+
+use rodwave::inelastic::InelasticLaw;
+
+use super::Struck;
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::job::Surroundings;
+
+/// Number of sections.
+pub(super) const COUNT: usize = 9;
+/// Points of a history that are drawn.
+const POINTS: usize = 800;
+
+/// Histories at sections of the rod that is struck at the last velocity, each about the place of its section.
+pub(super) fn figure<L: InelasticLaw>(
+    struck: &Struck<'_, L>,
+    around: &Surroundings<'_>,
+) -> Result<Figure, RodlabError> {
+    let length = struck.sheet.length.si();
+    let velocity = struck.sheet.velocities.last().map_or(0.0, |v| v.si());
+    let mut histories = Vec::with_capacity(COUNT);
+    for section in 0..COUNT {
+        let from_struck_end = length * section as f64 / (COUNT - 1) as f64;
+        // the last section is the free end, which every test records
+        let distance = (length - from_struck_end).max(struck.cell);
+        let history = struck.run(velocity, distance)?;
+        let values = if section + 1 == COUNT {
+            history.free_end_velocity
+        } else {
+            history.section_velocity
+        };
+        histories.push((from_struck_end, history.step, values));
+        around.progress.one_more();
+        around.go_on()?;
+    }
+    let peak = histories
+        .iter()
+        .flat_map(|(_, _, values)| values)
+        .fold(0.0_f64, |peak, v| peak.max(v.abs()));
+    // neighbours touch at the peak
+    let scale = 1e3 * length / (COUNT - 1) as f64 / peak;
+    let marks = histories
+        .into_iter()
+        .map(|(place, step, values)| {
+            let stride = values.len().div_ceil(POINTS).max(1);
+            let points = || values.iter().enumerate().step_by(stride);
+            Mark::Line {
+                name: String::new(),
+                role: Role::First,
+                x: points()
+                    .map(|(k, _)| 1e3 * (k as f64 + 0.5) * step)
+                    .collect(),
+                y: points().map(|(_, v)| 1e3 * place + scale * v).collect(),
+            }
+        })
+        .collect();
+    Ok(Figure {
+        name: "sections".to_owned(),
+        title: "Velocities along the rod".to_owned(),
+        caption: format!(
+            "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn about its distance from the struck end; {peak:.3} m/s \
+             is as high as two sections are apart. The time begins with the contact."
+        ),
+        panels: vec![Panel {
+            x: Axis::linear("time", "ms"),
+            y: Axis::linear("distance from the struck end", "mm"),
+            marks,
+            greyed: Vec::new(),
+            equal_axes: false,
+        }],
+    })
+}

@@ -1,0 +1,413 @@
+//! The instruments of a virtual test: filter, sampling, noise, converter.
+
+use std::collections::BTreeMap;
+
+use labio::instrument::{Acquisition, AntiAlias, Converter, Instrument, NoiseSpectrum};
+use labio::{Channel, Dimension, Provenance, Quantity, Record};
+use ndarray::Array2;
+use rand_chacha::ChaCha8Rng;
+use rodwave::band_limited::Recorder;
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::outcome::Setting;
+use crate::sheet::{Duration, Frequency, Stated, number_and_unit};
+
+/// Histories are this much finer than they are sampled.
+const FINER: usize = 8;
+/// Cut-off of the filter over the sampling rate, unless stated: as 16 kHz of 51.2 kHz.
+const USUAL_CUTOFF: f64 = 0.3125;
+/// Samples that the filter of linear phase reaches ahead, and those of rest that the evaluations want before them.
+const LEAST_BEFORE: usize = 24 + 16;
+/// Most samples of a channel.
+const MOST_SAMPLES: f64 = 16_777_216.0;
+/// How long a record runs before the blow, unless stated \[s\].
+const USUAL_BEFORE: f64 = 2e-3;
+/// Full scale of a converter over the largest value of its channel, unless stated.
+const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
+
+/// What stands between the rod and the file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InstrumentSheet {
+    /// Rate of the samples, as `"65.536 kHz"`.
+    pub sampling_rate: Stated<Frequency>,
+    /// Length of a record, as `"60 ms"`.
+    pub length: Stated<Duration>,
+    /// How long a record runs before the blow, as `"2 ms"`, which is the default.
+    #[serde(default)]
+    pub before: Option<Stated<Duration>>,
+    /// Filter before the samples; of linear phase, half at 0.3125 of the sampling rate, unless stated.
+    #[serde(default)]
+    pub anti_alias: Option<AntiAliasSheet>,
+    /// Standard deviation of the white noise of a sample: a part of the largest value of the channel, as `"0.02 %"`, or in the unit
+    /// of the channels, as `"0.5 m/s2"`. None by default.
+    #[serde(default)]
+    pub noise: Option<LevelText>,
+    /// Converter; none by default: the numbers are as they are.
+    #[serde(default)]
+    pub converter: Option<ConverterSheet>,
+    /// Channels with a noise of their own, by their names.
+    #[serde(default)]
+    pub noise_of: BTreeMap<String, LevelText>,
+}
+
+/// A filter against aliases.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum AntiAliasSheet {
+    /// Without delay or phase, a sharp edge.
+    LinearPhase {
+        /// Frequency at which one half is left.
+        cutoff: Stated<Frequency>,
+    },
+    /// Butterworth's, with its phase.
+    Butterworth {
+        /// Number of poles.
+        order: u32,
+        /// Corner.
+        cutoff: Stated<Frequency>,
+    },
+    /// Bessel's, with its phase.
+    Bessel {
+        /// Number of poles.
+        order: u32,
+        /// Corner.
+        cutoff: Stated<Frequency>,
+    },
+}
+
+/// A converter.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConverterSheet {
+    /// Number of bits.
+    pub bits: u32,
+    /// Full scale: a part of the largest value of each channel, as `"125 %"`, which is the default, or in the unit of the channels.
+    #[serde(default)]
+    pub full_scale: Option<LevelText>,
+}
+
+/// A level as it is written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(try_from = "String")]
+pub struct LevelText {
+    text: String,
+    level: Level,
+}
+
+/// A level of a channel.
+#[derive(Debug, Clone, Copy)]
+enum Level {
+    /// Over its largest value.
+    OfPeak(f64),
+    /// In SI.
+    Absolute(f64, Dimension),
+}
+
+impl TryFrom<String> for LevelText {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let expected = "expected a part of the largest value, as \"0.02 %\", or a level in the unit of the channel";
+        let (number, unit) =
+            number_and_unit(&text).map_err(|why| format!("`{text}` {why}, {expected}"))?;
+        let si = unit.to_si(number);
+        if !(si.is_finite() && si > 0.0) {
+            return Err(format!("`{text}` is not above 0, {expected}"));
+        }
+        let level = if unit.symbol() == "%" {
+            Level::OfPeak(si)
+        } else {
+            Level::Absolute(si, unit.dimension())
+        };
+        Ok(Self { text, level })
+    }
+}
+
+impl Level {
+    fn of(self, channel: &Channel, peak: f64, text: &str, field: &str) -> Result<f64, RodlabError> {
+        match self {
+            Self::OfPeak(part) => Ok(part * peak),
+            Self::Absolute(si, dimension) if dimension == channel.quantity().dimension() => Ok(si),
+            Self::Absolute(..) => Err(RodlabError::request(
+                field,
+                format!("`{text}`"),
+                format!(
+                    "a part of the largest value in % or a level of `{}`, which is {} [{}]",
+                    channel.name(),
+                    channel.quantity().name(),
+                    channel.quantity().unit()
+                ),
+            )),
+        }
+    }
+}
+
+/// What the sensors would show if they were perfect.
+pub(super) struct History {
+    /// What made it.
+    pub(super) generator: String,
+    /// Time of the first value, from the blow on \[s\]; before it everything is at rest.
+    pub(super) begins: f64,
+    /// Interval \[s\].
+    pub(super) step: f64,
+    pub(super) channels: Vec<Sensed>,
+}
+
+/// One channel of a [`History`].
+pub(super) struct Sensed {
+    pub(super) name: String,
+    pub(super) quantity: Quantity,
+    /// In SI.
+    pub(super) values: Vec<f64>,
+}
+
+impl InstrumentSheet {
+    fn rate_hz(&self) -> f64 {
+        self.sampling_rate.si()
+    }
+
+    /// How long a record runs before the blow \[s\].
+    pub(super) fn before(&self) -> f64 {
+        self.before.as_ref().map_or(USUAL_BEFORE, Stated::si)
+    }
+
+    /// Interval at which histories are wanted \[s\].
+    pub(super) fn fine_step(&self) -> f64 {
+        1.0 / (self.rate_hz() * FINER as f64)
+    }
+
+    /// How long after the blow histories are wanted \[s\]: to the end of the record, and as far as the filter reaches beyond.
+    pub(super) fn duration(&self) -> f64 {
+        self.length.si() - self.before() + 32.0 / self.rate_hz()
+    }
+
+    /// Cut-off of the filter \[Hz\].
+    pub(super) fn cutoff_hz(&self) -> f64 {
+        match &self.anti_alias {
+            None => USUAL_CUTOFF * self.rate_hz(),
+            Some(
+                AntiAliasSheet::LinearPhase { cutoff }
+                | AntiAliasSheet::Butterworth { cutoff, .. }
+                | AntiAliasSheet::Bessel { cutoff, .. },
+            ) => cutoff.si(),
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked to be between 0 and some millions"
+    )]
+    fn samples(&self, duration: f64, field: &str) -> Result<usize, RodlabError> {
+        let samples = (duration * self.rate_hz()).round();
+        if (LEAST_BEFORE as f64..=MOST_SAMPLES).contains(&samples) {
+            Ok(samples as usize)
+        } else {
+            Err(RodlabError::request(
+                field,
+                format!("{samples} samples"),
+                format!("{LEAST_BEFORE} to {MOST_SAMPLES}"),
+            ))
+        }
+    }
+
+    /// Checks what goes together.
+    pub(super) fn check(&self) -> Result<(), RodlabError> {
+        let before = self.samples(self.before(), "instrument.before")?;
+        let all = self.samples(self.length.si(), "instrument.length")?;
+        if all < before + LEAST_BEFORE {
+            return Err(RodlabError::request(
+                "instrument.length",
+                self.length.to_string(),
+                format!("more than `before`, {} s, and 40 samples", self.before()),
+            ));
+        }
+        if self.cutoff_hz() >= 0.5 * self.rate_hz() {
+            return Err(RodlabError::request(
+                "instrument.anti_alias.cutoff",
+                format!("{} Hz", self.cutoff_hz()),
+                format!("below half the sampling rate, {} Hz", 0.5 * self.rate_hz()),
+            ));
+        }
+        Ok(())
+    }
+
+    /// `history` filtered and sampled: the record begins at time 0, the blow is `before` later.
+    pub(super) fn sampled(&self, history: &History) -> Result<Record, RodlabError> {
+        let refused = |error| RodlabError::step("instrument", error);
+        let before = self.samples(self.before(), "instrument.before")?;
+        let all = self.samples(self.length.si(), "instrument.length")?;
+        let channels = history
+            .channels
+            .iter()
+            .map(|channel| Channel::new(&channel.name, channel.quantity))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(refused)?;
+        let made_at = |recorder: Recorder, before: usize, all: usize| {
+            let values = Array2::from_shape_fn((channels.len(), all), |(channel, sample)| {
+                let time = (sample as f64 - before as f64) / recorder.rate_hz - history.begins;
+                recorder.filtered(&history.channels[channel].values, history.step, time)
+            });
+            let made_by = Provenance::computed(&history.generator);
+            Record::new(values, recorder.rate_hz, 0.0, channels.clone(), made_by).map_err(refused)
+        };
+        let filter = match &self.anti_alias {
+            None | Some(AntiAliasSheet::LinearPhase { .. }) => {
+                let recorder = Recorder {
+                    rate_hz: self.rate_hz(),
+                    cutoff_hz: self.cutoff_hz(),
+                };
+                return made_at(recorder, before, all);
+            }
+            Some(AntiAliasSheet::Butterworth { order, cutoff }) => {
+                AntiAlias::butterworth(*order, cutoff.si())
+            }
+            Some(AntiAliasSheet::Bessel { order, cutoff }) => {
+                AntiAlias::bessel(*order, cutoff.si())
+            }
+        };
+        let filter = filter.map_err(|error| RodlabError::step("instrument.anti_alias", error))?;
+        // on the fine grid, with what the filter cannot pass anyway taken off
+        let fine = Recorder {
+            rate_hz: FINER as f64 * self.rate_hz(),
+            cutoff_hz: 2.0 * self.rate_hz(),
+        };
+        let front_end = Instrument::new()
+            .anti_alias(filter)
+            .sample(self.rate_hz(), 0.0)
+            .map_err(refused)?;
+        let fine = made_at(fine, FINER * before, FINER * all)?;
+        // filter and sampler draw nothing
+        let mut random = rand::SeedableRng::seed_from_u64(0);
+        let taken = front_end.record::<ChaCha8Rng>(&fine, &mut random);
+        Ok(taken.map_err(refused)?.record)
+    }
+
+    /// `sampled` with its noise, through the converter; `peaks` are the largest values that levels refer to.
+    pub(super) fn recorded(
+        &self,
+        sampled: &Record,
+        peaks: &[f64],
+        random: &mut ChaCha8Rng,
+    ) -> Result<Acquisition, RodlabError> {
+        let refused = |error| RodlabError::step("instrument", error);
+        for name in self.noise_of.keys() {
+            if !sampled.channels().iter().any(|c| c.name() == name) {
+                let names: Vec<String> = sampled
+                    .channels()
+                    .iter()
+                    .map(|channel| format!("`{}`", channel.name()))
+                    .collect();
+                return Err(RodlabError::request(
+                    "instrument.noise_of",
+                    format!("`{name}`"),
+                    format!("one of the channels {}", names.join(", ")),
+                ));
+            }
+        }
+        let mut instrument = Instrument::new();
+        for (channel, peak) in sampled.channels().iter().zip(peaks) {
+            let of_its_own = self.noise_of.get(channel.name());
+            let field = of_its_own.map_or_else(
+                || "instrument.noise".to_owned(),
+                |_| format!("instrument.noise_of.{}", channel.name()),
+            );
+            if let Some(noise) = of_its_own.or(self.noise.as_ref()) {
+                let level = noise.level.of(channel, *peak, &noise.text, &field)?;
+                // white up to the Nyquist frequency
+                let density = 2.0 * level * level / self.rate_hz();
+                let spectrum = NoiseSpectrum::white(density).map_err(refused)?;
+                instrument = instrument.noise(channel.name(), spectrum);
+            }
+            if let Some(converter) = &self.converter {
+                let field = "instrument.converter.full_scale";
+                let range = match &converter.full_scale {
+                    Some(full_scale) => {
+                        full_scale
+                            .level
+                            .of(channel, *peak, &full_scale.text, field)?
+                    }
+                    None => USUAL_FULL_SCALE.of(channel, *peak, "", field)?,
+                };
+                let converter = Converter::new(converter.bits, range)
+                    .map_err(|error| RodlabError::step("instrument.converter", error))?;
+                instrument = instrument.convert_channel(channel.name(), converter);
+            }
+        }
+        instrument.record(sampled, random).map_err(refused)
+    }
+
+    /// Standard deviation of the noise of `channel` in SI; `None` without noise.
+    pub(super) fn noise_level(
+        &self,
+        channel: &Channel,
+        peak: f64,
+    ) -> Result<Option<f64>, RodlabError> {
+        let noise = self.noise_of.get(channel.name()).or(self.noise.as_ref());
+        noise
+            .map(|noise| {
+                noise
+                    .level
+                    .of(channel, peak, &noise.text, "instrument.noise")
+            })
+            .transpose()
+    }
+
+    pub(super) fn settings(&self) -> Vec<Setting> {
+        let mut settings = Vec::new();
+        let mut say = |name: &str, value: String, by_default: bool| {
+            settings.push(Setting {
+                name: format!("instrument.{name}"),
+                value,
+                by_default,
+            });
+        };
+        say("sampling_rate", self.sampling_rate.to_string(), false);
+        say("length", self.length.to_string(), false);
+        let before = self.before.as_ref();
+        let usual = || "2 ms".to_owned();
+        say(
+            "before",
+            before.map_or_else(usual, Stated::to_string),
+            before.is_none(),
+        );
+        say(
+            "anti_alias",
+            match &self.anti_alias {
+                None => format!("linear phase, half at {} Hz", self.cutoff_hz()),
+                Some(AntiAliasSheet::LinearPhase { cutoff }) => {
+                    format!("linear phase, half at {cutoff}")
+                }
+                Some(AntiAliasSheet::Butterworth { order, cutoff }) => {
+                    format!("Butterworth of order {order}, {cutoff}")
+                }
+                Some(AntiAliasSheet::Bessel { order, cutoff }) => {
+                    format!("Bessel of order {order}, {cutoff}")
+                }
+            },
+            self.anti_alias.is_none(),
+        );
+        let text = |level: &Option<LevelText>, otherwise: &str| {
+            let level = level.as_ref();
+            level.map_or_else(|| otherwise.to_owned(), |level| level.text.clone())
+        };
+        say("noise", text(&self.noise, "none"), self.noise.is_none());
+        for (channel, noise) in &self.noise_of {
+            say(&format!("noise_of.{channel}"), noise.text.clone(), false);
+        }
+        match &self.converter {
+            None => say("converter", "none".to_owned(), true),
+            Some(converter) => {
+                say("converter.bits", converter.bits.to_string(), false);
+                say(
+                    "converter.full_scale",
+                    text(&converter.full_scale, "125 %"),
+                    converter.full_scale.is_none(),
+                );
+            }
+        }
+        settings
+    }
+}

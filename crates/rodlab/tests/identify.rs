@@ -1,0 +1,297 @@
+//! Laws of struck rods from sheets and files: virtual tests of the lumped chain, inverted by the method of characteristics.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::panic,
+    reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
+)]
+
+mod struck_rods;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+
+use rodlab::RodlabError;
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Outcome, Quantity, Verdict};
+use rodlab::output::{SheetIdentity, json_of};
+use rodlab::sheet::{Sheet, parse};
+use rodwave::characteristics;
+use rodwave::inelastic::{Elastic, Maxwell, MaxwellNorton};
+use struck_rods::{MODULUS, displacements, velocities};
+use tempfile::TempDir;
+
+fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("identify.ron");
+    let sheet = Sheet {
+        text: text.to_owned(),
+        job: parse(&path, text)?,
+        path,
+    };
+    job::run(&sheet, &Silent, &AtomicBool::new(false))
+}
+
+fn refused(folder: &Path, text: &str) -> String {
+    attempt(folder, text).unwrap_err().to_string()
+}
+
+/// One entry of `tests`; `more` are further fields.
+fn test_entry(file: &str, velocity: &str, more: &str) -> String {
+    format!(
+        r#"(
+            name: "{velocity}",
+            records: (files: ["{file}"], channels: [
+                (name: "near end", from: "near end"),
+                (name: "free end", from: "free end"),
+            ]),
+            excitation: "near end",
+            response: "free end",
+            impact_velocity: "{velocity}",
+            {more}
+        ),"#
+    )
+}
+
+fn sheet(tests: &[String], more: &str) -> String {
+    format!(
+        r#"Identify(
+    title: "a virtual rod",
+    specimen: (length: "394 mm", density: "912 kg/m3"),
+    tests: [{}],
+    {more}
+)"#,
+        tests.concat()
+    )
+}
+
+fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
+    let names: Vec<&String> = outcome.quantities.iter().map(|q| &q.name).collect();
+    let mut found = outcome.quantities.iter();
+    found
+        .find(|q| q.name == name)
+        .unwrap_or_else(|| panic!("{name} is none of {names:?}"))
+}
+
+/// How far a quantity is from the truth, in its standard errors, which must be finite and no larger than `largest` of the truth.
+fn standard_errors_off(outcome: &Outcome, name: &str, truth: f64, largest: f64) -> f64 {
+    let found = quantity(outcome, name);
+    let error = found.standard_error.unwrap();
+    assert!(found.valid, "{found:?}");
+    assert!(error < largest * truth, "{found:?}");
+    (found.value.unwrap() - truth).abs() / error
+}
+
+fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let column = table.columns.iter().find(|c| c.name == column).unwrap();
+    match &column.cells {
+        Cells::Words(words) => words,
+        Cells::Numbers(_) => unreachable!("a column of words"),
+    }
+}
+
+/// The rod is at rest for 1.25 ms, and is seen for three round trips of the wave. Waves of the recorder's 16 kHz are 106 mm long: cells of
+/// 8 mm err by a tenth of the noise.
+const QUICK: &str = r#"cell: "8 mm""#;
+
+#[test]
+fn two_impact_velocities_give_the_law_and_its_parameters() {
+    let folder = TempDir::new().unwrap();
+    let (kappa, rate) = (1.8, 8.0);
+    let truth = MaxwellNorton::from_reference_rate(kappa, rate, 10e6).unwrap();
+    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 12.0, 2)] {
+        let path = folder.path().join(file);
+        // 0.5 % of the impact velocity
+        velocities(&truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
+    }
+    let to = r#"to: "2.75 ms","#;
+    let tests = [
+        test_entry("slow.csv", "3 m/s", to),
+        test_entry("fast.csv", "12 m/s", to),
+    ];
+    let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    assert!(
+        outcome.summary[0]
+            .starts_with("The data support the law Maxwell-Norton with a probability of"),
+        "{:#?}",
+        outcome.summary
+    );
+    for (name, truth, largest) in [
+        ("Maxwell-Norton: Young's modulus E", MODULUS, 0.005),
+        ("Maxwell-Norton: exponent kappa", kappa, 0.1),
+        (
+            "Maxwell-Norton: inelastic strain rate at 10 MPa F(10 MPa)",
+            rate,
+            0.1,
+        ),
+    ] {
+        let off = standard_errors_off(&outcome, name, truth, largest);
+        assert!(off < 3.0, "{name}: {off}, {:#?}", outcome.summary);
+    }
+    // a linear law cannot have these two, and the report says so
+    assert!(
+        outcome.warnings.iter().any(|w| w.starts_with("Maxwell: ")),
+        "{:#?}",
+        outcome.warnings
+    );
+    assert!(words(&outcome, "laws", "law").contains(&"Maxwell-Norton".to_owned()));
+    let names: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["responses", "residuals", "profiles"]);
+    // both files, with their hashes
+    assert_eq!(outcome.inputs.len(), 2);
+    assert!(outcome.inputs.iter().all(|input| input.sha256.len() == 64));
+}
+
+#[test]
+fn one_impact_velocity_cannot_tell_the_laws_apart() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("one.csv");
+    // 1 % of the impact velocity
+    velocities(&Maxwell::new(4e6).unwrap(), 10.0).write(&path, 0.1, 3, "m/s", 1.0);
+    let test = test_entry(
+        "one.csv",
+        "10 m/s",
+        r#"to: "2.75 ms", noise: Velocities(excitation: "0.1 m/s", response: "0.1 m/s")"#,
+    );
+    let text = sheet(&[test], &format!("profiles: false, {QUICK}"));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert!(
+        outcome.summary[0].starts_with("The data cannot tell the laws "),
+        "{:#?}",
+        outcome.summary
+    );
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let off = standard_errors_off(&outcome, "Maxwell: viscosity eta", 4e6, 0.3);
+    assert!(off < 3.0, "{off}");
+}
+
+#[test]
+fn displacements_are_differentiated_and_give_the_law() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("one.csv");
+    let truth = Maxwell::new(4e6).unwrap();
+    // a micrometre: a five-thousandth of the range of 5 mm
+    displacements(&truth, 10.0).write(&path, 1e-6, 3, "um", 1e6);
+    let test = |more: &str| test_entry("one.csv", "10 m/s", more);
+    let only_maxwell = "laws: [Maxwell], compare: false, profiles: false";
+    let noise = r#"range: "20 mm", noise: Displacements(excitation: "1 um", response: "1 um")"#;
+    let text = sheet(&[test(noise)], only_maxwell);
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    for (name, truth, largest) in [
+        ("Maxwell: Young's modulus E", MODULUS, 0.005),
+        ("Maxwell: viscosity eta", 4e6, 0.1),
+    ] {
+        let off = standard_errors_off(&outcome, name, truth, largest);
+        assert!(off < 3.0, "{name}: {off}, {:#?}", outcome.summary);
+    }
+    assert_eq!(
+        outcome.warnings,
+        [
+            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
+        ]
+    );
+    // a transducer that lost the free end
+    let short = attempt(
+        folder.path(),
+        &sheet(&[test(&noise.replace("20 mm", "2 mm"))], only_maxwell),
+    )
+    .unwrap();
+    let said = &short.log[0].reasons;
+    assert!(
+        said.iter()
+            .any(|why| why.starts_with("the transducer of the")),
+        "{said:?}"
+    );
+    // the same sheet and file, the same result to the last digit
+    let again = attempt(folder.path(), &text).unwrap();
+    let identity = SheetIdentity {
+        file: "identify.ron".to_owned(),
+        sha256: String::new(),
+    };
+    assert_eq!(
+        json_of(&outcome, &identity).unwrap(),
+        json_of(&again, &identity).unwrap()
+    );
+    assert_eq!(outcome.figures, again.figures);
+}
+
+#[test]
+fn an_elastic_rod_has_no_damping_to_identify() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("one.csv");
+    velocities(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
+    let test = test_entry("one.csv", "10 m/s", r#"to: "2.75 ms""#);
+    let text = sheet(
+        &[test],
+        &format!("laws: [Maxwell], compare: false, {QUICK}"),
+    );
+    let sheet_path = folder.path().join("identify.ron");
+    fs::write(&sheet_path, &text).unwrap();
+    let status = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(["--quiet", "identify"])
+        .arg(&sheet_path)
+        .output()
+        .unwrap()
+        .status;
+    assert_eq!(status.code(), Some(1));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        unreachable!("{:#?}", outcome.summary);
+    };
+    assert_eq!(
+        reason,
+        "no law has a damping that these data determine: within their noise the rod may be elastic"
+    );
+    // what can be known is known
+    let off = standard_errors_off(&outcome, "Maxwell: Young's modulus E", MODULUS, 0.005);
+    assert!(off < 3.0, "{off}");
+    assert!(!quantity(&outcome, "Maxwell: viscosity eta").valid);
+}
+
+#[test]
+fn what_is_wrong_with_tests_is_said() {
+    let folder = TempDir::new().unwrap();
+    let rod = velocities(&Maxwell::new(4e6).unwrap(), 10.0);
+    rod.write(&folder.path().join("one.csv"), 0.01, 1, "m/s", 1.0);
+    rod.write(&folder.path().join("forces.csv"), 0.01, 1, "N", 1.0);
+    let only = "laws: [Maxwell], compare: false, profiles: false";
+    let of = |file: &str, more: &str| sheet(&[test_entry(file, "10 m/s", more)], only);
+    let crime = format!(r#"generator: "{}""#, characteristics::GENERATOR);
+    let errors = [
+        of("one.csv", &crime),
+        of(
+            "one.csv",
+            r#"noise: Displacements(excitation: "1 um", response: "1 um")"#,
+        ),
+        of("one.csv", r#"from: "1 s""#),
+        of("one.csv", r#"to: "9 ms""#),
+        of("one.csv", r#"to: "1.3 ms""#),
+        of("one.csv", "").replace(r#"excitation: "near end""#, r#"excitation: "end""#),
+        of("one.csv", "").replace(r#"from: "free end""#, r#"from: "far end""#),
+        of("forces.csv", ""),
+        of("[of].csv", ""),
+        sheet(&[], only),
+        of("one.csv", "").replace("laws: [Maxwell]", "laws: []"),
+    ]
+    .map(|text| {
+        let said = refused(folder.path(), &text);
+        said.replace(&folder.path().display().to_string(), "FOLDER")
+    });
+    insta::assert_snapshot!(errors.join("\n"), @r"
+    the law Maxwell: test `10 m/s` was generated by `rodwave::characteristics`, the solver that would invert it; ask for a round trip if that is meant
+    tests[0].noise is that of displacements, expected Velocities(..), which the histories are
+    tests[0].from is 1 s, expected a time before the end of the record, 0.00310546875 s
+    tests[0].to: test `10 m/s`: the window ends at 0.009 s, but the excitation is known to 0.00279296875 s only
+    the law Maxwell: test `10 m/s`: the window ends at 0.00130859375 s, but the wave arrives at 0.0014845381942696822 s and has to be seen for 0.00015625 s
+    tests[0].excitation is `end`, expected one of the channels `near end`, `free end`
+    tests[0].records.channels[1].from is `far end`, expected one of `near end`, `free end` (one.csv)
+    tests[0].excitation is `near end`, a channel of force, expected a channel of velocity [m/s]
+    no file matches `[of].csv` in FOLDER
+    tests is empty, expected at least one test
+    laws is empty, expected at least one law
+    ");
+}

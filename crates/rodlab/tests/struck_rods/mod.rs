@@ -1,0 +1,131 @@
+//! Virtual struck rods of the lumped chain, which is not the solver that identifies, as files that a recorder leaves.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use labio::instrument::{Instrument, NoiseSpectrum};
+use labio::{Channel, Provenance, Quantity, Record};
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rodwave::InelasticRod;
+use rodwave::band_limited::Recorder;
+use rodwave::experiment::Acquisition;
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::InelasticLaw;
+use rodwave::lumped::LumpedRod;
+
+pub(crate) const LENGTH: f64 = 0.394;
+pub(crate) const DENSITY: f64 = 912.0;
+pub(crate) const MODULUS: f64 = 2.6e9;
+pub(crate) const RATE: f64 = 51_200.0;
+
+const ACQUISITION: Acquisition = Acquisition {
+    recorder: Recorder {
+        rate_hz: RATE,
+        cutoff_hz: 16_000.0,
+    },
+    samples_before: 64,
+    samples_after: 96,
+    transducer_range: 0.020,
+};
+
+/// Both histories of one test, without noise.
+pub(crate) struct Histories {
+    pub(crate) near_end: Vec<f64>,
+    pub(crate) free_end: Vec<f64>,
+    quantity: Quantity,
+}
+
+fn test_of<L: InelasticLaw>(law: &L, velocity: f64) -> ImpactTest<L> {
+    ImpactTest {
+        striker: Striker {
+            velocity,
+            ..Striker::PAPER_D
+        },
+        rod: InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone()).unwrap(),
+        diameter: 0.016,
+        section_distance: LENGTH,
+    }
+}
+
+/// Velocities of a rod that is struck at `velocity`: the free end follows from the motion of the near end as recorded, because a
+/// recorder's filter does not commute with a nonlinear rod.
+pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
+    let record = test_of(law, velocity).record(&ACQUISITION, 1e-3).unwrap();
+    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
+    let times: Vec<f64> = (0..record.excitation.len())
+        .map(|k| k as f64 / RATE)
+        .collect();
+    let free_end = LumpedRod::new(&rod, 400, 0.5)
+        .unwrap()
+        .free_end_velocity(&record.excitation_before_sampling, &times)
+        .unwrap();
+    Histories {
+        near_end: record.excitation,
+        free_end,
+        quantity: Quantity::Velocity,
+    }
+}
+
+/// Displacements of the same, both through the recorder.
+pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
+    let Acquisition {
+        recorder,
+        samples_before,
+        samples_after,
+        ..
+    } = ACQUISITION;
+    let duration = samples_after as f64 / RATE + recorder.reach();
+    let pair = test_of(law, velocity)
+        .displacements(1e-3, duration)
+        .unwrap();
+    let recorded = |displacement: &[f64]| -> Vec<f64> {
+        (0..samples_before + samples_after)
+            .map(|k| {
+                let time = (k as f64 - samples_before as f64) / RATE;
+                recorder.filtered(displacement, pair.step, time)
+            })
+            .collect()
+    };
+    Histories {
+        near_end: recorded(&pair.section),
+        free_end: recorded(&pair.free_end),
+        quantity: Quantity::Displacement,
+    }
+}
+
+impl Histories {
+    /// Writes a CSV with white noise of the standard deviation `noise` on both histories, in milliseconds and in `unit`, of which
+    /// there are `per_si` in one of SI.
+    pub(crate) fn write(&self, path: &Path, noise: f64, seed: u64, unit: &str, per_si: f64) {
+        let samples = Array2::from_shape_fn((2, self.near_end.len()), |(channel, k)| {
+            [&self.near_end, &self.free_end][channel][k]
+        });
+        let names = ["near end", "free end"];
+        let channels = names
+            .map(|name| Channel::new(name, self.quantity).unwrap())
+            .to_vec();
+        let exact =
+            Record::new(samples, RATE, 0.0, channels, Provenance::computed("chain")).unwrap();
+        let density = 2.0 * noise * noise / RATE;
+        let instrument = names.into_iter().fold(Instrument::new(), |taken, name| {
+            taken.noise(name, NoiseSpectrum::white(density).unwrap())
+        });
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let record = instrument.record(&exact, &mut random).unwrap().record;
+        let mut text = format!("time,near end,free end\nms,{unit},{unit}\n");
+        for (k, (near, free)) in record
+            .samples()
+            .row(0)
+            .iter()
+            .zip(record.samples().row(1))
+            .enumerate()
+        {
+            let time = 1e3 * record.time_at(k);
+            writeln!(text, "{time},{},{}", near * per_si, free * per_si).unwrap();
+        }
+        fs::write(path, text).unwrap();
+    }
+}
