@@ -12,6 +12,7 @@
 //! | [`templates`] | commented sheets to begin with |
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
+//! | [`hits`] | which hits of the records are accepted, and why the others are not |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -23,6 +24,7 @@ pub mod batch;
 pub mod error;
 pub mod figure;
 pub mod finished;
+pub mod hits;
 pub mod job;
 pub mod outcome;
 pub mod output;

@@ -1,20 +1,35 @@
 //! Files of a sheet to calibrated records.
+//!
+//! ```ron
+//! records: (
+//!     files: ["hits/*.npy"],
+//!     sampling_rate: "51.2 kHz",
+//!     channels: [
+//!         (name: "hammer", from: 1, unit: "V", sensitivity: "2.25 mV/N ± 1 %"),
+//!         (name: "end A", from: 2, unit: "V", sensitivity: "10.2 mV/g ± 2 %", inverted: true),
+//!     ],
+//! ),
+//! ```
 
-use std::collections::BTreeSet;
+mod channel;
+mod expect;
+mod files;
+mod told;
+
+pub use channel::{ChannelSheet, Selector, Sensitivity};
+pub use expect::expect_quantity;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use labio::format;
-use labio::{
-    Channel, Contents, Polarity, Position, Provenance, Quantity, Rating, Record, SensorChain,
-    SeriesAxis, StrainBridge, Unit,
-};
-use ndarray::Array2;
+use labio::{Channel, LabioError, Provenance, Record};
+use ndarray::Axis;
 use serde::Deserialize;
 
 use crate::RodlabError;
 use crate::outcome::{InputFile, Setting};
-use crate::sheet::{self, Coordinate, Frequency, Stated, Time};
+use crate::sheet::{Frequency, Stated};
 
 /// Which files, and what their channels are.
 #[derive(Debug, Clone, Deserialize)]
@@ -22,89 +37,11 @@ use crate::sheet::{self, Coordinate, Frequency, Stated, Time};
 pub struct Records {
     /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken in order of their names.
     pub files: Vec<String>,
-    /// Rate of the samples, where the files do not tell it (NPY).
+    /// Rate of the samples, where the files do not tell it (NPY) or have it rounded (by less than 0.1 %).
     #[serde(default)]
     pub sampling_rate: Option<Stated<Frequency>>,
     /// Channels that are used; the others are passed over.
     pub channels: Vec<ChannelSheet>,
-}
-
-/// A channel of the files, and the sensor it is of.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChannelSheet {
-    /// Name by which the rest of the sheet calls it.
-    pub name: String,
-    /// Which channel of the file it is.
-    pub from: Selector,
-    /// Unit of the samples in the file, where the file does not tell it, as `"V"`.
-    #[serde(default)]
-    pub unit: Option<String>,
-    /// Sensitivity of the sensor, as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent where the file has the quantity itself.
-    #[serde(default)]
-    pub sensitivity: Option<Sensitivity>,
-    /// A bridge of strain gauges, in the place of a sensitivity.
-    #[serde(default)]
-    pub bridge: Option<StrainBridge>,
-    /// Amplifier behind the sensor, as `"100"` or `"10 mV/pC"`.
-    #[serde(default)]
-    pub gain: Option<Sensitivity>,
-    /// Whether the sensor is wired or mounted the other way round.
-    #[serde(default)]
-    pub inverted: bool,
-    /// Reading at rest, in the unit of the file.
-    #[serde(default)]
-    pub offset: f64,
-    /// How much later than the others the channel is sampled.
-    #[serde(default)]
-    pub time_skew: Option<Stated<Time>>,
-    /// Coordinate of the sensor along the rod.
-    #[serde(default)]
-    pub position: Option<Stated<Coordinate>>,
-    /// Serial number of the sensor.
-    #[serde(default)]
-    pub serial: Option<String>,
-}
-
-/// A channel of a file.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-pub enum Selector {
-    /// By its number, from 1.
-    Number(usize),
-    /// By its name.
-    Name(String),
-}
-
-/// A sensitivity or a gain: number, unit and standard uncertainty.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(try_from = "String")]
-pub struct Sensitivity(Rating);
-
-impl TryFrom<String> for Sensitivity {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let refused = |why: String| {
-            format!(
-                "`{text}` {why}, expected a sensitivity or a gain, as \"10.2 mV/g ± 1 %\" or \"100\""
-            )
-        };
-        let (rating, uncertainty) = sheet::value_and_uncertainty(&text);
-        let (value, unit) = sheet::number_and_unit(rating).map_err(refused)?;
-        let mut rating = Rating::new(value, unit.symbol())
-            .map_err(|error| refused(format!("is refused: {error}")))?;
-        if let Some(uncertainty) = uncertainty {
-            let (percent, unit) = sheet::number_and_unit(uncertainty).map_err(refused)?;
-            if unit.symbol() != "%" {
-                return Err(refused("has an uncertainty that is not in %".to_owned()));
-            }
-            rating = rating
-                .with_uncertainty(value.abs() * percent / 100.0)
-                .map_err(|error| refused(format!("is refused: {error}")))?;
-        }
-        Ok(Self(rating))
-    }
 }
 
 /// What was read.
@@ -116,6 +53,8 @@ pub struct Loaded {
     pub inputs: Vec<InputFile>,
     /// What the sheet says of the channels, for the report.
     pub settings: Vec<Setting>,
+    /// Where the sheet says something else than a file, in sentences.
+    pub warnings: Vec<String>,
 }
 
 /// A record and where it is from.
@@ -123,7 +62,7 @@ pub struct Loaded {
 pub struct NamedRecord {
     /// As `hits.uff` or `hits.uff, record 3`.
     pub name: String,
-    /// The calibrated record; its channels have the names of the sheet.
+    /// The calibrated record; its channels have the names of the sheet, in its order.
     pub record: Record,
 }
 
@@ -134,178 +73,192 @@ impl Records {
     ///
     /// [`RodlabError`] with the file, and the field of the sheet that does not suit it.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
-        let mut records = Vec::new();
-        let mut inputs = Vec::new();
-        for path in self.paths(folder, field)? {
-            let shown = relative(&path, folder);
+        self.check(field)?;
+        let mut loaded = Loaded {
+            records: Vec::new(),
+            inputs: Vec::new(),
+            settings: self.settings(field),
+            warnings: Vec::new(),
+        };
+        for path in files::paths(&self.files, folder, &format!("{field}.files"))? {
+            let shown = files::relative(&path, folder);
             let bytes = fs::read(&path).map_err(|source| RodlabError::Read {
                 path: path.clone(),
                 source,
             })?;
-            let reading = |error| RodlabError::step(format!("reading {shown}"), error);
-            let mut contents = format::read_bytes(&bytes).map_err(reading)?;
-            self.complete(&mut contents, field)?;
-            let provenance = Provenance::of_file(Path::new(&shown), contents.format, &bytes);
-            inputs.push(InputFile {
-                path: shown.clone(),
-                format: contents.format.to_owned(),
-                bytes: bytes.len() as u64,
-                sha256: labio::ContentHash::of(&bytes).to_string(),
-            });
-            let found = contents.records(&provenance);
-            if found.records.is_empty() {
-                let why: Vec<String> = found.left_out.iter().map(ToString::to_string).collect();
-                return Err(RodlabError::request(
-                    format!("{field}.files: {shown}"),
-                    format!("a file without histories ({})", why.join("; ")),
-                    "histories with known units: state `sampling_rate`, and `unit` of each channel",
-                ));
-            }
-            let several = found.records.len() > 1;
-            for (number, record) in found.records.into_iter().enumerate() {
-                let name = if several {
-                    format!("{shown}, record {}", number + 1)
-                } else {
-                    shown.clone()
-                };
-                let record = self.calibrated(&record, &name, field)?;
-                records.push(NamedRecord { name, record });
-            }
+            self.load_bytes(&bytes, shown, field, &mut loaded)?;
         }
-        Ok(Loaded {
-            records,
-            inputs,
-            settings: self.settings(field),
-        })
+        Ok(loaded)
     }
 
-    /// The files of all patterns, each once.
-    fn paths(&self, folder: &Path, field: &str) -> Result<Vec<PathBuf>, RodlabError> {
-        if self.files.is_empty() {
-            return Err(RodlabError::request(
-                format!("{field}.files"),
-                "empty",
-                "the name of at least one file",
-            ));
-        }
-        let mut seen = BTreeSet::new();
-        let mut paths = Vec::new();
-        for pattern in &self.files {
-            let plain = folder.join(pattern);
-            let found = if plain.exists() {
-                vec![plain]
-            } else {
-                let escaped = glob::Pattern::escape(&folder.to_string_lossy());
-                let wanted = Path::new(&escaped).join(pattern);
-                let listed = glob::glob(&wanted.to_string_lossy()).map_err(|error| {
-                    RodlabError::request(
-                        format!("{field}.files"),
-                        format!("`{pattern}`, {error}"),
-                        "a name or a pattern",
-                    )
-                })?;
-                let mut found: Vec<PathBuf> =
-                    listed
-                        .collect::<Result<_, _>>()
-                        .map_err(|error| RodlabError::Read {
-                            path: error.path().to_path_buf(),
-                            source: error.into(),
-                        })?;
-                found.sort();
-                found
-            };
-            if found.is_empty() {
-                return Err(RodlabError::NoFile {
-                    pattern: pattern.clone(),
-                    folder: folder.to_path_buf(),
+    fn load_bytes(
+        &self,
+        bytes: &[u8],
+        file: String,
+        field: &str,
+        loaded: &mut Loaded,
+    ) -> Result<(), RodlabError> {
+        let mut contents = format::read_bytes(bytes)
+            .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
+        let chosen = self.complete(&mut contents, &file, field, &mut loaded.warnings)?;
+        let provenance = Provenance::of_file(Path::new(&file), contents.format, bytes);
+        loaded.inputs.push(InputFile {
+            path: file.clone(),
+            format: contents.format.to_owned(),
+            bytes: bytes.len() as u64,
+            sha256: provenance
+                .hash()
+                .map(|hash| hash.to_string())
+                .unwrap_or_default(),
+        });
+        let found = contents.records(&provenance);
+        // a series that is left out would shift those of later hits into its place
+        for (channel, index) in chosen
+            .iter()
+            .enumerate()
+            .flat_map(|(channel, all)| all.iter().map(move |index| (channel, *index)))
+        {
+            if found.channel_names[index].is_none() {
+                let why = found.left_out.into_iter().find(
+                    |error| matches!(error, LabioError::NoChannel { index: i, .. } if *i == index),
+                );
+                return Err(match why {
+                    Some(error) => {
+                        RodlabError::step(format!("{field}.channels[{channel}], {file}"), error)
+                    }
+                    None => RodlabError::request(
+                        format!("{field}.channels[{channel}].from"),
+                        self.channels[channel].from.to_string(),
+                        format!("a history of {file}"),
+                    ),
                 });
             }
-            paths.extend(found.into_iter().filter(|path| seen.insert(path.clone())));
         }
-        Ok(paths)
+        let mut names = Vec::with_capacity(chosen.len());
+        for (at, all) in chosen.iter().enumerate() {
+            let mut of_channel: Vec<&str> = all
+                .iter()
+                .filter_map(|index| found.channel_names[*index].as_deref())
+                .collect();
+            of_channel.sort_unstable();
+            of_channel.dedup();
+            let quoted: Vec<String> = of_channel.iter().map(|name| format!("`{name}`")).collect();
+            match of_channel.as_slice() {
+                [name] => names.push(*name),
+                _ => {
+                    return Err(RodlabError::request(
+                        format!("{field}.channels[{at}].from"),
+                        format!(
+                            "{}, which stands for several points",
+                            self.channels[at].from
+                        ),
+                        format!("one of {} ({file})", quoted.join(", ")),
+                    ));
+                }
+            }
+        }
+        let picked = found
+            .records
+            .iter()
+            .map(|record| indices(record, &names))
+            .collect::<Vec<_>>();
+        let several = picked
+            .iter()
+            .filter(|(indices, _)| !indices.is_empty())
+            .count()
+            > 1;
+        let mut number = 0;
+        for (record, (indices, missing)) in found.records.iter().zip(&picked) {
+            if indices.is_empty() {
+                continue;
+            }
+            number += 1;
+            let name = if several {
+                format!("{file}, record {number}")
+            } else {
+                file.clone()
+            };
+            if let Some(missing) = missing {
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{missing}].from"),
+                    self.channels[*missing].from.to_string(),
+                    format!(
+                        "a channel on the time axis of {} ({name})",
+                        self.channels[usize::from(*missing == 0)].from
+                    ),
+                ));
+            }
+            let record = self.calibrated(record, indices, &name, field)?;
+            loaded.records.push(NamedRecord { name, record });
+        }
+        Ok(())
     }
 
-    /// Puts in what the file does not tell and the sheet does: the sampling rate, units.
-    fn complete(&self, contents: &mut Contents, field: &str) -> Result<(), RodlabError> {
-        let second =
-            Unit::parse("s").map_err(|error| RodlabError::step("the unit of time", error))?;
-        for (index, series) in contents.series.iter_mut().enumerate() {
-            if let Some(rate) = &self.sampling_rate
-                && series.abscissa_axis.unit.is_none()
+    /// Refuses what is wrong whatever the files hold.
+    fn check(&self, field: &str) -> Result<(), RodlabError> {
+        if self.channels.is_empty() {
+            return Err(RodlabError::request(
+                format!("{field}.channels"),
+                "empty",
+                "at least one channel",
+            ));
+        }
+        for (at, channel) in self.channels.iter().enumerate() {
+            if let Some(before) = self.channels[..at]
+                .iter()
+                .position(|other| other.name == channel.name)
             {
-                series.abscissa_axis.unit = Some(second.clone());
-                series.abscissa = labio::Abscissa::Even {
-                    start: 0.0,
-                    step: 1.0 / rate.si(),
-                };
-            }
-            let chosen =
-                self.channels
-                    .iter()
-                    .enumerate()
-                    .find(|(_, channel)| match &channel.from {
-                        Selector::Number(number) => *number == index + 1,
-                        Selector::Name(name) => *name == series.name,
-                    });
-            if let Some((at, channel)) = chosen
-                && let Some(text) = &channel.unit
-            {
-                let unit = Unit::parse(text).map_err(|error| {
-                    RodlabError::step(format!("{field}.channels[{at}].unit"), error)
-                })?;
-                series.ordinate_axis = SeriesAxis {
-                    unit_text: text.clone(),
-                    unit: Some(unit),
-                    ..series.ordinate_axis.clone()
-                };
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].name"),
+                    format!("`{}`", channel.name),
+                    format!("another name than that of channels[{before}]"),
+                ));
             }
         }
         Ok(())
     }
 
     /// The channels of the sheet, under its names, with their sensors.
-    fn calibrated(&self, record: &Record, name: &str, field: &str) -> Result<Record, RodlabError> {
-        let mut picked = Vec::with_capacity(self.channels.len());
-        for (at, channel) in self.channels.iter().enumerate() {
-            let known = record.channels();
-            let index = match &channel.from {
-                Selector::Number(number) => number.checked_sub(1).filter(|i| *i < known.len()),
-                Selector::Name(wanted) => known.iter().position(|c| c.name() == wanted.as_str()),
-            };
-            let index = index.ok_or_else(|| {
-                let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
-                let found = match &channel.from {
-                    Selector::Number(number) => number.to_string(),
-                    Selector::Name(name) => format!("`{name}`"),
-                };
-                RodlabError::request(
-                    format!("{field}.channels[{at}].from"),
-                    found,
-                    format!("one of {} ({name})", names.join(", ")),
-                )
-            })?;
-            picked.push((index, channel.name.as_str()));
-        }
+    fn calibrated(
+        &self,
+        record: &Record,
+        indices: &[usize],
+        name: &str,
+        field: &str,
+    ) -> Result<Record, RodlabError> {
         let refused = |error| RodlabError::step(format!("{field}, {name}"), error);
-        let samples = Array2::from_shape_fn((picked.len(), record.n_samples()), |(row, sample)| {
-            record.samples()[[picked[row].0, sample]]
-        });
-        let channels = picked
+        let channels = indices
             .iter()
-            .map(|(index, name)| Channel::new(*name, record.channels()[*index].quantity()))
+            .zip(&self.channels)
+            .map(|(index, channel)| {
+                Channel::new(channel.name.as_str(), record.channels()[*index].quantity())
+            })
             .collect::<Result<Vec<_>, _>>()
             .map_err(refused)?;
-        let (rate, start) = (record.sampling_rate_hz(), record.start_time());
-        let mut record = Record::new(samples, rate, start, channels, record.provenance().clone())
-            .map_err(refused)?;
+        let mut record = Record::new(
+            record.samples().select(Axis(0), indices),
+            record.sampling_rate_hz(),
+            record.start_time(),
+            channels,
+            record.provenance().clone(),
+        )
+        .map_err(refused)?;
         for (at, channel) in self.channels.iter().enumerate() {
-            if let Some(chain) = channel.chain(&format!("{field}.channels[{at}]"))? {
+            let place = format!("{field}.channels[{at}]");
+            if let Some(chain) = channel.chain(&place)? {
                 record = record
                     .calibrated(&channel.name, chain)
-                    .map_err(|error| RodlabError::step(format!("{field}.channels[{at}]"), error))?;
+                    .map_err(|error| RodlabError::step(format!("{place}, {name}"), error))?;
             }
         }
-        record.aligned().map_err(refused)
+        if self
+            .channels
+            .iter()
+            .any(|channel| channel.time_skew.is_some())
+        {
+            record = record.aligned().map_err(refused)?;
+        }
+        Ok(record)
     }
 
     fn settings(&self, field: &str) -> Vec<Setting> {
@@ -330,121 +283,10 @@ impl Records {
     }
 }
 
-impl ChannelSheet {
-    /// The sensor of the channel; `None` where the file has the quantity itself and nothing is to be corrected.
-    fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
-        let mut chain = match (&self.sensitivity, &self.bridge) {
-            (Some(_), Some(_)) => {
-                return Err(RodlabError::request(
-                    format!("{field}.bridge"),
-                    "beside a sensitivity",
-                    "one of the two",
-                ));
-            }
-            (Some(sensitivity), None) => {
-                SensorChain::of_sensitivity(sensitivity.0.clone()).map_err(refused)?
-            }
-            (None, Some(bridge)) => SensorChain::of_bridge(bridge.clone()),
-            (None, None) => {
-                let plain = self.gain.is_none() && !self.inverted && self.offset == 0.0;
-                if plain && self.time_skew.is_none() && self.position.is_none() {
-                    return Ok(None);
-                }
-                let one = Rating::new(1.0, "1").map_err(refused)?;
-                SensorChain::of_sensitivity(one).map_err(refused)?
-            }
-        };
-        if let Some(gain) = &self.gain {
-            chain = chain.with_gain(gain.0.clone()).map_err(refused)?;
-        }
-        if let Some(position) = &self.position {
-            let position = Position {
-                x: position.si(),
-                standard_uncertainty: position.standard_uncertainty().unwrap_or(0.0),
-            };
-            chain = chain.with_position(position).map_err(refused)?;
-        }
-        if let Some(serial) = &self.serial {
-            chain = chain.with_serial(serial);
-        }
-        let polarity = if self.inverted {
-            Polarity::Inverted
-        } else {
-            Polarity::default()
-        };
-        let chain = chain
-            .with_polarity(polarity)
-            .with_offset(self.offset)
-            .and_then(|chain| {
-                chain.with_time_skew(self.time_skew.as_ref().map_or(0.0, Stated::si))
-            });
-        chain.map(Some).map_err(refused)
-    }
-
-    fn in_words(&self) -> String {
-        let mut words = vec![match &self.from {
-            Selector::Number(number) => format!("channel {number}"),
-            Selector::Name(name) => format!("`{name}`"),
-        }];
-        if let Some(unit) = &self.unit {
-            words.push(format!("in {unit}"));
-        }
-        let rating = |r: &Rating| format!("{} {}", r.value(), r.unit().symbol());
-        if let Some(Sensitivity(sensitivity)) = &self.sensitivity {
-            words.push(format!("sensitivity {}", rating(sensitivity)));
-        }
-        if let Some(bridge) = &self.bridge {
-            words.push(format!("strain bridge {:?}", bridge.layout()));
-        }
-        if let Some(Sensitivity(gain)) = &self.gain {
-            words.push(format!("gain {}", rating(gain)));
-        }
-        if self.inverted {
-            words.push("inverted".to_owned());
-        }
-        if let Some(position) = &self.position {
-            words.push(format!("at {position}"));
-        }
-        if let Some(serial) = &self.serial {
-            words.push(format!("serial {serial}"));
-        }
-        words.join(", ")
-    }
-}
-
-/// `path` as seen from `folder`, with slashes.
-fn relative(path: &Path, folder: &Path) -> String {
-    let short = path.strip_prefix(folder).unwrap_or(path);
-    short.to_string_lossy().replace('\\', "/")
-}
-
-/// The channel called `name` has the quantity `wanted`, or an error that says what it has; `field` names it in the sheet.
-///
-/// # Errors
-///
-/// [`RodlabError::Request`].
-pub fn expect_quantity(
-    record: &Record,
-    name: &str,
-    wanted: Quantity,
-    field: &str,
-) -> Result<(), RodlabError> {
-    let known = record.channels();
-    match known.iter().find(|channel| channel.name() == name) {
-        Some(channel) if channel.quantity() == wanted => Ok(()),
-        Some(channel) => Err(RodlabError::request(
-            field,
-            format!("`{name}`, a channel of {}", channel.quantity().name()),
-            format!("a channel of {} [{}]", wanted.name(), wanted.unit()),
-        )),
-        None => {
-            let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
-            Err(RodlabError::request(
-                field,
-                format!("`{name}`"),
-                format!("one of the channels {}", names.join(", ")),
-            ))
-        }
-    }
+/// The channels of `record` called `names`, none if it has none of them, and the first of the names that it lacks.
+fn indices(record: &Record, names: &[&str]) -> (Vec<usize>, Option<usize>) {
+    let position = |name: &&str| record.channels().iter().position(|c| c.name() == *name);
+    let found: Vec<Option<usize>> = names.iter().map(position).collect();
+    let missing = found.iter().position(Option::is_none);
+    (found.into_iter().flatten().collect(), missing)
 }

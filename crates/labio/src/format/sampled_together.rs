@@ -19,6 +19,8 @@ pub struct SampledTogether {
     pub records: Vec<Record>,
     /// Why the other series are in no record.
     pub left_out: Vec<LabioError>,
+    /// For every series of the file, the name of the channel that it became; none where it is in no record.
+    pub channel_names: Vec<Option<String>>,
 }
 
 /// A series that suits a record, in SI units.
@@ -84,6 +86,7 @@ impl Contents {
             }
         }
         let names = names(&candidates);
+        let mut channel_names = vec![None; self.series.len()];
         let mut groups: Vec<Group<'_>> = Vec::new();
         for (candidate, name) in candidates.into_iter().zip(names) {
             let free = |group: &&mut Group<'_>| {
@@ -104,11 +107,20 @@ impl Contents {
         let mut records = Vec::with_capacity(groups.len());
         for group in groups {
             match group.record(provenance) {
-                Ok(record) => records.push(record),
+                Ok((record, members)) => {
+                    for (index, channel) in members.into_iter().zip(record.channels()) {
+                        channel_names[index] = Some(channel.name().to_owned());
+                    }
+                    records.push(record);
+                }
                 Err(error) => left_out.push(error),
             }
         }
-        SampledTogether { records, left_out }
+        SampledTogether {
+            records,
+            left_out,
+            channel_names,
+        }
     }
 }
 
@@ -120,7 +132,13 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-    fn record(self, provenance: &Provenance) -> Result<Record, LabioError> {
+    /// The record, and the series that its channels are of.
+    fn record(self, provenance: &Provenance) -> Result<(Record, Vec<usize>), LabioError> {
+        let series = self
+            .members
+            .iter()
+            .map(|(_, member)| member.index)
+            .collect();
         let mut samples = Array2::zeros((self.members.len(), self.clock.n));
         let mut channels = Vec::with_capacity(self.members.len());
         for (mut row, (name, member)) in samples.rows_mut().into_iter().zip(self.members) {
@@ -130,7 +148,8 @@ impl Group<'_> {
             channels.push(Channel::new(name, member.quantity)?);
         }
         let Clock { start, step, .. } = self.clock;
-        Record::new(samples, 1.0 / step, start, channels, provenance.clone())
+        let record = Record::new(samples, 1.0 / step, start, channels, provenance.clone())?;
+        Ok((record, series))
     }
 }
 
@@ -340,6 +359,8 @@ mod tests {
             channel_names(&found.records[0]),
             ["end A 1+Z", "end A 2-RX", "2-RX"]
         );
+        let names: Vec<_> = found.channel_names.iter().map(Option::as_deref).collect();
+        assert_eq!(names, [Some("end A 1+Z"), Some("end A 2-RX"), Some("2-RX")]);
     }
 
     #[test]
@@ -368,6 +389,7 @@ mod tests {
             with(|series| series.ordinate = Ordinate::Real(vec![1.0, f64::NAN])),
         ]);
         assert!(found.records.is_empty());
+        assert!(found.channel_names.iter().all(Option::is_none));
         let reasons: String = found
             .left_out
             .iter()

@@ -85,7 +85,7 @@ mod header;
 mod lines;
 mod series_header;
 
-pub(super) use series_header::response;
+pub use series_header::response;
 
 const FORMAT: &str = "uff58";
 

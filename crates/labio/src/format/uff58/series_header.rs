@@ -159,7 +159,8 @@ fn unit_of(axis: &AxisRecord) -> Option<Unit> {
 }
 
 /// The degree of freedom of the response of a series that was read, as `rig:1+X`; `None` if it says none.
-pub(in crate::format) fn response(series: &Series) -> Option<String> {
+#[must_use]
+pub fn response(series: &Series) -> Option<String> {
     const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
     let said = Properties(&series.properties);
     let dof = said.degree_of_freedom("response").ok()?;

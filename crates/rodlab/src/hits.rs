@@ -1,0 +1,233 @@
+//! Hits of a sheet: where they are in its records, which of them are accepted, and why the others are not.
+//!
+//! ```ron
+//! hits: (
+//!     cut: Trigger(level: "20 N", pre_trigger: "10 ms", length: "4096 samples"),
+//!     criteria: (double_hit: 0.1),
+//!     reject: [(hit: 3, because: "the hammer slipped")],
+//! ),
+//! ```
+
+mod criteria;
+mod cut;
+mod found;
+mod reading;
+
+pub use criteria::{CriteriaSheet, Limit};
+pub use cut::Cut;
+pub use found::{FoundHit, FoundHits};
+pub use reading::{Reading, Stretch};
+
+use labio::hits::{Criteria, HitLog, find_hits};
+use labio::{Channel, Record};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::outcome::Setting;
+use crate::records::NamedRecord;
+
+/// Two sampling rates are the same if they differ relatively by less than this, as the spectra take it.
+const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
+
+/// Where the hits are, what they must be, and what was decided by hand.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HitsSheet {
+    /// Channel that tells when a hit begins, by its name in the sheet; by default the one that the job takes, usually the force.
+    #[serde(default)]
+    pub channel: Option<String>,
+    /// How the records are cut into hits; by default each record is a hit.
+    #[serde(default)]
+    pub cut: Option<Cut>,
+    /// What a hit must be to be accepted.
+    #[serde(default)]
+    pub criteria: CriteriaSheet,
+    /// Hits that are rejected whatever the criteria say.
+    #[serde(default)]
+    pub reject: Vec<RulingSheet>,
+    /// Hits that are accepted whatever the criteria say.
+    #[serde(default)]
+    pub accept: Vec<RulingSheet>,
+}
+
+/// A decision by hand.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RulingSheet {
+    /// Number of the hit, from 1, over all files in their order, as the log says it.
+    pub hit: usize,
+    /// Why, in a few words that will stand in the report.
+    pub because: String,
+}
+
+impl HitsSheet {
+    /// Finds and judges the hits of `records`. `reference` is the channel that tells when a hit begins if the sheet does not name
+    /// one; `field` is the place of this part in the sheet.
+    ///
+    /// All hits, accepted or not, are numbered from 1 in the order of the records. That none is accepted is no error: the job says
+    /// what that means.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another unit than the channel, a ruling is on
+    /// a hit that does not exist or stands on both lists, or accepted hits differ in length or sampling rate.
+    pub fn find(
+        &self,
+        records: Vec<NamedRecord>,
+        reference: &str,
+        field: &str,
+    ) -> Result<FoundHits, RodlabError> {
+        let channel = self.channel.as_deref().unwrap_or(reference);
+        if let Some(first) = records.first() {
+            check_channel(&first.record, channel, &format!("{field}.channel"))?;
+        }
+        let channels: Vec<Channel> = records
+            .first()
+            .map(|first| first.record.recorded_channels().to_vec())
+            .unwrap_or_default();
+        let criteria = self
+            .criteria
+            .limits(&channels, &format!("{field}.criteria"))?;
+        let mut settings = self.settings(channel, field);
+        settings.extend(
+            self.criteria
+                .settings(&criteria, &format!("{field}.criteria"))?,
+        );
+        let mut logs = Vec::with_capacity(records.len());
+        for NamedRecord { name, record } in records {
+            let log = self
+                .log_of(record, channel, &criteria, field)
+                .map_err(|error| {
+                    // what the sheet says wrong is wrong for any file
+                    match error {
+                        RodlabError::Step { what, source } => RodlabError::Step {
+                            what: format!("{what}, {name}"),
+                            source,
+                        },
+                        other => other,
+                    }
+                })?;
+            logs.push((name, log));
+        }
+        self.rule(&mut logs, field)?;
+        let found = FoundHits::new(logs, settings, self.cut.as_ref().is_some_and(Cut::triggers));
+        found.check_alike(field)?;
+        Ok(found)
+    }
+
+    fn log_of(
+        &self,
+        record: Record,
+        channel: &str,
+        criteria: &Criteria,
+        field: &str,
+    ) -> Result<HitLog, RodlabError> {
+        let judging = |error| RodlabError::step(format!("{field}, judging hits"), error);
+        match self
+            .cut
+            .as_ref()
+            .and_then(|cut| cut.trigger(&record, channel, field).transpose())
+        {
+            None => HitLog::of_records([record], channel, criteria).map_err(judging),
+            Some(trigger) => find_hits(&record, &trigger?, criteria).map_err(judging),
+        }
+    }
+
+    /// Puts the decisions by hand into the logs.
+    fn rule(&self, logs: &mut [(String, HitLog)], field: &str) -> Result<(), RodlabError> {
+        let n_hits: usize = logs.iter().map(|(_, log)| log.hits().len()).sum();
+        let lists = [("reject", &self.reject), ("accept", &self.accept)];
+        let mut ruled: Vec<(usize, String)> = Vec::new();
+        for (list, rulings) in lists {
+            for (at, ruling) in rulings.iter().enumerate() {
+                let place = format!("{field}.{list}[{at}]");
+                if ruling.because.trim().is_empty() {
+                    return Err(RodlabError::request(
+                        format!("{place}.because"),
+                        "empty",
+                        "the reason of the decision, in a few words",
+                    ));
+                }
+                if let Some((_, before)) = ruled.iter().find(|(hit, _)| *hit == ruling.hit) {
+                    return Err(RodlabError::request(
+                        format!("{place}.hit"),
+                        format!("{}, on which {before} decides already", ruling.hit),
+                        "one decision on each hit",
+                    ));
+                }
+                let Some((log, number)) = within(logs, ruling.hit) else {
+                    return Err(RodlabError::request(
+                        format!("{place}.hit"),
+                        ruling.hit.to_string(),
+                        format!("the number of one of the {n_hits} hits that were found, from 1"),
+                    ));
+                };
+                let decided = if list == "reject" {
+                    log.reject(number, ruling.because.as_str())
+                } else {
+                    log.accept(number, ruling.because.as_str())
+                };
+                decided.map_err(|_| {
+                    RodlabError::request(
+                        format!("{place}.hit"),
+                        format!("{}, of which not all samples are there", ruling.hit),
+                        "a hit that is whole",
+                    )
+                })?;
+                ruled.push((ruling.hit, place));
+            }
+        }
+        Ok(())
+    }
+
+    fn settings(&self, channel: &str, field: &str) -> Vec<Setting> {
+        let mut settings = vec![Setting {
+            name: format!("{field}.channel"),
+            value: channel.to_owned(),
+            by_default: self.channel.is_none(),
+        }];
+        settings.push(Setting {
+            name: format!("{field}.cut"),
+            value: self
+                .cut
+                .as_ref()
+                .map_or_else(|| Cut::EachRecord.to_string(), Cut::to_string),
+            by_default: self.cut.is_none(),
+        });
+        for (list, rulings) in [("reject", &self.reject), ("accept", &self.accept)] {
+            for ruling in rulings {
+                settings.push(Setting {
+                    name: format!("{field}.{list}"),
+                    value: format!("hit {}: {}", ruling.hit, ruling.because),
+                    by_default: false,
+                });
+            }
+        }
+        settings
+    }
+}
+
+/// The log that has hit `number` of all, and its number there.
+fn within(logs: &mut [(String, HitLog)], number: usize) -> Option<(&mut HitLog, usize)> {
+    let mut left = number.checked_sub(1)?;
+    for (_, log) in logs {
+        if left < log.hits().len() {
+            return Some((log, left + 1));
+        }
+        left -= log.hits().len();
+    }
+    None
+}
+
+fn check_channel(record: &Record, name: &str, field: &str) -> Result<(), RodlabError> {
+    let known = record.channels();
+    if known.iter().any(|channel| channel.name() == name) {
+        return Ok(());
+    }
+    let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
+    Err(RodlabError::request(
+        field,
+        format!("`{name}`"),
+        format!("one of the channels {}", names.join(", ")),
+    ))
+}

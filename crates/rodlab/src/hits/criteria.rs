@@ -1,0 +1,186 @@
+//! What a hit must be, as a sheet states it.
+
+use std::collections::BTreeMap;
+
+use labio::Channel;
+use labio::hits::Criteria;
+use serde::{Deserialize, Deserializer};
+
+use super::Reading;
+use crate::RodlabError;
+use crate::outcome::Setting;
+
+/// Limits of the checks. A limit that is not stated has its default; `None` leaves the check out.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CriteriaSheet {
+    /// Channel in which double hits are looked for; by default the one that tells when a hit begins, if that is a force.
+    pub force_channel: Option<String>,
+    /// Ranges of the recorder, as `{"hammer": "10 V"}`, in a unit of what was recorded; reaching 99 % of it is an overload.
+    pub full_scales: BTreeMap<String, Reading>,
+    /// Smallest peak over the standard deviation of the noise; by default 10.
+    pub peak_over_noise: Limit<f64>,
+    /// Smallest second contact over the first that is a double hit; by default 0.05.
+    pub double_hit: Limit<f64>,
+    /// Number of equal extreme samples that is clipping; by default 3.
+    pub clipped_run: Limit<usize>,
+    /// Number of equal samples in the middle of a movement that is a drop-out; by default 8.
+    pub drop_out_run: Limit<usize>,
+    /// Largest rest level over the peak; by default 0.25.
+    pub static_offset: Limit<f64>,
+    /// Largest difference of the rest levels before and after over the peak; by default 0.02.
+    pub level_shift: Limit<f64>,
+    /// Largest remainder at the end over the peak; by default 0.01.
+    pub remainder: Limit<f64>,
+}
+
+/// A limit of a check.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Limit<T> {
+    /// The sheet does not say it.
+    #[default]
+    ByDefault,
+    /// The check is left out: `None`.
+    Off,
+    /// The sheet says this.
+    At(T),
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match Option::deserialize(deserializer)? {
+            Some(limit) => Self::At(limit),
+            None => Self::Off,
+        })
+    }
+}
+
+impl<T: Copy> Limit<T> {
+    /// `criteria` with this limit in the place that `put` puts it in.
+    fn put<E>(
+        self,
+        criteria: Criteria,
+        put: impl FnOnce(Criteria, Option<T>) -> Result<Criteria, E>,
+    ) -> Result<Criteria, E> {
+        match self {
+            Self::ByDefault => Ok(criteria),
+            Self::Off => put(criteria, None),
+            Self::At(limit) => put(criteria, Some(limit)),
+        }
+    }
+
+    fn is_by_default(self) -> bool {
+        matches!(self, Self::ByDefault)
+    }
+}
+
+impl CriteriaSheet {
+    /// The criteria for records that were recorded on `channels`.
+    pub(super) fn limits(
+        &self,
+        channels: &[Channel],
+        field: &str,
+    ) -> Result<Criteria, RodlabError> {
+        let refused = |error| RodlabError::step(field, error);
+        let mut criteria = Criteria::default();
+        criteria = self
+            .peak_over_noise
+            .put(criteria, Criteria::with_peak_over_noise)
+            .map_err(refused)?;
+        criteria = self
+            .double_hit
+            .put(criteria, Criteria::with_double_hit)
+            .map_err(refused)?;
+        criteria = self
+            .clipped_run
+            .put(criteria, Criteria::with_clipped_run)
+            .map_err(refused)?;
+        criteria = self
+            .drop_out_run
+            .put(criteria, Criteria::with_drop_out_run)
+            .map_err(refused)?;
+        criteria = self
+            .static_offset
+            .put(criteria, Criteria::with_static_offset)
+            .map_err(refused)?;
+        criteria = self
+            .level_shift
+            .put(criteria, Criteria::with_level_shift)
+            .map_err(refused)?;
+        criteria = self
+            .remainder
+            .put(criteria, Criteria::with_remainder)
+            .map_err(refused)?;
+        let of_name = |name: &str, field: String| {
+            channels.iter().find(|c| c.name() == name).ok_or_else(|| {
+                let names: Vec<String> =
+                    channels.iter().map(|c| format!("`{}`", c.name())).collect();
+                RodlabError::request(
+                    field,
+                    format!("`{name}`"),
+                    format!("one of the channels {}", names.join(", ")),
+                )
+            })
+        };
+        if let Some(name) = &self.force_channel {
+            of_name(name, format!("{field}.force_channel"))?;
+            criteria = criteria.with_force_channel(name);
+        }
+        for (name, full_scale) in &self.full_scales {
+            let place = format!("{field}.full_scales.{name}");
+            let full_scale = full_scale.of(of_name(name, place.clone())?, &place)?;
+            criteria = criteria
+                .with_full_scale(name, full_scale)
+                .map_err(|error| RodlabError::step(place, error))?;
+        }
+        Ok(criteria)
+    }
+
+    /// What was decided for `criteria`, which were made of this.
+    pub(super) fn settings(
+        &self,
+        criteria: &Criteria,
+        field: &str,
+    ) -> Result<Vec<Setting>, RodlabError> {
+        let stated = [
+            ("peak_over_noise", self.peak_over_noise.is_by_default()),
+            ("double_hit", self.double_hit.is_by_default()),
+            ("clipped_run", self.clipped_run.is_by_default()),
+            ("drop_out_run", self.drop_out_run.is_by_default()),
+            ("static_offset", self.static_offset.is_by_default()),
+            ("level_shift", self.level_shift.is_by_default()),
+            ("remainder", self.remainder.is_by_default()),
+        ];
+        // the limits stand in the criteria, and their defaults nowhere else
+        let limits = serde_json::to_value(criteria)
+            .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
+        let mut settings: Vec<Setting> = stated
+            .iter()
+            .map(|(name, by_default)| Setting {
+                name: format!("{field}.{name}"),
+                value: match limits.get(*name) {
+                    None | Some(serde_json::Value::Null) => "not checked".to_owned(),
+                    Some(limit) => limit.to_string(),
+                },
+                by_default: *by_default,
+            })
+            .collect();
+        let mut say = |name: String, value: String| {
+            settings.push(Setting {
+                name,
+                value,
+                by_default: false,
+            });
+        };
+        if let Some(name) = &self.force_channel {
+            say(format!("{field}.force_channel"), name.clone());
+        }
+        for (name, full_scale) in &self.full_scales {
+            say(
+                format!("{field}.full_scales.{name}"),
+                full_scale.to_string(),
+            );
+        }
+        Ok(settings)
+    }
+}

@@ -1,0 +1,118 @@
+//! How records are cut into hits.
+
+use std::fmt;
+
+use labio::Record;
+use labio::hits::{Slope, Trigger};
+use serde::Deserialize;
+
+use super::{Reading, Stretch};
+use crate::RodlabError;
+
+/// How records are cut into hits.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+pub enum Cut {
+    /// Each record holds one hit, as it was triggered when it was recorded.
+    EachRecord,
+    /// The records are long, and a hit begins where the channel passes a level.
+    Trigger {
+        /// The level, in a unit of the channel, as `"20 N"`.
+        level: Reading,
+        /// Length of a hit with its pre-trigger, as `"0.5 s"` or `"4096 samples"`.
+        length: Stretch,
+        /// How much of it lies before the passage, as `"10 ms"`; rest level and noise are found there, from at least eight samples.
+        pre_trigger: Stretch,
+        /// Direction of the passage: `Rising` (default), `Falling` or `Either`.
+        #[serde(default)]
+        slope: Option<Slope>,
+        /// How far the channel must have been on the other side since it fired, as `"10 N"`; by default half the level.
+        #[serde(default)]
+        hysteresis: Option<Reading>,
+        /// How long it does not fire again, as `"0.5 s"`; by default to the end of the hit, so that a second contact belongs to the first.
+        #[serde(default)]
+        hold_off: Option<Stretch>,
+    },
+}
+
+impl Cut {
+    /// Whether hits have to be found in longer records.
+    pub(super) fn triggers(&self) -> bool {
+        matches!(self, Self::Trigger { .. })
+    }
+
+    /// The trigger on `channel` of `record`; `None` where each record is a hit.
+    pub(super) fn trigger(
+        &self,
+        record: &Record,
+        channel: &str,
+        field: &str,
+    ) -> Result<Option<Trigger>, RodlabError> {
+        let Self::Trigger {
+            level,
+            length,
+            pre_trigger,
+            slope,
+            hysteresis,
+            hold_off,
+        } = self
+        else {
+            return Ok(None);
+        };
+        let refused = |error| RodlabError::step(format!("{field}.cut"), error);
+        let Some(reference) = record.channels().iter().find(|c| c.name() == channel) else {
+            return Err(RodlabError::request(
+                format!("{field}.channel"),
+                format!("`{channel}`"),
+                "a channel of the records",
+            ));
+        };
+        let level = level.of(reference, &format!("{field}.cut.level"))?;
+        let mut trigger = Trigger::new(channel, level, length.extent())
+            .map_err(refused)?
+            .with_pre_trigger(pre_trigger.extent())
+            .with_slope(slope.unwrap_or_default());
+        if let Some(hysteresis) = hysteresis {
+            let hysteresis = hysteresis.of(reference, &format!("{field}.cut.hysteresis"))?;
+            trigger = trigger.with_hysteresis(hysteresis).map_err(refused)?;
+        }
+        if let Some(hold_off) = hold_off {
+            trigger = trigger.with_hold_off(hold_off.extent());
+        }
+        Ok(Some(trigger))
+    }
+}
+
+impl fmt::Display for Cut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::Trigger {
+            level,
+            length,
+            pre_trigger,
+            slope,
+            hysteresis,
+            hold_off,
+        } = self
+        else {
+            return f.write_str("each record is a hit");
+        };
+        let slope = match slope.unwrap_or_default() {
+            Slope::Rising => "rises to",
+            Slope::Falling => "falls to",
+            Slope::Either => "passes",
+        };
+        write!(
+            f,
+            "{length} from {pre_trigger} before the channel {slope} {level}"
+        )?;
+        match hysteresis {
+            Some(hysteresis) => write!(f, ", hysteresis {hysteresis}")?,
+            None => f.write_str(", hysteresis half the level")?,
+        }
+        match hold_off {
+            Some(hold_off) => write!(f, ", hold-off {hold_off}"),
+            None => f.write_str(", hold-off to the end of the hit"),
+        }
+    }
+}

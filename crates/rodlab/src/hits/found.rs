@@ -1,0 +1,182 @@
+//! The hits of a test, judged.
+
+use labio::Record;
+use labio::hits::{Hit, HitLog, Ruling};
+
+use super::SAMPLING_RATE_TOLERANCE;
+use crate::RodlabError;
+use crate::outcome::{LogEntry, Setting};
+
+/// The hits of a test in their order, accepted and rejected.
+#[derive(Debug)]
+pub struct FoundHits {
+    /// One for each record, with its name.
+    logs: Vec<(String, HitLog)>,
+    /// Whether hits were cut out of longer records, and their times tell them apart.
+    by_trigger: bool,
+    settings: Vec<Setting>,
+}
+
+/// One hit of [`FoundHits`].
+#[derive(Debug, Clone, Copy)]
+pub struct FoundHit<'a> {
+    /// Number over all records, from 1.
+    pub number: usize,
+    /// Name of the record that it is of, as `hits.uff, record 3`.
+    pub of: &'a str,
+    /// Time, samples, what the checks have against it and what was decided by hand.
+    pub hit: &'a Hit,
+    by_trigger: bool,
+}
+
+impl FoundHit<'_> {
+    /// What the log calls it, as `hit 3, hits.npy at 1.204 s`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.by_trigger {
+            format!(
+                "hit {}, {} at {:.4} s",
+                self.number,
+                self.of,
+                self.hit.time()
+            )
+        } else {
+            format!("hit {}, {}", self.number, self.of)
+        }
+    }
+
+    /// What was decided, and why.
+    #[must_use]
+    pub fn log_entry(&self) -> LogEntry {
+        let mut reasons: Vec<String> = Vec::new();
+        match self.hit.ruling() {
+            Some(Ruling::Accepted { because }) => {
+                reasons.push(format!("accepted by hand: {because}"));
+            }
+            Some(Ruling::Rejected { because }) => {
+                reasons.push(format!("rejected by hand: {because}"));
+            }
+            None => {}
+        }
+        reasons.extend(self.hit.reasons().iter().map(ToString::to_string));
+        LogEntry {
+            what: self.name(),
+            accepted: self.hit.is_accepted(),
+            reasons,
+        }
+    }
+}
+
+impl FoundHits {
+    pub(super) fn new(
+        logs: Vec<(String, HitLog)>,
+        settings: Vec<Setting>,
+        by_trigger: bool,
+    ) -> Self {
+        Self {
+            logs,
+            by_trigger,
+            settings,
+        }
+    }
+
+    /// All hits in their order.
+    pub fn hits(&self) -> impl Iterator<Item = FoundHit<'_>> {
+        self.logs
+            .iter()
+            .flat_map(|(name, log)| log.hits().iter().map(move |hit| (name.as_str(), hit)))
+            .zip(1..)
+            .map(|((of, hit), number)| FoundHit {
+                number,
+                of,
+                hit,
+                by_trigger: self.by_trigger,
+            })
+    }
+
+    /// The records of the accepted hits, as the spectra take them; all of one length and one sampling rate.
+    #[must_use]
+    pub fn accepted(&self) -> Vec<&Record> {
+        self.logs
+            .iter()
+            .flat_map(|(_, log)| log.accepted())
+            .collect()
+    }
+
+    /// Number of hits that were found, accepted or not.
+    #[must_use]
+    pub fn n_found(&self) -> usize {
+        self.logs.iter().map(|(_, log)| log.hits().len()).sum()
+    }
+
+    /// Number of accepted hits.
+    #[must_use]
+    pub fn n_accepted(&self) -> usize {
+        self.hits().filter(|found| found.hit.is_accepted()).count()
+    }
+
+    /// Every decision with its reasons, for [`Outcome::log`](crate::Outcome::log).
+    #[must_use]
+    pub fn log(&self) -> Vec<LogEntry> {
+        self.hits().map(|found| found.log_entry()).collect()
+    }
+
+    /// What was chosen, for [`Outcome::settings`](crate::Outcome::settings).
+    #[must_use]
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
+    /// How many of how many hits are accepted, and which not, in a sentence.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let rejected: Vec<String> = self
+            .hits()
+            .filter(|found| !found.hit.is_accepted())
+            .map(|found| found.number.to_string())
+            .collect();
+        let (n_accepted, n_found) = (self.n_accepted(), self.n_found());
+        let hits = |n: usize| if n == 1 { "hit" } else { "hits" };
+        if rejected.is_empty() {
+            return match n_found {
+                1 => "the only hit is accepted".to_owned(),
+                n => format!("all {n} hits are accepted"),
+            };
+        }
+        format!(
+            "{n_accepted} of {n_found} {} accepted, rejected: {}",
+            hits(n_found),
+            rejected.join(", ")
+        )
+    }
+
+    /// Refuses accepted hits that cannot be averaged together.
+    pub(super) fn check_alike(&self, field: &str) -> Result<(), RodlabError> {
+        let mut accepted = self
+            .hits()
+            .filter(|found| found.hit.is_accepted())
+            .filter_map(|found| Some((found, found.hit.record()?)));
+        let Some((first, expected)) = accepted.next() else {
+            return Ok(());
+        };
+        let sampling = |record: &Record| {
+            format!(
+                "{} samples at {} Hz",
+                record.n_samples(),
+                record.sampling_rate_hz()
+            )
+        };
+        let rate = expected.sampling_rate_hz();
+        for (found, record) in accepted {
+            let apart = (record.sampling_rate_hz() / rate - 1.0).abs();
+            if record.n_samples() != expected.n_samples() || apart > SAMPLING_RATE_TOLERANCE {
+                return Err(RodlabError::request(
+                    format!("{field}: {}", found.name()),
+                    sampling(record),
+                    format!("{} as {}", sampling(expected), first.name()),
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,112 @@
+//! Levels and stretches as a sheet states them, whose meaning depends on the channel or on the sampling rate.
+
+use std::fmt;
+
+use labio::hits::Extent;
+use labio::{Channel, Dimension};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::sheet::{self, Duration, Stated};
+
+/// A level of a channel, as `"20 N"`; which unit it must have, the channel says.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(try_from = "String")]
+pub struct Reading {
+    si: f64,
+    dimension: Dimension,
+    text: String,
+}
+
+impl TryFrom<String> for Reading {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let (number, unit) = sheet::number_and_unit(&text)
+            .map_err(|why| format!("`{text}` {why}, expected a level, as \"20 N\""))?;
+        Ok(Self {
+            si: unit.to_si(number),
+            dimension: unit.dimension(),
+            text,
+        })
+    }
+}
+
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Reading {
+    /// The level in the SI unit of `channel`; `field` is its place in the sheet.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] if it has another dimension than the channel.
+    pub fn of(&self, channel: &Channel, field: &str) -> Result<f64, RodlabError> {
+        let quantity = channel.quantity();
+        if self.dimension == quantity.dimension() {
+            Ok(self.si)
+        } else {
+            Err(RodlabError::request(
+                field,
+                format!("`{}`", self.text),
+                format!(
+                    "a level of `{}`, which is {} [{}]",
+                    channel.name(),
+                    quantity.name(),
+                    quantity.unit()
+                ),
+            ))
+        }
+    }
+}
+
+/// A stretch of a record: a duration, as `"0.5 s"`, or `"4096 samples"`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(try_from = "String")]
+pub struct Stretch {
+    extent: Extent,
+    text: String,
+}
+
+impl TryFrom<String> for Stretch {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let trimmed = text.trim();
+        let number = trimmed
+            .strip_suffix("samples")
+            .or_else(|| trimmed.strip_suffix("sample"));
+        let extent = match number {
+            Some(number) => Extent::Samples(number.trim().parse().map_err(|_| {
+                format!("`{text}` is no whole number of samples, as \"4096 samples\"")
+            })?),
+            None => {
+                let duration: Stated<Duration> = trimmed
+                    .parse()
+                    .map_err(|error| format!("{error}, or \"4096 samples\""))?;
+                Extent::Seconds(duration.si())
+            }
+        };
+        Ok(Self {
+            extent,
+            text: trimmed.to_owned(),
+        })
+    }
+}
+
+impl fmt::Display for Stretch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Stretch {
+    /// The stretch as the trigger takes it.
+    #[must_use]
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+}

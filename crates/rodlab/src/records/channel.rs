@@ -1,0 +1,189 @@
+//! A channel of a sheet, and the chain of its sensor.
+
+use std::fmt;
+
+use labio::{Polarity, Position, Rating, SensorChain, StrainBridge};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::sheet::{self, Coordinate, Stated, Time};
+
+/// A channel of the files, and the sensor it is of.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSheet {
+    /// Name by which the rest of the sheet calls it.
+    pub name: String,
+    /// Which channel of the file it is.
+    pub from: Selector,
+    /// Unit of the samples in the file, where the file does not tell it, as `"V"`.
+    #[serde(default)]
+    pub unit: Option<String>,
+    /// Sensitivity of the sensor, as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent where the file has the quantity itself.
+    #[serde(default)]
+    pub sensitivity: Option<Sensitivity>,
+    /// A bridge of strain gauges, in the place of a sensitivity.
+    #[serde(default)]
+    pub bridge: Option<StrainBridge>,
+    /// Amplifier behind the sensor, as `"100"` or `"10 mV/pC"`.
+    #[serde(default)]
+    pub gain: Option<Sensitivity>,
+    /// Whether the sensor is wired or mounted the other way round.
+    #[serde(default)]
+    pub inverted: bool,
+    /// Reading at rest, in the unit of the file.
+    #[serde(default)]
+    pub offset: f64,
+    /// How much later than the others the channel is sampled.
+    #[serde(default)]
+    pub time_skew: Option<Stated<Time>>,
+    /// Coordinate of the sensor along the rod.
+    #[serde(default)]
+    pub position: Option<Stated<Coordinate>>,
+    /// Serial number of the sensor.
+    #[serde(default)]
+    pub serial: Option<String>,
+}
+
+/// A channel of a file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub enum Selector {
+    /// By its number, from 1.
+    Number(usize),
+    /// By its name.
+    Name(String),
+}
+
+impl fmt::Display for Selector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "channel {number}"),
+            Self::Name(name) => write!(f, "`{name}`"),
+        }
+    }
+}
+
+/// A sensitivity or a gain: number, unit and standard uncertainty.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(try_from = "String")]
+pub struct Sensitivity(Rating);
+
+impl TryFrom<String> for Sensitivity {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let refused = |why: String| {
+            format!(
+                "`{text}` {why}, expected a sensitivity or a gain, as \"10.2 mV/g ± 1 %\" or \"100\""
+            )
+        };
+        let (rating, uncertainty) = sheet::value_and_uncertainty(&text);
+        let (value, unit) = sheet::number_and_unit(rating).map_err(refused)?;
+        let mut rating = Rating::new(value, unit.symbol())
+            .map_err(|error| refused(format!("is refused: {error}")))?;
+        if let Some(uncertainty) = uncertainty {
+            let (percent, unit) = sheet::number_and_unit(uncertainty).map_err(refused)?;
+            if unit.symbol() != "%" {
+                return Err(refused("has an uncertainty that is not in %".to_owned()));
+            }
+            rating = rating
+                .with_uncertainty(value.abs() * percent / 100.0)
+                .map_err(|error| refused(format!("is refused: {error}")))?;
+        }
+        Ok(Self(rating))
+    }
+}
+
+impl ChannelSheet {
+    /// The sensor of the channel; `None` where the file has the quantity itself and nothing is to be corrected.
+    pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
+        let refused = |error| RodlabError::step(field, error);
+        let mut chain = match (&self.sensitivity, &self.bridge) {
+            (Some(_), Some(_)) => {
+                return Err(RodlabError::request(
+                    format!("{field}.bridge"),
+                    "beside a sensitivity",
+                    "one of the two",
+                ));
+            }
+            (Some(sensitivity), None) => {
+                SensorChain::of_sensitivity(sensitivity.0.clone()).map_err(refused)?
+            }
+            (None, Some(bridge)) => SensorChain::of_bridge(bridge.clone()),
+            (None, None) => {
+                let plain = self.gain.is_none() && !self.inverted && self.offset == 0.0;
+                if plain && self.time_skew.is_none() && self.position.is_none() {
+                    return Ok(None);
+                }
+                let one = Rating::new(1.0, "1").map_err(refused)?;
+                SensorChain::of_sensitivity(one).map_err(refused)?
+            }
+        };
+        if let Some(gain) = &self.gain {
+            chain = chain.with_gain(gain.0.clone()).map_err(refused)?;
+        }
+        if let Some(position) = &self.position {
+            let position = Position {
+                x: position.si(),
+                standard_uncertainty: position.standard_uncertainty().unwrap_or(0.0),
+            };
+            chain = chain.with_position(position).map_err(refused)?;
+        }
+        if let Some(serial) = &self.serial {
+            chain = chain.with_serial(serial);
+        }
+        let polarity = if self.inverted {
+            Polarity::Inverted
+        } else {
+            Polarity::default()
+        };
+        let chain = chain
+            .with_polarity(polarity)
+            .with_offset(self.offset)
+            .and_then(|chain| {
+                chain.with_time_skew(self.time_skew.as_ref().map_or(0.0, Stated::si))
+            });
+        chain.map(Some).map_err(refused)
+    }
+
+    /// What the sheet says of the channel, for the report.
+    pub(super) fn in_words(&self) -> String {
+        let mut words = vec![self.from.to_string()];
+        if let Some(unit) = &self.unit {
+            words.push(format!("in {unit}"));
+        }
+        let rating = |r: &Rating| {
+            let stated = format!("{} {}", r.value(), r.unit().symbol());
+            match r.standard_uncertainty() {
+                u if u > 0.0 => format!("{stated} ± {:.3} %", 100.0 * (u / r.value()).abs()),
+                _ => stated,
+            }
+        };
+        if let Some(Sensitivity(sensitivity)) = &self.sensitivity {
+            words.push(format!("sensitivity {}", rating(sensitivity)));
+        }
+        if let Some(bridge) = &self.bridge {
+            words.push(format!("strain bridge {:?}", bridge.layout()));
+        }
+        if let Some(Sensitivity(gain)) = &self.gain {
+            words.push(format!("gain {}", rating(gain)));
+        }
+        if self.inverted {
+            words.push("inverted".to_owned());
+        }
+        if self.offset != 0.0 {
+            words.push(format!("offset {}", self.offset));
+        }
+        if let Some(skew) = &self.time_skew {
+            words.push(format!("late by {skew}"));
+        }
+        if let Some(position) = &self.position {
+            words.push(format!("at {position}"));
+        }
+        if let Some(serial) = &self.serial {
+            words.push(format!("serial {serial}"));
+        }
+        words.join(", ")
+    }
+}

@@ -1,0 +1,62 @@
+//! Which files the patterns of a sheet mean.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::RodlabError;
+
+/// The files of all patterns, each once; `field` is the place of the patterns in the sheet.
+pub(super) fn paths(
+    patterns: &[String],
+    folder: &Path,
+    field: &str,
+) -> Result<Vec<PathBuf>, RodlabError> {
+    if patterns.is_empty() {
+        return Err(RodlabError::request(
+            field,
+            "empty",
+            "the name of at least one file",
+        ));
+    }
+    let mut seen = BTreeSet::new();
+    let mut paths = Vec::new();
+    for pattern in patterns {
+        let plain = folder.join(pattern);
+        let found = if plain.exists() {
+            vec![plain]
+        } else {
+            let escaped = glob::Pattern::escape(&folder.to_string_lossy());
+            let wanted = Path::new(&escaped).join(pattern);
+            let listed = glob::glob(&wanted.to_string_lossy()).map_err(|error| {
+                RodlabError::request(
+                    field,
+                    format!("`{pattern}`: {}", error.msg),
+                    "a name or a pattern",
+                )
+            })?;
+            let mut found: Vec<PathBuf> =
+                listed
+                    .collect::<Result<_, _>>()
+                    .map_err(|error| RodlabError::Read {
+                        path: error.path().to_path_buf(),
+                        source: error.into(),
+                    })?;
+            found.sort();
+            found
+        };
+        if found.is_empty() {
+            return Err(RodlabError::NoFile {
+                pattern: pattern.clone(),
+                folder: folder.to_path_buf(),
+            });
+        }
+        paths.extend(found.into_iter().filter(|path| seen.insert(path.clone())));
+    }
+    Ok(paths)
+}
+
+/// `path` as seen from `folder`, with slashes.
+pub(super) fn relative(path: &Path, folder: &Path) -> String {
+    let short = path.strip_prefix(folder).unwrap_or(path);
+    short.to_string_lossy().replace('\\', "/")
+}

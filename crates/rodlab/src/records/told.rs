@@ -1,0 +1,185 @@
+//! What a file tells of its channels, and what the sheet has to add.
+
+use labio::format::uff58::response;
+use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
+
+use super::{Records, Selector};
+use crate::RodlabError;
+
+/// Relative difference up to which a sampling rate of the sheet is that of the file, rounded there.
+const ROUNDED_RATE: f64 = 1e-3;
+
+const TIME: Dimension = Dimension {
+    length: 0,
+    mass: 0,
+    time: 1,
+    current: 0,
+    temperature: 0,
+};
+
+impl Records {
+    /// Puts into `contents` what `file` does not tell and the sheet does: the sampling rate, units. Returns for every channel of the
+    /// sheet the series that it means: several where a file holds several hits.
+    pub(super) fn complete(
+        &self,
+        contents: &mut Contents,
+        file: &str,
+        field: &str,
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<Vec<usize>>, RodlabError> {
+        let mut chosen = Vec::with_capacity(self.channels.len());
+        for (at, channel) in self.channels.iter().enumerate() {
+            let series = meant(contents, &channel.from);
+            if series.is_empty() {
+                let known = contents.series.iter().enumerate();
+                let mut names: Vec<String> = known
+                    .map(|(index, series)| match series.name.trim() {
+                        "" => (index + 1).to_string(),
+                        name => format!("`{name}`"),
+                    })
+                    .collect();
+                names.dedup();
+                let expected = match &channel.from {
+                    Selector::Number(_) => format!("a number from 1 to {}", contents.series.len()),
+                    Selector::Name(_) => format!("one of {}", names.join(", ")),
+                };
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].from"),
+                    channel.from.to_string(),
+                    format!("{expected} ({file})"),
+                ));
+            }
+            for &index in &series {
+                self.complete_time(contents, index, file, field)?;
+                self.complete_unit(contents, index, at, file, field, warnings)?;
+            }
+            chosen.push(series);
+        }
+        warnings.dedup();
+        Ok(chosen)
+    }
+
+    fn complete_time(
+        &self,
+        contents: &mut Contents,
+        index: usize,
+        file: &str,
+        field: &str,
+    ) -> Result<(), RodlabError> {
+        let series = &mut contents.series[index];
+        let told = series.abscissa_axis.unit.as_ref();
+        let Some(rate) = &self.sampling_rate else {
+            return if told.is_none() && series.abscissa_axis.unit_text.is_empty() {
+                Err(RodlabError::request(
+                    format!("{field}.sampling_rate"),
+                    "not stated",
+                    format!("the rate of the samples, as \"51.2 kHz\": {file} does not tell it"),
+                ))
+            } else {
+                Ok(())
+            };
+        };
+        let start = match (told, &series.abscissa) {
+            (Some(unit), Abscissa::Even { start, step }) if unit.dimension() == TIME => {
+                let told = 1.0 / unit.to_si(*step);
+                if ((rate.si() - told) / told).abs() > ROUNDED_RATE {
+                    return Err(RodlabError::request(
+                        format!("{field}.sampling_rate"),
+                        rate.to_string(),
+                        format!("{told} Hz, as {file} tells it, or no statement"),
+                    ));
+                }
+                unit.to_si(*start)
+            }
+            (None, _) => 0.0,
+            // no time, or no even one: said when records are made
+            _ => return Ok(()),
+        };
+        let second =
+            Unit::parse("s").map_err(|error| RodlabError::step("the unit of time", error))?;
+        series.abscissa_axis.unit = Some(second);
+        series.abscissa = Abscissa::Even {
+            start,
+            step: 1.0 / rate.si(),
+        };
+        Ok(())
+    }
+
+    fn complete_unit(
+        &self,
+        contents: &mut Contents,
+        index: usize,
+        at: usize,
+        file: &str,
+        field: &str,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), RodlabError> {
+        let axis = &mut contents.series[index].ordinate_axis;
+        let channel = &self.channels[at];
+        let place = format!("{field}.channels[{at}].unit");
+        let Some(text) = &channel.unit else {
+            if axis.unit.is_some() {
+                return Ok(());
+            }
+            let told = if axis.unit_text.is_empty() {
+                format!("{file} does not tell it")
+            } else {
+                format!("`{}`, as {file} has it, is no known unit", axis.unit_text)
+            };
+            return Err(RodlabError::request(
+                place,
+                "not stated",
+                format!("the unit of the samples, as \"V\": {told}"),
+            ));
+        };
+        let unit = Unit::parse(text).map_err(|error| RodlabError::step(place, error))?;
+        if let Some(told) = &axis.unit {
+            let alike = told.dimension() == unit.dimension()
+                && (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
+            if !alike {
+                warnings.push(format!(
+                    "{file} has {} in {}; as the sheet says, it is taken as {}.",
+                    channel.from,
+                    told.symbol(),
+                    unit.symbol()
+                ));
+            }
+        }
+        *axis = SeriesAxis {
+            unit_text: text.clone(),
+            unit: Some(unit),
+            ..axis.clone()
+        };
+        Ok(())
+    }
+}
+
+/// The series that `selector` means: all of the name, or the one of the number and those of its name at the same point.
+fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
+    let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
+        let all = contents.series.iter().enumerate();
+        all.filter(|(_, series)| is_meant(series))
+            .map(|(index, _)| index)
+            .collect()
+    };
+    match selector {
+        Selector::Name(wanted) => all_that(&|series| {
+            let name = series.name.trim();
+            name == wanted.trim()
+                || response(series)
+                    .is_some_and(|point| format!("{name} {point}").trim() == wanted.trim())
+        }),
+        Selector::Number(number) => {
+            let index = number.checked_sub(1);
+            match index.and_then(|index| Some((index, contents.series.get(index)?))) {
+                None => Vec::new(),
+                Some((index, one)) if one.name.trim().is_empty() && response(one).is_none() => {
+                    vec![index]
+                }
+                Some((_, one)) => all_that(&|series| {
+                    series.name.trim() == one.name.trim() && response(series) == response(one)
+                }),
+            }
+        }
+    }
+}

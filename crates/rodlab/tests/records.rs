@@ -1,0 +1,301 @@
+//! Files to calibrated records: what a file does not tell the sheet says, and what is said of one that does not suit.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+
+use labio::format::{self, npy::Npy, uff58::Uff58Writer};
+use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesAxis, SeriesKind, Unit};
+use rodlab::records::{Loaded, Records};
+
+fn records(text: &str) -> Records {
+    use ron::extensions::Extensions;
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES)
+        .from_str(text)
+        .unwrap()
+}
+
+fn load(folder: &Path, text: &str) -> Result<Loaded, String> {
+    records(text)
+        .load(folder, "records")
+        .map_err(|error| match error.to_string() {
+            // where the folder is differs from run to run
+            text => text.replace(&folder.display().to_string(), "FOLDER"),
+        })
+}
+
+fn refusals(folder: &Path, sheets: &[&str]) -> String {
+    let said: Vec<String> = sheets
+        .iter()
+        .map(|text| load(folder, text).unwrap_err())
+        .collect();
+    said.join("\n")
+}
+
+fn series(name: &str, unit: &str, step: f64, values: &[f64]) -> Series {
+    let axis = |unit: &str| SeriesAxis {
+        label: String::new(),
+        unit_text: unit.to_owned(),
+        unit: Unit::parse(unit).ok(),
+    };
+    Series {
+        name: name.to_owned(),
+        kind: SeriesKind::TimeResponse,
+        abscissa: Abscissa::Even { start: 0.0, step },
+        ordinate: Ordinate::Real(values.to_vec()),
+        abscissa_axis: axis("s"),
+        ordinate_axis: axis(unit),
+        properties: Vec::new(),
+    }
+}
+
+/// Bare numbers: rows of one array.
+fn write_npy(path: &Path, rows: &[&[f64]]) {
+    let mut contents = Contents::of_format("test");
+    for (index, row) in rows.iter().enumerate() {
+        let mut one = series("", "1", 1.0, row);
+        one.kind = SeriesKind::General;
+        one.abscissa_axis = SeriesAxis {
+            label: "index".to_owned(),
+            ..SeriesAxis::default()
+        };
+        one.ordinate_axis = SeriesAxis::default();
+        one.name = format!("[{index}, :]");
+        contents.series.push(one);
+    }
+    format::write(path, &contents, &Npy).unwrap();
+}
+
+#[test]
+fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scale) in [("b.npy", 2.0), ("a.npy", 1.0)] {
+        write_npy(
+            &folder.path().join(name),
+            // the first row is none that is used
+            &[
+                &[0.0, 1.0, 2.0, 3.0],
+                &[0.0, 0.5 * scale, 0.25, 0.0],
+                &[1.0, 1.0, 2.0 * scale, 1.0],
+            ],
+        );
+    }
+    let loaded = load(
+        folder.path(),
+        r#"(
+            files: ["*.npy"],
+            sampling_rate: "8 kHz",
+            channels: [
+                (name: "end A", from: 3, unit: "V", sensitivity: "100 mV/g", inverted: true, offset: 1.0),
+                (name: "hammer", from: 2, unit: "V", sensitivity: "2 mV/N ± 1 %"),
+            ],
+        )"#,
+    )
+    .unwrap();
+    let names: Vec<&str> = loaded.records.iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["a.npy", "b.npy"]);
+    let record = &loaded.records[1].record;
+    assert_eq!(record.channels()[0].name(), "end A");
+    assert_eq!(record.channels()[1].quantity(), Quantity::Force);
+    // 1 V over 2 mV/N, and -(4 - 1) V over 100 mV/g; two roundings each
+    assert!((record.channel("hammer").unwrap()[1] / 500.0 - 1.0).abs() < 1e-15);
+    assert!((record.channel("end A").unwrap()[2] / (-30.0 * 9.80665) - 1.0).abs() < 1e-15);
+    assert!((record.sampling_rate_hz() - 8000.0).abs() < 1e-9);
+    assert_eq!(loaded.inputs.len(), 2);
+    assert_eq!(loaded.inputs[0].format, "npy");
+    assert_ne!(loaded.inputs[0].sha256, loaded.inputs[1].sha256);
+    assert!(loaded.warnings.is_empty());
+    let said: Vec<String> = loaded
+        .settings
+        .iter()
+        .map(|s| format!("{} = {}", s.name, s.value))
+        .collect();
+    insta::assert_snapshot!(said.join("\n"), @r"
+    records.sampling_rate = 8 kHz
+    records.channels: end A = channel 3, in V, sensitivity 100 mV/g, inverted, offset 1
+    records.channels: hammer = channel 2, in V, sensitivity 2 mV/N ± 1.000 %
+    ");
+}
+
+#[test]
+fn what_an_array_does_not_tell_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    write_npy(
+        &folder.path().join("hit.npy"),
+        &[&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.5, f64::NAN, 0.0]],
+    );
+    let said = refusals(
+        folder.path(),
+        &[
+            r#"(files: ["hit.npy"], channels: [(name: "hammer", from: 1, unit: "V")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1)])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 3, unit: "V")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 0, unit: "V")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1, unit: "furlong")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 2, unit: "V")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "hammer", from: 1, unit: "V", sensitivity: "2 pC/N")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [(name: "a", from: 1, unit: "V"), (name: "a", from: 2, unit: "V")])"#,
+            r#"(files: ["hit.npy"], sampling_rate: "1 kHz", channels: [])"#,
+            r#"(files: [], channels: [(name: "hammer", from: 1)])"#,
+        ],
+    );
+    insta::assert_snapshot!(said, @r#"
+    records.sampling_rate is not stated, expected the rate of the samples, as "51.2 kHz": hit.npy does not tell it
+    records.channels[0].unit is not stated, expected the unit of the samples, as "V": hit.npy does not tell it
+    records.channels[0].from is channel 3, expected a number from 1 to 2 (hit.npy)
+    records.channels[0].from is channel 0, expected a number from 1 to 2 (hit.npy)
+    records.channels[0].unit: `furlong` is no known unit: `furlong` is not among the known symbols
+    records.channels[0], hit.npy: series 1 (`[1, :]`) is no channel of a record: its ordinate is NaN at sample 2, expected finite
+    records.channels[0], hit.npy: a channel recorded in V is in V over 1 and pC/N, expected a quotient that is a quantity of a channel
+    records.channels[1].name is `a`, expected another name than that of channels[0]
+    records.channels is empty, expected at least one channel
+    records.files is empty, expected the name of at least one file
+    "#);
+}
+
+#[test]
+fn a_file_that_is_missing_or_of_no_known_format_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("notes.bin"),
+        b"\x7fELF\x02\x01 and so on",
+    )
+    .unwrap();
+    let sheet = |files: &str| {
+        format!(r#"(files: [{files}], channels: [(name: "hammer", from: 1, unit: "N")])"#)
+    };
+    let said = refusals(
+        folder.path(),
+        &[
+            &sheet("\"hits/*.csv\""),
+            &sheet("\"notes.bin\""),
+            &sheet("\"[a.csv\""),
+        ],
+    );
+    insta::assert_snapshot!(said, @r#"
+    no file matches `hits/*.csv` in FOLDER
+    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are of no known format (tdms, wav, npy, npz, mat5, uff58, lvm, csv)
+    records.files is `[a.csv`: invalid range pattern, expected a name or a pattern
+    "#);
+}
+
+#[test]
+fn what_a_file_tells_is_believed_and_contradictions_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    // 1/1024 s, rounded as a recorder does
+    fs::write(
+        folder.path().join("hit.csv"),
+        "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,40,1\n0.001954,10,2\n0.002931,0,1\n",
+    )
+    .unwrap();
+    let loaded = load(
+        folder.path(),
+        r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [
+            (name: "force", from: "hammer"), (name: "a", from: "end A", unit: "m/s^2"),
+        ])"#,
+    )
+    .unwrap();
+    let record = &loaded.records[0].record;
+    assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
+    assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv has `end A` in g; as the sheet says, it is taken as m/s^2.");
+    let said = refusals(
+        folder.path(),
+        &[
+            r#"(files: ["hit.csv"], sampling_rate: "2048 Hz", channels: [(name: "force", from: "hammer")])"#,
+            r#"(files: ["hit.csv"], channels: [(name: "force", from: "hamer")])"#,
+        ],
+    );
+    insta::assert_snapshot!(said, @r"
+    records.sampling_rate is 2048 Hz, expected 1023.5414534288639 Hz, as hit.csv tells it, or no statement
+    records.channels[0].from is `hamer`, expected one of `hammer`, `end A` (hit.csv)
+    ");
+}
+
+#[test]
+fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let hit = |peak: f64| {
+        [
+            series("hammer", "N", 1e-3, &[0.0, peak, 0.0]),
+            series("end A", "m/s^2", 1e-3, &[0.0, 2.0 * peak, 1.0]),
+            series("temperature", "V", 1e-1, &[3.0, 3.0]),
+        ]
+    };
+    let write = |name: &str, series: Vec<Series>| {
+        let mut contents = Contents::of_format("test");
+        contents.series = series;
+        format::write(folder.path().join(name), &contents, &Uff58Writer::default()).unwrap();
+    };
+    write("hits.uff", [hit(1.0), hit(2.0), hit(3.0)].concat());
+    let sheet = |file: &str, from: &str| {
+        format!(
+            r#"(files: ["{file}"], channels: [(name: "f", from: "hammer"), (name: "a", from: {from})])"#
+        )
+    };
+    for from in ["\"end A\"", "2"] {
+        let loaded = load(folder.path(), &sheet("hits.uff", from)).unwrap();
+        assert_eq!(loaded.records.len(), 3);
+        assert_eq!(loaded.records[2].name, "hits.uff, record 3");
+        for (named, peak) in loaded.records.iter().zip([1.0, 2.0, 3.0]) {
+            let of = |name| named.record.channel(name).unwrap()[1];
+            assert!((of("f") - peak).abs() < 1e-15 && (of("a") - 2.0 * peak).abs() < 1e-15);
+        }
+    }
+    let mut lost = [hit(1.0), hit(2.0), hit(3.0)].concat();
+    lost[4].ordinate = Ordinate::Real(vec![0.0, f64::NAN, 0.0]);
+    // text holds no NaN: a binary file does
+    let mut contents = Contents::of_format("test");
+    contents.series = lost;
+    let binary = Uff58Writer {
+        encoding: format::uff58::Encoding::Binary(format::uff58::ByteOrder::LittleEndian),
+        ..Uff58Writer::default()
+    };
+    format::write(folder.path().join("lost.uff"), &contents, &binary).unwrap();
+    let mut short = [hit(1.0), hit(2.0)].concat();
+    short.remove(1);
+    write("short.uff", short);
+    let said = refusals(
+        folder.path(),
+        &[
+            &sheet("lost.uff", "\"end A\""),
+            &sheet("short.uff", "\"end A\""),
+            &sheet("hits.uff", "\"temperature\""),
+        ],
+    );
+    insta::assert_snapshot!(said, @r"
+    records.channels[1], lost.uff: series 4 (`end A`) is no channel of a record: its ordinate is NaN at sample 1, expected finite
+    records.channels[1].from is `end A`, expected a channel on the time axis of `hammer` (short.uff, record 2)
+    records.channels[1].from is `temperature`, expected a channel on the time axis of `hammer` (hits.uff, record 1)
+    ");
+}
+
+#[test]
+fn a_name_of_several_points_is_asked_to_be_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |node: &str| {
+        let mut one = series("acceleration", "m/s^2", 1e-3, &[0.0, 1.0, 0.5]);
+        one.properties = vec![
+            ("uff58.response_node".to_owned(), node.to_owned()),
+            ("uff58.response_direction".to_owned(), "1".to_owned()),
+        ];
+        one
+    };
+    let mut contents = Contents::of_format("test");
+    contents.series = vec![at("1"), at("2"), at("1"), at("2")];
+    format::write(
+        folder.path().join("h.uff"),
+        &contents,
+        &Uff58Writer::default(),
+    )
+    .unwrap();
+    let sheet =
+        |from: &str| format!(r#"(files: ["h.uff"], channels: [(name: "a", from: {from})])"#);
+    for exact in ["\"acceleration 2+X\"", "2"] {
+        assert_eq!(load(folder.path(), &sheet(exact)).unwrap().records.len(), 2);
+    }
+    let said = refusals(folder.path(), &[&sheet("\"acceleration\"")]);
+    insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which stands for several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
+}
