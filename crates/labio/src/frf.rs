@@ -2,6 +2,7 @@
 
 mod bias;
 mod coherence;
+mod given;
 
 pub use bias::Bias;
 pub use coherence::Coherence;

@@ -13,6 +13,7 @@
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
 //! | [`records`] | files to calibrated records |
 //! | [`hits`] | which hits of the records are accepted, and why the others are not |
+//! | [`responses`] | frequency responses of hits or of a file |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -31,6 +32,7 @@ pub mod output;
 pub mod program;
 pub mod progress;
 pub mod records;
+pub mod responses;
 pub mod sheet;
 pub mod templates;
 

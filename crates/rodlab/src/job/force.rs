@@ -1,9 +1,13 @@
 //! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force that a measured response tells of.
 
+mod bodies;
 mod impact;
 mod impact_figures;
+mod impact_lines;
+mod impact_tables;
 
-pub use impact::{ContactSheet, ImpactSheet, Line};
+pub use impact::{ContactSheet, ImpactSheet};
+pub use impact_lines::{Line, UncertaintySheet};
 
 use serde::Deserialize;
 
