@@ -5,136 +5,17 @@
     reason = "a sheet that should have a result and has none is the failure that the test reports"
 )]
 
+mod two_masses;
+
 use std::f64::consts::{PI, TAU};
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Outcome, Quantity, Verdict};
-use rodlab::sheet::{Sheet, parse};
-use rodlab::{RodlabError, output};
+use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::output;
 use tempfile::TempDir;
-
-const RATE: f64 = 51_200.0;
-const SAMPLES: usize = 2048;
-
-/// Two masses with a spring and a dashpot between.
-#[derive(Clone, Copy)]
-struct Body {
-    struck: f64,
-    behind: f64,
-    stiffness: f64,
-    damping: f64,
-}
-
-/// Rings at 1.7 kHz and is quiet after 10 ms.
-const BODY: Body = Body {
-    struck: 1.0,
-    behind: 0.5,
-    stiffness: 4e7,
-    damping: 400.0,
-};
-
-impl Body {
-    fn mobility(self, frequency_hz: f64) -> Complex64 {
-        let s = Complex64::new(0.0, TAU * frequency_hz);
-        let link = self.stiffness + self.damping * s;
-        let both = self.struck * self.behind * s * s + (self.struck + self.behind) * link;
-        (self.behind * s * s + link) / (s * both)
-    }
-
-    /// Acceleration of the struck mass \[m/s²\] under `force`, sampled at [`RATE`], by the classical Runge-Kutta method in eight steps a
-    /// sample: the error of a step is (omega h)^5/120 = 1e-10.
-    fn acceleration(self, force: impl Fn(f64) -> f64) -> Vec<f64> {
-        const STEPS: usize = 8;
-        let step = 1.0 / (RATE * STEPS as f64);
-        let link = |state: [f64; 4]| {
-            self.stiffness * (state[0] - state[2]) + self.damping * (state[1] - state[3])
-        };
-        let rate = |time: f64, state: [f64; 4]| {
-            let pull = link(state);
-            [
-                state[1],
-                (force(time) - pull) / self.struck,
-                state[3],
-                pull / self.behind,
-            ]
-        };
-        let add = |state: [f64; 4], rate: [f64; 4], step: f64| {
-            std::array::from_fn(|n| state[n] + step * rate[n])
-        };
-        let mut state = [0.0; 4];
-        let mut samples = Vec::with_capacity(SAMPLES);
-        for sample in 0..SAMPLES {
-            let start = sample as f64 / RATE;
-            samples.push((force(start) - link(state)) / self.struck);
-            for n in 0..STEPS {
-                let time = start + n as f64 * step;
-                let k1 = rate(time, state);
-                let k2 = rate(time + step / 2.0, add(state, k1, step / 2.0));
-                let k3 = rate(time + step / 2.0, add(state, k2, step / 2.0));
-                let k4 = rate(time + step, add(state, k3, step));
-                let mean =
-                    std::array::from_fn(|i| (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0);
-                state = add(state, mean, step);
-            }
-        }
-        samples
-    }
-}
-
-/// Hammer and noise of a test.
-#[derive(Clone, Copy)]
-struct Hammer {
-    /// Length of the pulse \[s\], a raised cosine.
-    pulse: f64,
-    /// Standard deviation of the noise of the accelerometer [m/s²].
-    noise: f64,
-    hits: usize,
-    seed: u64,
-}
-
-const HAMMER: Hammer = Hammer {
-    pulse: 0.3e-3,
-    noise: 0.5,
-    hits: 8,
-    seed: 3,
-};
-
-/// Writes `{prefix}N.csv`: time, force, acceleration.
-fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
-    let mut random = ChaCha8Rng::seed_from_u64(hammer.seed);
-    let mut normal = move || {
-        // Box and Muller
-        let (a, b): (f64, f64) = (random.random(), random.random());
-        (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
-    };
-    for hit in 1..=hammer.hits {
-        let peak = 150.0 + 20.0 * hit as f64;
-        let begin = 4e-3;
-        let force = |time: f64| {
-            let phase = (time - begin) / hammer.pulse;
-            if (0.0..1.0).contains(&phase) {
-                0.5 * peak * (1.0 - (TAU * phase).cos())
-            } else {
-                0.0
-            }
-        };
-        let mut text = "time [s],force [N],acceleration [m/s^2]\n".to_owned();
-        for (n, acceleration) in body.acceleration(force).iter().enumerate() {
-            let time = n as f64 / RATE;
-            let felt = force(time) + 0.01 * normal();
-            let noisy = acceleration + hammer.noise * normal();
-            writeln!(text, "{time:.9},{felt},{noisy}").unwrap();
-        }
-        fs::write(folder.join(format!("{prefix}{hit}.csv")), text).unwrap();
-    }
-}
+use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, quantity, strike, words};
 
 const CHANNELS: &str =
     r#"channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]"#;
@@ -143,62 +24,22 @@ fn hits(pattern: &str) -> String {
     format!(r#"(records: (files: ["{pattern}"], {CHANNELS}), force: "hammer", response: "face")"#)
 }
 
-fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("test.ron");
-    let sheet = Sheet {
-        job: parse(Path::new("test.ron"), text)?,
-        path,
-        text: text.to_owned(),
-    };
-    job::run(&sheet, &Silent, &AtomicBool::new(false))
-}
-
 fn sheet(source: &str, rest: &str) -> String {
     format!(r#"Mobility(title: "two masses", source: {source}, {rest})"#)
 }
 
-fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
-    let table = outcome
-        .tables
-        .iter()
-        .find(|t| t.name == "mobility")
-        .unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Numbers(values) = &column.cells else {
-        unreachable!("{name} is a column of words");
-    };
-    values
-}
-
-fn words<'a>(outcome: &'a Outcome, name: &str) -> &'a [String] {
-    let table = outcome
-        .tables
-        .iter()
-        .find(|t| t.name == "mobility")
-        .unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Words(values) = &column.cells else {
-        unreachable!("{name} is a column of numbers");
-    };
-    values
-}
-
 fn lines(outcome: &Outcome) -> Vec<Complex64> {
-    let parts = column(outcome, "real part").iter();
+    let parts = column(outcome, "mobility", "real part").iter();
     parts
-        .zip(column(outcome, "imaginary part"))
+        .zip(column(outcome, "mobility", "imaginary part"))
         .map(|(re, im)| Complex64::new(*re, *im))
         .collect()
 }
 
-fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
-    outcome.quantities.iter().find(|q| q.name == name).unwrap()
-}
-
 /// Mean of the squared errors of the lines from 100 Hz to 4 kHz in units of their variances.
 fn mean_square_error(outcome: &Outcome, body: Body) -> f64 {
-    let frequency = column(outcome, "frequency");
-    let errors = column(outcome, "standard error");
+    let frequency = column(outcome, "mobility", "frequency");
+    let errors = column(outcome, "mobility", "standard error");
     let mut squares = Vec::new();
     for ((line, f), error) in lines(outcome).iter().zip(frequency).zip(errors) {
         if (100.0..4000.0).contains(f) {
@@ -255,8 +96,11 @@ fn hits_give_the_mobility_within_its_errors() {
     for (there, here) in lines(&outcome).iter().zip(lines(&again)).skip(1) {
         assert!((there - here).norm() < 1e-10 * there.norm()); // thirteen digits
     }
-    let errors = column(&outcome, "standard error").iter();
-    for (there, here) in errors.zip(column(&again, "standard error")).skip(1) {
+    let errors = column(&outcome, "mobility", "standard error").iter();
+    for (there, here) in errors
+        .zip(column(&again, "mobility", "standard error"))
+        .skip(1)
+    {
         assert!((there / here - 1.0).abs() < 1e-10);
     }
     // the same bytes from the same sheet
@@ -289,14 +133,20 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
     let outcome = attempt(folder.path(), &sheet(&source, &rest)).unwrap();
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
-    for (line, f) in lines(&outcome).iter().zip(column(&outcome, "frequency")) {
+    for (line, f) in lines(&outcome)
+        .iter()
+        .zip(column(&outcome, "mobility", "frequency"))
+    {
         if *f > 0.0 && *f < 100.0 {
             // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known to a few percent
             let exact = BODY.mobility(*f);
             assert!((line / exact - 1.0).norm() < 1e-3, "{f} Hz");
         }
     }
-    assert_eq!(words(&outcome, "validity")[1], "valid, by the weighed mass");
+    assert_eq!(
+        words(&outcome, "mobility", "validity")[1],
+        "valid, by the weighed mass"
+    );
     let change = quantity(
         &outcome,
         "largest change by the uncertainty of the head mass",
@@ -324,7 +174,7 @@ fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
             .any(|w| w.contains("generate energy"))
     );
     assert!(
-        words(&outcome, "validity")
+        words(&outcome, "mobility", "validity")
             .iter()
             .any(|w| w == "makes energy")
     );
@@ -372,8 +222,12 @@ fn a_soft_and_a_hard_hammer_become_one() {
         let found = mean_square_error(&outcome, BODY);
         // weights that are estimated from 8 hits each make the stated variance too small by a part of about 1/2
         assert!((0.7..2.5).contains(&found), "{merge}: {found}");
-        let share = column(&outcome, "share of high");
-        for (f, share) in column(&outcome, "frequency").iter().zip(share).skip(1) {
+        let share = column(&outcome, "mobility", "share of high");
+        for (f, share) in column(&outcome, "mobility", "frequency")
+            .iter()
+            .zip(share)
+            .skip(1)
+        {
             // pulses of one height: the long one is larger below about the inverse of its length
             if merge == "LargerForce" && *f < 400.0 {
                 assert!(share.abs() < 1e-12, "{f} Hz");
@@ -421,7 +275,7 @@ fn computed_bodies_have_their_closed_forms() {
     let outcome = attempt(nowhere, &computed(r#"RigidMass("2 kg")"#)).unwrap();
     for (line, f) in lines(&outcome)
         .iter()
-        .zip(column(&outcome, "frequency"))
+        .zip(column(&outcome, "mobility", "frequency"))
         .skip(1)
     {
         assert!((line * Complex64::new(0.0, TAU * f) * 2.0 - 1.0).norm() < 1e-12);
@@ -436,7 +290,7 @@ fn computed_bodies_have_their_closed_forms() {
     let outcome = attempt(nowhere, &computed(free)).unwrap();
     for (line, f) in lines(&outcome)
         .iter()
-        .zip(column(&outcome, "frequency"))
+        .zip(column(&outcome, "mobility", "frequency"))
         .skip(1)
     {
         let angle = TAU * f / (200e9_f64 / 7800.0).sqrt();

@@ -295,23 +295,33 @@ fn read_blow(
     Ok(found)
 }
 
-/// Path and record have the same lines; a path may end lower.
+/// Path and record have the same lines, where a path may end lower; the force acts within the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,
     file: Option<&FrequencyResponse>,
     calibration: Option<&(&HitsSource, FoundHits)>,
 ) -> Result<(), RodlabError> {
+    if let Some(acting) = &sheet.acting {
+        let (from, to, end) = (acting.from.si(), acting.to.si(), record.duration());
+        if !(0.0 <= from && from < to && to <= end) {
+            return Err(RodlabError::request(
+                "problem.acting",
+                format!("{} to {}", acting.from, acting.to),
+                format!("a time span from 0 s to {end:.6} s, the end of the record"),
+            ));
+        }
+    }
     let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
     let n_lines = record.n_samples() / 2 + 1;
-    let here = format!("{n_lines} lines {spacing} Hz apart, those of the record");
+    let here = format!("{n_lines} lines {spacing:.6} Hz apart, those of the record");
     if let (Some(path), PathSheet::File(named)) = (file, &sheet.path) {
         let found = line_spacing_hz(path);
         if path.values.len() > n_lines || (found / spacing - 1.0).abs() > SAME_LINES {
             return Err(RodlabError::request(
                 "problem.path.file",
                 format!(
-                    "{} with {} lines {found} Hz apart",
+                    "{} with {} lines {found:.6} Hz apart",
                     named.file,
                     path.values.len()
                 ),
@@ -413,7 +423,10 @@ fn noise_at_rest(
     if rest.len() < FEWEST {
         return Err(RodlabError::request(
             "problem.noise.FromRest",
-            format!("{stretch}, {n_rest} samples"),
+            match stretch.extent() {
+                Extent::Samples(_) => stretch.to_string(),
+                Extent::Seconds(_) => format!("{stretch}, {n_rest} samples"),
+            },
             format!("from {FEWEST} to {} samples", samples.len()),
         ));
     }

@@ -76,7 +76,7 @@ pub(super) fn screen(
         Arc::new(body)
     };
     Ok(Screened {
-        impulse_response: Some(impulse_response(&*body, known, outcome)?),
+        impulse_response: impulse_response(&*body, known, outcome),
     })
 }
 
@@ -85,15 +85,25 @@ fn impulse_response(
     body: &dyn ImpactBody,
     known: &Known,
     outcome: &mut Outcome,
-) -> Result<ImpulseResponse, RodlabError> {
+) -> Option<ImpulseResponse> {
     let n_lines = known.mobility.values.len();
     let period = 1.0 / line_spacing_hz(&known.mobility);
     let grid = TimeGrid {
         time_step: period / (2 * (n_lines - 1)) as f64,
         n_steps: n_lines - 1,
     };
-    let kernel = Kernel::of(body, grid, Quadrature::CellAverages)
-        .map_err(|error| RodlabError::step("the impulse response", error))?;
+    let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
+        Ok(kernel) => kernel,
+        // the mobility stands: a law for real frequencies may have no limit at rest
+        Err(error) => {
+            let why = std::error::Error::source(&error)
+                .map_or_else(String::new, |source| format!(": {source}"));
+            outcome
+                .warnings
+                .push(format!("There is no impulse response: {error}{why}."));
+            return None;
+        }
+    };
     let weights = kernel.weights();
     if known.body.is_none() {
         // as a check: of a body that rings longer than the period this is what has come round
@@ -107,7 +117,7 @@ fn impulse_response(
             verdict: "root mean square, over the answer in the first step".to_owned(),
         });
     }
-    Ok(ImpulseResponse {
+    Some(ImpulseResponse {
         time: (1..weights.len())
             .map(|step| step as f64 * grid.time_step)
             .collect(),
