@@ -4,6 +4,7 @@
 
 mod bias;
 mod coherence;
+mod given;
 
 pub use bias::Bias;
 pub use coherence::Coherence;

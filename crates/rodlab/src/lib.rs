@@ -14,6 +14,7 @@
 //! | [`records`] | files to calibrated records |
 //! | [`hits`] | which hits of the records are accepted, and why the others are not |
 //! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
+//! | [`responses`] | frequency responses of hits or of a file |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`report`] | the page that is read |
@@ -40,6 +41,7 @@ pub mod progress;
 pub mod records;
 pub mod report;
 mod rounded;
+pub mod responses;
 pub mod sheet;
 pub mod templates;
 

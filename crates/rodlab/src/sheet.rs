@@ -15,6 +15,7 @@
 pub mod body;
 mod diagnostic;
 pub mod material;
+pub mod measured;
 mod stated;
 
 pub use diagnostic::SheetError;

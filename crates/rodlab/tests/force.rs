@@ -173,6 +173,6 @@ fn what_cannot_be_is_refused_where_it_stands() {
     test.ron:2:173: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, as "0.93 m/s"
     test.ron:2:172: Force.problem.Impact.velocity: found the unsigned integer `1`, expected a velocity with its unit in quotes, as "0.93 m/s"
     test.ron:2:47: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, as "1.5 kg" or "2.9 gram"
-    test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`
+    test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`, `Measured`
     "#);
 }

@@ -1,9 +1,21 @@
 //! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force that a measured response tells of.
 
+mod bodies;
 mod impact;
 mod impact_figures;
+mod impact_lines;
+mod impact_tables;
+mod response;
+mod response_answer;
+mod response_figures;
+mod response_solve;
 
-pub use impact::{ContactSheet, ImpactSheet, Line};
+pub use impact::{ContactSheet, ImpactSheet};
+pub use impact_lines::{Line, UncertaintySheet};
+pub use response::{
+    BandSheet, IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet,
+    RegularisationSheet, ResponseSheet,
+};
 
 use serde::Deserialize;
 
@@ -37,6 +49,8 @@ pub struct ForceSheet {
 pub enum Problem {
     /// The force when two bodies meet.
     Impact(ImpactSheet),
+    /// The force that a measured response tells of.
+    Response(ResponseSheet),
 }
 
 pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
@@ -44,6 +58,16 @@ pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outco
     sheet.about.tell(&mut outcome);
     match &sheet.problem {
         Problem::Impact(problem) => impact::run(problem, &sheet.materials, around, &mut outcome)?,
+        Problem::Response(problem) => {
+            if let Some(name) = sheet.materials.keys().next() {
+                return Err(RodlabError::request(
+                    "materials",
+                    format!("`{name}`"),
+                    "none: a force from a response has no computed bodies",
+                ));
+            }
+            response::run(problem, around, &mut outcome)?;
+        }
     }
     Ok(outcome)
 }

@@ -1,8 +1,21 @@
-//! Mobility of an impact face.
+//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1): of hits, of a file, or computed; screened, completed, as impulse response.
+
+mod figures;
+mod known;
+pub(super) mod screening;
+mod source;
+mod tables;
+mod universal;
 
 use serde::Deserialize;
 
-use super::Surroundings;
+use self::known::Known;
+pub use self::source::{MergeSheet, SourceSheet};
+use super::{About, Surroundings};
+use crate::outcome::{Quantity, Setting, Verdict};
+use crate::responses::{CompletionSheet, SupportSheet};
+use crate::sheet::material::Materials;
+use crate::sheet::{AddedMass, Frequency, SpecificImpedance, Stated};
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -11,11 +24,172 @@ use crate::{Outcome, RodlabError};
 pub struct MobilitySheet {
     /// Title of the test.
     pub title: String,
+    /// Free texts for the report.
+    #[serde(default)]
+    pub about: About,
+    /// Materials of a computed body, by name.
+    #[serde(default)]
+    pub materials: Materials,
+    /// Where the mobility comes from.
+    pub source: SourceSheet,
+    /// Mass between the force gauge of an impedance head and the face, the screw included, as `"12.5 gram ± 0.1 gram"`.
+    #[serde(default)]
+    pub head_mass: Option<Stated<AddedMass>>,
+    /// Lines above this frequency are left out, as `"10 kHz"`; by default none is.
+    #[serde(default)]
+    pub up_to: Option<Stated<Frequency>>,
+    /// What holds the body; by default what the line at 0 Hz says.
+    #[serde(default)]
+    pub support: SupportSheet,
+    /// Low lines of a free body by its weighed mass; by default they stay as measured.
+    #[serde(default)]
+    pub complete: Option<CompletionSheet>,
+    /// Characteristic impedance of the material at the face, with which it answers at once, as `"3.2e3 kg/s"`.
+    #[serde(default)]
+    pub front_impedance: Option<Stated<SpecificImpedance>>,
 }
 
 pub(crate) fn run(
     sheet: &MobilitySheet,
-    _around: &Surroundings<'_>,
+    around: &Surroundings<'_>,
 ) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("mobility", sheet.title.as_str()))
+    let mut outcome = Outcome::of("mobility", sheet.title.as_str());
+    sheet.about.tell(&mut outcome);
+    let read = source::read(sheet, around, &mut outcome)?;
+    settings(sheet, &mut outcome);
+    around.has_read_all()?;
+
+    around.progress.begins("mobility", 0);
+    let Some(raw) = source::raw(&read, sheet, around, &mut outcome)? else {
+        return Ok(outcome);
+    };
+    let known = known::prepare(raw, sheet, &mut outcome)?;
+    around.go_on()?;
+    let screened = screening::screen(&known, sheet, &mut outcome)?;
+    answer(&known, &mut outcome);
+    outcome.tables.push(tables::mobility(&known));
+    outcome.figures.push(figures::bode(&known, sheet));
+    outcome.figures.push(figures::nyquist(&known));
+    if let Some(response) = &screened.impulse_response {
+        outcome.tables.push(response.table());
+        outcome.figures.push(figures::impulse_response(response));
+    }
+    outcome
+        .attachments
+        .push(universal::attachment(&known, &sheet.title)?);
+    Ok(outcome)
+}
+
+fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
+    let mut say = |name: &str, value: Option<String>, default: &str| {
+        outcome.settings.push(Setting {
+            name: name.to_owned(),
+            by_default: value.is_none(),
+            value: value.unwrap_or_else(|| default.to_owned()),
+        });
+    };
+    say(
+        "head_mass",
+        sheet.head_mass.as_ref().map(Stated::to_string),
+        "none",
+    );
+    say(
+        "up_to",
+        sheet.up_to.as_ref().map(Stated::to_string),
+        "all lines",
+    );
+    let support = match &sheet.support {
+        SupportSheet::AsMeasured => None,
+        other => Some(other.in_words()),
+    };
+    say("support", support, &SupportSheet::AsMeasured.in_words());
+    let completed = sheet.complete.as_ref().map(|band| {
+        format!(
+            "lines below {}, fitted up to {}",
+            band.below, band.fitted_to
+        )
+    });
+    say("complete", completed, "lines stay as measured");
+    let front = sheet.front_impedance.as_ref().map(Stated::to_string);
+    say("front_impedance", front, "of the upper fifth of the lines");
+}
+
+/// How many lines are known how well.
+fn answer(known: &Known, outcome: &mut Outcome) {
+    let above_zero = || (1..known.mobility.values.len()).filter(|line| known.is_valid(*line));
+    let n_valid = above_zero().count();
+    let n_lines = known.mobility.values.len() - 1;
+    let ends = above_zero().next().zip(above_zero().last());
+    let Some((first, last)) = ends else {
+        let reason = known.objections.iter().skip(1).flatten().next();
+        outcome.verdict = Verdict::NotAllowed {
+            reason: format!(
+                "none of the {n_lines} lines of the mobility can be believed: {}",
+                reason.map_or("no line above 0 Hz", String::as_str)
+            ),
+        };
+        outcome
+            .summary
+            .push("No line of the mobility can be believed.".to_owned());
+        return;
+    };
+    let frequency = &known.mobility.frequency_hz;
+    let mut errors: Vec<f64> = known
+        .mobility
+        .random_error()
+        .into_iter()
+        .flat_map(|errors| {
+            let magnitudes: Vec<f64> = above_zero().map(|line| errors[line].magnitude).collect();
+            magnitudes
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let median = errors.get(errors.len() / 2).copied();
+    let error = match median {
+        Some(median) => format!(
+            ", with a standard error of {:.2} % in the median",
+            100.0 * median
+        ),
+        None if known.is_computed => String::new(),
+        None => ", with errors that are not known".to_owned(),
+    };
+    outcome.summary.push(format!(
+        "The mobility is known on {n_valid} of {n_lines} lines from {:.4} kHz to {:.4} kHz{error}{}.",
+        1e-3 * frequency[first],
+        1e-3 * frequency[last],
+        known.origin,
+    ));
+    let mut add = |name: &str, unit: &str, value: Option<f64>, verdict: &str| {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value,
+            standard_error: None,
+            valid: value.is_some(),
+            verdict: verdict.to_owned(),
+        });
+    };
+    add("lines that are valid", "", Some(n_valid as f64), "counted");
+    add(
+        "median standard error of the magnitude",
+        "%",
+        median.map(|median| 100.0 * median),
+        if median.is_some() {
+            "random error of the lines, by the scatter of the hits"
+        } else {
+            "no scatter is known"
+        },
+    );
+    if known.calibration > 0.0 {
+        add(
+            "standard uncertainty of the scale",
+            "%",
+            Some(100.0 * known.calibration),
+            "by the sensors, the same on all lines and not in their errors",
+        );
+        outcome.summary.push(format!(
+            "All lines share besides a standard uncertainty of {:.2} % by the sensors.",
+            100.0 * known.calibration
+        ));
+    }
 }

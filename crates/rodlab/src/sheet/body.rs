@@ -1,4 +1,4 @@
-//! Bodies of a sheet that are computed: rows of elements and single lumps.
+//! Bodies of a sheet: rows of elements and single lumps, which are computed, and measured ones.
 
 use std::sync::Arc;
 
@@ -11,10 +11,11 @@ use rodwave::element::Circle;
 use serde::Deserialize;
 
 use super::material::{Material, Materials, material_called};
+use super::measured::MeasuredBodySheet;
 use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 use crate::RodlabError;
 
-/// A body as a row of elements from its impact face, or a lump.
+/// A body as a row of elements from its impact face, a lump, or as it was measured.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BodySheet {
@@ -37,6 +38,8 @@ pub enum BodySheet {
     },
     /// A long rod by its characteristic impedance.
     Impedance(Stated<SpecificImpedance>),
+    /// A body by the measured response of its impact face.
+    Measured(Box<MeasuredBodySheet>),
 }
 
 /// An element of a body.
@@ -121,11 +124,11 @@ pub enum ComputedBody {
 }
 
 impl BodySheet {
-    /// The body; `field` is its place in the sheet.
+    /// The body, which is computed; `field` is its place in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the element and what is wrong with it.
+    /// [`RodlabError`] with the element and what is wrong with it; [`RodlabError::Request`] for a measured body.
     pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
         match self {
             Self::RigidMass(mass) => Ok(ComputedBody::Lump {
@@ -146,6 +149,11 @@ impl BodySheet {
                 field,
             ),
             Self::Chain { elements, end } => chain(elements, end, materials, field),
+            Self::Measured(_) => Err(RodlabError::request(
+                field,
+                "a measured body",
+                "one that is computed: `Chain`, `RigidMass`, `LongRod` or `Impedance`",
+            )),
         }
     }
 }

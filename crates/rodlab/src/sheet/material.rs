@@ -89,7 +89,7 @@ pub enum LawSheet {
         /// Branches: modulus and relaxation time.
         branches: Vec<BranchSheet>,
     },
-    /// Fit of powers to damping and wave number, as of paper E (eq. 7): alpha = a f^p, k = b f^q with f in Hz. It is causal for no
+    /// Fit of powers to damping and wave number, as of paper E (eq. 7): alpha = a omega^p, k = b omega^q with omega in rad/s. It is causal for no
     /// choice of the numbers, and known for real frequencies only.
     PowerLawPropagation {
         /// a, for alpha in 1/m.

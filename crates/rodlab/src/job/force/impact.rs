@@ -1,19 +1,16 @@
 //! The force when two bodies meet.
 
-use impulse::{
-    ContactLaw, ElasticMaterial, Impact, LineBand, Prediction, PredictionFlag, StickForce,
-    TabulatedContact,
-};
+use impulse::{ContactLaw, ElasticMaterial, Impact, Prediction, PredictionFlag, TabulatedContact};
 use serde::Deserialize;
 
-use super::impact_figures;
+use super::bodies::FaceBody;
+use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
+use super::{impact_figures, impact_tables};
 use crate::job::Surroundings;
-use crate::outcome::{Column, Quantity, Setting, Table, Verdict};
-use crate::sheet::body::{BodySheet, ComputedBody};
+use crate::outcome::{Setting, Verdict};
+use crate::sheet::body::BodySheet;
 use crate::sheet::material::Materials;
-use crate::sheet::{
-    Duration, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
-};
+use crate::sheet::{Duration, Force, Length, Pressure, Ratio, Stated, Stiffness, Velocity};
 use crate::{Outcome, RodlabError};
 
 /// Two bodies that meet.
@@ -34,19 +31,13 @@ pub struct ImpactSheet {
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
-    /// The paper's own way besides: the stick force by the Fourier transform on lines up to a frequency.
+    /// The paper's own way besides: the stick force by the Fourier transform on lines up to a frequency. By default where a body was
+    /// measured, on all its lines.
     #[serde(default)]
     pub lines: Option<Line>,
-}
-
-/// A band of lines.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Line {
-    /// Highest frequency.
-    pub up_to: Stated<Frequency>,
-    /// Samples of the force over the period.
-    pub samples: usize,
+    /// How the errors of velocity and mobilities are followed to the stick force on lines.
+    #[serde(default)]
+    pub uncertainty: Option<UncertaintySheet>,
 }
 
 /// Law of the contact.
@@ -129,10 +120,23 @@ pub(super) struct Found {
     pub(super) prediction: Prediction,
     /// The same at a velocity that is one standard uncertainty higher.
     pub(super) faster: Option<Prediction>,
-    pub(super) on_lines: Option<StickForce>,
+    pub(super) on_lines: Option<OnLines>,
 }
 
 impl Found {
+    /// Standard error of the peak: of velocity and mobilities where the stick force on lines tells it, else of the velocity alone.
+    pub(super) fn peak_error(&self) -> Option<f64> {
+        let peak = self.prediction.peak();
+        let on_lines = self
+            .on_lines
+            .as_ref()
+            .and_then(|lines| lines.error_at(peak.time));
+        on_lines.or_else(|| {
+            let faster = self.faster.as_ref()?;
+            Some((faster.peak().force - peak.force).abs())
+        })
+    }
+
     /// Change of the force \[N\] in every step for one standard uncertainty of the velocity.
     pub(super) fn force_errors(&self) -> Option<Vec<f64>> {
         let faster = self.faster.as_ref()?.history.force();
@@ -153,27 +157,34 @@ pub(super) fn run(
     around: &Surroundings<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let first = sheet.first.body(materials, "problem.first")?;
-    let second = sheet.second.body(materials, "problem.second")?;
+    let first = FaceBody::read(&sheet.first, materials, "problem.first", around, outcome)?;
+    let second = FaceBody::read(&sheet.second, materials, "problem.second", around, outcome)?;
     let law = sheet.contact.law()?;
     settings(sheet, outcome);
     around.has_read_all()?;
 
     around.progress.begins("force", 0);
-    let found = predict(sheet, [&first, &second], law)?;
+    let found = predict(sheet, [&first, &second], law, outcome)?;
+    around.go_on()?;
     flags(&found.prediction, outcome);
     answer(sheet, &found, outcome);
-    quantities(sheet, &found, outcome);
-    outcome.tables.push(history_table(&found));
-    outcome.tables.push(contact_table(&found.prediction));
+    impact_tables::quantities(sheet, &found, outcome);
+    outcome.tables.push(impact_tables::history(&found));
+    outcome
+        .tables
+        .push(impact_tables::contacts(&found.prediction));
+    if let Some(lines) = &found.on_lines {
+        outcome.tables.push(lines.table());
+    }
     outcome.figures = impact_figures::all(&found, [&first, &second], sheet)?;
     Ok(())
 }
 
 fn predict(
     sheet: &ImpactSheet,
-    [first, second]: [&ComputedBody; 2],
+    [first, second]: [&FaceBody; 2],
     law: ContactLaw,
+    outcome: &mut Outcome,
 ) -> Result<Found, RodlabError> {
     let bodies = [first.impact_body()?, second.impact_body()?];
     let duration = sheet.duration.si();
@@ -197,17 +208,7 @@ fn predict(
         .map(|uncertainty| discrete.at_velocity(velocity + uncertainty).predict())
         .transpose()
         .map_err(refused)?;
-    let on_lines = sheet
-        .lines
-        .as_ref()
-        .map(|lines| {
-            at(velocity).stick_force_on_lines(LineBand {
-                highest_hz: lines.up_to.si(),
-                n_samples: lines.samples,
-            })
-        })
-        .transpose()
-        .map_err(|error| RodlabError::step("problem.lines", error))?;
+    let on_lines = on_lines(sheet, [first, second], outcome)?;
     Ok(Found {
         prediction: discrete.predict().map_err(refused)?,
         faster,
@@ -235,8 +236,18 @@ fn settings(sheet: &ImpactSheet, outcome: &mut Outcome) {
         matches!(sheet.contact, ContactSheet::Rigid),
     );
     if let Some(lines) = &sheet.lines {
-        let value = format!("up to {}, {} samples", lines.up_to, lines.samples);
-        say("lines", value, false);
+        let samples = lines
+            .samples
+            .map_or_else(String::new, |samples| format!(", {samples} samples"));
+        let roll_off = lines
+            .roll_off_from
+            .as_ref()
+            .map_or_else(String::new, |from| format!(", rolled off from {from}"));
+        say(
+            "lines",
+            format!("up to {}{samples}{roll_off}", lines.up_to),
+            false,
+        );
     }
 }
 
@@ -257,7 +268,9 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
 fn answer(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
     let prediction = &found.prediction;
     let peak = prediction.peak();
-    let error = peak_error(found).map_or_else(String::new, |error| format!(" ± {error:.2} N"));
+    let error = found
+        .peak_error()
+        .map_or_else(String::new, |error| format!(" ± {error:.2} N"));
     let impulse = prediction.balance().impulse;
     let counts = |contact: &&impulse::ContactInterval| contact.impulse > 1e-3 * impulse;
     let counting = prediction.contacts.iter().filter(counts).count();
@@ -285,172 +298,5 @@ fn answer(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
             "no uncertainty of the velocity is stated: the force has no error; it is known no better than the velocity, in parts"
                 .to_owned(),
         );
-    }
-}
-
-fn peak_error(found: &Found) -> Option<f64> {
-    let faster = found.faster.as_ref()?;
-    Some((faster.peak().force - found.prediction.peak().force).abs())
-}
-
-fn quantities(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
-    let prediction = &found.prediction;
-    let balance = prediction.balance();
-    let finished = !prediction
-        .flags
-        .iter()
-        .any(|flag| matches!(flag, PredictionFlag::StillInContact));
-    let relative = sheet
-        .velocity
-        .standard_uncertainty()
-        .map(|uncertainty| uncertainty / sheet.velocity.si());
-    let mut add = |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, valid: bool| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value,
-            standard_error: error,
-            valid: valid && value.is_some(),
-            verdict: match (value, valid) {
-                (None, _) => "not defined for these bodies".to_owned(),
-                (_, true) => "computed from the bodies".to_owned(),
-                (_, false) => "of an impact that is not over: follow it longer".to_owned(),
-            },
-        });
-    };
-    add(
-        "peak force",
-        "N",
-        Some(prediction.peak().force),
-        peak_error(found),
-        true,
-    );
-    add(
-        "time of the peak",
-        "ms",
-        Some(1e3 * prediction.peak().time),
-        None,
-        true,
-    );
-    add(
-        "end of the last contact",
-        "ms",
-        Some(1e3 * prediction.duration()),
-        None,
-        finished,
-    );
-    let impulse_error = relative
-        .zip(found.faster.as_ref())
-        .map(|(_, faster)| (faster.balance().impulse - balance.impulse).abs());
-    add(
-        "impulse",
-        "N s",
-        Some(balance.impulse),
-        impulse_error,
-        finished,
-    );
-    add(
-        "coefficient of restitution",
-        "",
-        balance.restitution,
-        None,
-        finished,
-    );
-    for (body, number) in ["first", "second"].iter().zip(0..) {
-        let velocity: Option<f64> = balance.velocity_after[number];
-        add(
-            &format!("velocity of the {body} body after"),
-            "m/s",
-            velocity,
-            None,
-            finished,
-        );
-        let inner = Some(balance.inner[number]);
-        add(
-            &format!("energy left in the {body} body"),
-            "J",
-            inner,
-            None,
-            finished,
-        );
-    }
-    add(
-        "energy residual",
-        "",
-        Some(balance.energy_residual),
-        None,
-        true,
-    );
-    if let Some(lines) = &found.on_lines {
-        let peak = lines.history.peak().force;
-        add(
-            "peak of the stick force on lines",
-            "N",
-            Some(peak),
-            None,
-            true,
-        );
-    }
-}
-
-fn history_table(found: &Found) -> Table {
-    let prediction = &found.prediction;
-    let history = &prediction.history;
-    let steps = history.force().len();
-    let in_contact = (0..steps)
-        .map(|step| {
-            let time = history.time_at(step);
-            let touches = prediction
-                .contacts
-                .iter()
-                .any(|contact| contact.begin <= time && contact.end.is_none_or(|end| time <= end));
-            if touches { "contact" } else { "apart" }.to_owned()
-        })
-        .collect();
-    let mut columns = vec![
-        Column::numbers(
-            "time",
-            "s",
-            (0..steps).map(|n| history.time_at(n)).collect(),
-        ),
-        Column::numbers("force", "N", history.force().to_vec()),
-    ];
-    if let Some(errors) = found.force_errors() {
-        columns.push(Column::numbers("standard error of the force", "N", errors));
-    }
-    columns.extend([
-        Column::numbers(
-            "velocity of the first face",
-            "m/s",
-            prediction.face_velocity[0].clone(),
-        ),
-        Column::numbers(
-            "velocity of the second face",
-            "m/s",
-            prediction.face_velocity[1].clone(),
-        ),
-        Column::numbers("approach of the faces", "m", prediction.approach.clone()),
-        Column::words("state", in_contact),
-    ]);
-    Table {
-        name: "force".to_owned(),
-        title: "Force, faces and state of the contact".to_owned(),
-        columns,
-    }
-}
-
-fn contact_table(prediction: &Prediction) -> Table {
-    let of = |value: &dyn Fn(&impulse::ContactInterval) -> f64| {
-        prediction.contacts.iter().map(value).collect::<Vec<f64>>()
-    };
-    Table {
-        name: "contacts".to_owned(),
-        title: "Contacts".to_owned(),
-        columns: vec![
-            Column::numbers("begin", "s", of(&|contact| contact.begin)),
-            Column::numbers("end", "s", of(&|contact| contact.end.unwrap_or(f64::NAN))),
-            Column::numbers("impulse", "N s", of(&|contact| contact.impulse)),
-            Column::numbers("largest force", "N", of(&|contact| contact.peak)),
-        ],
     }
 }

@@ -1,19 +1,22 @@
 //! Figures of an impact: the force with its contacts, the faces, the mobilities.
 
+use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
+use super::impact_lines::OnLines;
 use crate::RodlabError;
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
-use crate::sheet::body::ComputedBody;
 
 /// Lines on which mobilities are drawn.
 const LINES: usize = 400;
 
 pub(super) fn all(
     found: &Found,
-    bodies: [&ComputedBody; 2],
+    bodies: [&FaceBody; 2],
     sheet: &ImpactSheet,
 ) -> Result<Vec<Figure>, RodlabError> {
-    Ok(vec![force(found), faces(found), mobilities(bodies, sheet)?])
+    let mut figures = vec![force(found), faces(found), mobilities(bodies, sheet)?];
+    figures.extend(found.on_lines.as_ref().map(|lines| stick(found, lines)));
+    Ok(figures)
 }
 
 fn milliseconds(found: &Found) -> Vec<f64> {
@@ -61,7 +64,7 @@ fn force(found: &Found) -> Figure {
         });
     }
     if let Some(lines) = &found.on_lines {
-        let history = &lines.history;
+        let history = &lines.stick.history;
         let shown = || {
             (0..history.force().len()).filter(|n| {
                 let time = 1e3 * history.time_at(*n);
@@ -140,7 +143,7 @@ fn faces(found: &Found) -> Figure {
     }
 }
 
-fn mobilities(bodies: [&ComputedBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
+fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
     // three decades up to where the force has its band, or to what a step of a thousandth of the duration resolves
     let highest = sheet
         .lines
@@ -161,11 +164,7 @@ fn mobilities(bodies: [&ComputedBody; 2], sheet: &ImpactSheet) -> Result<Figure,
         .zip(["first body", "second body"])
         .zip([Role::First, Role::Second])
     {
-        let values = frequencies
-            .iter()
-            .map(|f| body.mobility(*f))
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(|error| RodlabError::step(format!("mobility of the {name}"), error))?;
+        let (frequencies, values) = body.curve(&frequencies, &format!("mobility of the {name}"))?;
         let curves = [
             values.iter().map(|g| g.norm()).collect(),
             values.iter().map(|g| g.arg().to_degrees()).collect(),
@@ -194,4 +193,79 @@ fn mobilities(bodies: [&ComputedBody; 2], sheet: &ImpactSheet) -> Result<Figure,
             })
             .collect(),
     })
+}
+
+/// The stick force with its bands, and the impact force until the faces part.
+fn stick(found: &Found, lines: &OnLines) -> Figure {
+    let history = &lines.stick.history;
+    let until = time_end(found);
+    let shown: Vec<usize> = (0..history.force().len())
+        .filter(|n| 1e3 * history.time_at(*n) <= until)
+        .collect();
+    let time: Vec<f64> = shown.iter().map(|n| 1e3 * history.time_at(*n)).collect();
+    let of = |values: &[f64]| -> Vec<f64> { shown.iter().map(|n| values[*n]).collect() };
+    let band = |name: String, role: Role, band: &impulse::ForceBand| Mark::Band {
+        name,
+        role,
+        x: time.clone(),
+        lower: of(&band.lower),
+        upper: of(&band.upper),
+    };
+    let line = |name: &str, role: Role, values: &[f64]| Mark::Line {
+        name: name.to_owned(),
+        role,
+        x: time.clone(),
+        y: of(values),
+    };
+    let mut marks = Vec::new();
+    let mut caption =
+        "By the Fourier transform on lines. Where it is negative the faces would have to pull."
+            .to_owned();
+    if let Some(bands) = &lines.bands {
+        let percent = 100.0 * bands.level;
+        marks.push(band(
+            format!("whole history, {percent:.0} %"),
+            Role::Second,
+            &bands.simultaneous,
+        ));
+        marks.push(band(
+            format!("at each time, {percent:.0} %"),
+            Role::First,
+            &bands.pointwise,
+        ));
+        marks.push(band(
+            format!("impact force by draws, {percent:.0} %"),
+            Role::Third,
+            &bands.contact,
+        ));
+        if let impulse::ContactEnd::Separated { time } = bands.impact.end {
+            marks.push(Mark::At {
+                name: "the faces part".to_owned(),
+                x: 1e3 * time,
+            });
+        }
+        caption.push_str(
+            " The bands are those of the random errors of mobilities, scales, velocity and masses.",
+        );
+    }
+    marks.push(line("stick force", Role::First, history.force()));
+    if let Some(bands) = &lines.bands {
+        marks.push(line(
+            "until the faces part",
+            Role::Reference,
+            bands.impact.history.force(),
+        ));
+    }
+    Figure {
+        name: "stick_force".to_owned(),
+        title: "Stick force on lines".to_owned(),
+        caption,
+        panels: vec![Panel {
+            x: Axis::linear("time", "ms"),
+            y: Axis::linear("force", "N"),
+            marks,
+            greyed: Vec::new(),
+            equal_axes: false,
+        }],
+    }
 }

@@ -1,0 +1,261 @@
+//! Responses whose lines are known otherwise than by spectra: read from a file, or computed.
+
+use num_complex::Complex64;
+
+use super::{Estimator, FrequencyResponse, LineValidity};
+use crate::error::check_positive;
+use crate::{Channel, LabioError};
+
+/// Lines that a response has at least.
+const FEWEST_LINES: usize = 3;
+
+impl FrequencyResponse {
+    /// The response of these `values` \[unit of output / unit of input\] on the lines $`k\,\Delta f`$ from 0 Hz. It stands for
+    /// $`2(L-1)`$ samples, counts as a single average and has no errors yet. A value that is not finite is a line without information
+    /// ([`LineValidity::NotDefined`]), as that of a mobility at 0 Hz.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use labio::{Channel, FrequencyResponse, Quantity, ResponseKind};
+    /// use num_complex::Complex64;
+    ///
+    /// // accelerance of 0.5 kg
+    /// let (force, face) = (Channel::new("force", Quantity::Force)?, Channel::new("face", Quantity::Acceleration)?);
+    /// let mass = FrequencyResponse::of_lines(force, face, 10.0, vec![Complex64::from(2.0); 5])?;
+    /// let mobility = mass.to_kind(ResponseKind::Mobility)?;
+    /// assert!((mobility.values[1].im + 2.0 / (2.0 * std::f64::consts::PI * 10.0)).abs() < 1e-15);
+    /// # Ok::<(), labio::LabioError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] below three lines.
+    pub fn of_lines(
+        input: Channel,
+        output: Channel,
+        line_spacing_hz: f64,
+        values: Vec<Complex64>,
+    ) -> Result<Self, LabioError> {
+        check_positive("line spacing [Hz]", line_spacing_hz)?;
+        if values.len() < FEWEST_LINES {
+            return Err(LabioError::CountMismatch {
+                what: "lines of a frequency response",
+                found: values.len(),
+                expected: FEWEST_LINES,
+            });
+        }
+        let validity: Vec<LineValidity> = values
+            .iter()
+            .map(|value| {
+                if value.is_finite() {
+                    LineValidity::Valid
+                } else {
+                    LineValidity::NotDefined
+                }
+            })
+            .collect();
+        let nothing = Complex64::new(f64::NAN, f64::NAN);
+        Ok(Self {
+            estimator: Estimator::H1,
+            input,
+            output,
+            n_averages: 1,
+            effective_averages: 1.0,
+            n_samples: 2 * (values.len() - 1),
+            added_damping: None,
+            frequency_hz: (0..values.len())
+                .map(|line| line as f64 * line_spacing_hz)
+                .collect(),
+            values: values
+                .into_iter()
+                .map(|value| if value.is_finite() { value } else { nothing })
+                .collect(),
+            coherence: None,
+            variance: None,
+            validity,
+        })
+    }
+
+    /// The same response with the ordinary coherence of `n_averages` independent hits, from which its variance is
+    /// $`\lvert H\rvert^2(1-\gamma^2)/(n\gamma^2)`$. What stands on lines without information is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::TooFewAverages`] below two; [`LabioError::NonPhysical`] for a coherence that is
+    /// not above 0 and at most 1.
+    pub fn with_coherence(
+        mut self,
+        coherence: Vec<f64>,
+        n_averages: usize,
+    ) -> Result<Self, LabioError> {
+        self.check_lines("lines of the coherence", coherence.len())?;
+        if n_averages < 2 {
+            return Err(LabioError::TooFewAverages {
+                estimate: "a variance by the coherence",
+                found: n_averages,
+                expected: 2,
+            });
+        }
+        let mut coherence = coherence;
+        let mut variance = vec![f64::NAN; coherence.len()];
+        for (line, slot) in variance.iter_mut().enumerate() {
+            if self.validity[line] != LineValidity::Valid {
+                coherence[line] = f64::NAN;
+                continue;
+            }
+            let c = coherence[line];
+            if !(c > 0.0 && c <= 1.0) {
+                return Err(LabioError::NonPhysical {
+                    quantity: "coherence [-]",
+                    value: c,
+                    expected: "a number above 0 and at most 1",
+                });
+            }
+            *slot = self.values[line].norm_sqr() * (1.0 - c) / (n_averages as f64 * c);
+        }
+        self.n_averages = n_averages;
+        self.effective_averages = n_averages as f64;
+        self.coherence = Some(coherence);
+        self.variance = Some(variance);
+        Ok(self)
+    }
+
+    /// The same response with this variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex line. What stands on lines without
+    /// information is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_variance(mut self, variance: Vec<f64>) -> Result<Self, LabioError> {
+        self.check_lines("lines of the variance", variance.len())?;
+        let mut variance = variance;
+        for (value, validity) in variance.iter_mut().zip(&self.validity) {
+            if *validity != LineValidity::Valid {
+                *value = f64::NAN;
+            } else if !(value.is_finite() && *value >= 0.0) {
+                return Err(LabioError::NonPhysical {
+                    quantity: "variance of a line",
+                    value: *value,
+                    expected: "a finite value, not negative",
+                });
+            }
+        }
+        self.variance = Some(variance);
+        Ok(self)
+    }
+
+    fn check_lines(&self, what: &'static str, found: usize) -> Result<(), LabioError> {
+        if found == self.values.len() {
+            Ok(())
+        } else {
+            Err(LabioError::CountMismatch {
+                what,
+                found,
+                expected: self.values.len(),
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AveragedSpectra, Provenance, Quantity, Record, ResponseKind, Window};
+    use ndarray::Array2;
+
+    fn channels() -> [Channel; 2] {
+        [
+            Channel::new("force", Quantity::Force).unwrap(),
+            Channel::new("velocity", Quantity::Velocity).unwrap(),
+        ]
+    }
+
+    /// Three hits on a damper with a disturbance that differs from hit to hit.
+    fn averaged() -> FrequencyResponse {
+        let hits = [1.0, -2.0, 0.5].map(|disturbance: f64| {
+            let mut samples = Array2::zeros((2, 16));
+            samples[(0, 2)] = 1.0;
+            samples[(1, 2)] = 3.0;
+            samples[(1, 5)] = 0.1 * disturbance;
+            let from = Provenance::computed("damper");
+            Record::new(samples, 160.0, 0.0, channels().to_vec(), from).unwrap()
+        });
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+        spectra.h1("force", "velocity").unwrap()
+    }
+
+    #[test]
+    fn lines_and_coherence_say_what_the_spectra_said() {
+        let measured = averaged();
+        let [force, velocity] = channels();
+        let coherence = measured.coherence.clone().unwrap();
+        let given = FrequencyResponse::of_lines(force, velocity, 10.0, measured.values.clone())
+            .unwrap()
+            .with_coherence(coherence, 3)
+            .unwrap();
+        assert_eq!(given.frequency_hz, measured.frequency_hz);
+        assert_eq!(given.n_samples, 16);
+        assert_eq!(given.kind().unwrap(), ResponseKind::Mobility);
+        let pairs = given.variance.as_ref().unwrap().iter();
+        for (found, expected) in pairs.zip(measured.variance.as_ref().unwrap()) {
+            // 1 - c loses digits where c is near 1: a rounding of c over 1 - c, here above 1e-3
+            assert!((found / expected - 1.0).abs() < 1e-12);
+        }
+        let (there, here) = (
+            measured.impulse_response().unwrap(),
+            given.impulse_response().unwrap(),
+        );
+        for (a, b) in there.values().iter().zip(here.values()) {
+            assert!((a - b).abs() < 1e-12 * 480.0); // 480 is the impulse of the damper
+        }
+    }
+
+    #[test]
+    fn a_hole_is_flagged_and_nonsense_is_refused() {
+        let [force, velocity] = channels();
+        let of = |values: Vec<Complex64>| {
+            FrequencyResponse::of_lines(force.clone(), velocity.clone(), 1.0, values)
+        };
+        let mut values = vec![Complex64::ONE; 5];
+        values[0].im = f64::INFINITY;
+        let response = of(values).unwrap();
+        assert_eq!(response.invalid_lines().collect::<Vec<_>>(), [0]);
+        let with = response
+            .clone()
+            .with_variance(vec![f64::NAN, 1.0, 1.0, 1.0, 1.0]);
+        assert!(with.unwrap().variance.unwrap()[0].is_nan());
+        let refusals = [
+            of(vec![Complex64::ONE; 2]).unwrap_err().to_string(),
+            response
+                .clone()
+                .with_variance(vec![0.0; 4])
+                .unwrap_err()
+                .to_string(),
+            response
+                .clone()
+                .with_variance(vec![-1.0; 5])
+                .unwrap_err()
+                .to_string(),
+            response
+                .clone()
+                .with_coherence(vec![1.1; 5], 4)
+                .unwrap_err()
+                .to_string(),
+            response
+                .with_coherence(vec![0.9; 5], 1)
+                .unwrap_err()
+                .to_string(),
+        ];
+        assert_eq!(
+            refusals,
+            [
+                "lines of a frequency response: found 2, expected 3",
+                "lines of the variance: found 4, expected 5",
+                "variance of a line is -1, expected a finite value, not negative",
+                "coherence [-] is 1.1, expected a number above 0 and at most 1",
+                "a variance by the coherence needs at least 2 averages, found 1",
+            ]
+        );
+    }
+}

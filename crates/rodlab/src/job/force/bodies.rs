@@ -1,0 +1,189 @@
+//! The two bodies of an impact, computed or measured.
+
+use std::sync::Arc;
+
+use impulse::{ImpactBody, MeasuredBody, lines_of};
+use num_complex::Complex64;
+
+use crate::job::Surroundings;
+use crate::job::mobility::screening;
+use crate::outcome::Setting;
+use crate::responses::{cut, measured_body};
+use crate::sheet::Stated;
+use crate::sheet::body::{BodySheet, ComputedBody};
+use crate::sheet::material::Materials;
+use crate::sheet::measured::MeasuredBodySheet;
+use crate::{Outcome, RodlabError};
+
+/// A body of an impact.
+pub(super) enum FaceBody {
+    Computed(ComputedBody),
+    Measured {
+        body: MeasuredBody,
+        /// Relative standard error of the scale.
+        scale: f64,
+        /// Standard error of the mass \[kg\].
+        mass_error: f64,
+    },
+}
+
+impl FaceBody {
+    /// The body of the sheet; of a measured one `outcome` is told the file and what screening says.
+    pub(super) fn read(
+        sheet: &BodySheet,
+        materials: &Materials,
+        field: &str,
+        around: &Surroundings<'_>,
+        outcome: &mut Outcome,
+    ) -> Result<Self, RodlabError> {
+        match sheet {
+            BodySheet::Measured(measured) => read_measured(measured, field, around, outcome),
+            computed => computed.body(materials, field).map(Self::Computed),
+        }
+    }
+
+    pub(super) fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
+        match self {
+            Self::Computed(body) => body.impact_body(),
+            Self::Measured { body, .. } => Ok(Arc::new(body.clone())),
+        }
+    }
+
+    /// The measurement, where there is one.
+    pub(super) fn measured(&self) -> Option<&MeasuredBody> {
+        match self {
+            Self::Computed(_) => None,
+            Self::Measured { body, .. } => Some(body),
+        }
+    }
+
+    /// Relative standard error of the scale.
+    pub(super) fn scale(&self) -> f64 {
+        match self {
+            Self::Computed(_) => 0.0,
+            Self::Measured { scale, .. } => *scale,
+        }
+    }
+
+    /// Mass of a free body and its standard error \[kg\].
+    pub(super) fn mass(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Computed(body) => body.free_mass().map(|mass| (mass, 0.0)),
+            Self::Measured {
+                body, mass_error, ..
+            } => body.free_mass().map(|mass| (mass, *mass_error)),
+        }
+    }
+
+    /// Variance of the mobility on the first `n_lines` lines.
+    pub(super) fn variance(&self, n_lines: usize) -> Option<&[f64]> {
+        self.measured()
+            .and_then(MeasuredBody::variance)
+            .and_then(|variance| variance.get(..n_lines))
+    }
+
+    /// Mobility on `n_lines` lines.
+    pub(super) fn lines(
+        &self,
+        frequency_step_hz: f64,
+        n_lines: usize,
+        field: &str,
+    ) -> Result<Vec<Complex64>, RodlabError> {
+        lines_of(&*self.impact_body()?, frequency_step_hz, n_lines)
+            .map_err(|error| RodlabError::step(field, error))
+    }
+
+    /// Mobility at `frequencies_hz`, or on the lines among them where it was measured.
+    pub(super) fn curve(
+        &self,
+        frequencies_hz: &[f64],
+        field: &str,
+    ) -> Result<(Vec<f64>, Vec<Complex64>), RodlabError> {
+        let ends = frequencies_hz.first().zip(frequencies_hz.last());
+        match (self, ends) {
+            (Self::Measured { body, .. }, Some((from, to))) => Ok(body
+                .mobility()
+                .iter()
+                .enumerate()
+                .skip(1)
+                .map(|(line, value)| (line as f64 * body.frequency_step_hz(), *value))
+                .filter(|(frequency, _)| frequency >= from && frequency <= to)
+                .unzip()),
+            (Self::Computed(body), Some(_)) => {
+                let values = frequencies_hz
+                    .iter()
+                    .map(|f| body.mobility(*f))
+                    .collect::<Result<Vec<_>, _>>()
+                    .map_err(|error| RodlabError::step(field, error))?;
+                Ok((frequencies_hz.to_vec(), values))
+            }
+            (_, None) => Ok((Vec::new(), Vec::new())),
+        }
+    }
+}
+
+fn read_measured(
+    sheet: &MeasuredBodySheet,
+    field: &str,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<FaceBody, RodlabError> {
+    let mut response = sheet.response().read(around.folder, field, outcome)?;
+    if let Some(up_to) = &sheet.up_to {
+        cut(&mut response, up_to, &format!("{field}.up_to"))?;
+    }
+    if let Some(completion) = &sheet.complete {
+        let place = format!("{field}.complete");
+        response = completion.complete(&response, &sheet.support, &place)?.0;
+    }
+    let mut body = measured_body(
+        &response,
+        &sheet.support,
+        sheet.front_impedance.as_ref(),
+        field,
+    )?;
+    let mut say = |name: &str, value: String, by_default: bool| {
+        outcome.settings.push(Setting {
+            name: format!("{field}.{name}"),
+            value,
+            by_default,
+        });
+    };
+    say("file", sheet.file.clone(), false);
+    say("support", sheet.support.in_words(), false);
+    let stated = |text: Option<String>, default: &str| {
+        let by_default = text.is_none();
+        (text.unwrap_or_else(|| default.to_owned()), by_default)
+    };
+    let (value, by_default) = stated(
+        sheet.scale_uncertainty.as_ref().map(Stated::to_string),
+        "none",
+    );
+    say("scale_uncertainty", value, by_default);
+    let causal = if sheet.causal { "taken off" } else { "left" };
+    say(
+        "causal",
+        format!("what stands ahead of the impulse is {causal}"),
+        !sheet.causal,
+    );
+    let before = outcome.summary.len();
+    let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
+    screening::tell(&body.screen(), outcome);
+    // of two bodies: which one is meant
+    outcome.summary.truncate(before);
+    for quantity in outcome.quantities.iter_mut().skip(quantities) {
+        quantity.name = format!("{field}: {}", quantity.name);
+    }
+    for warning in outcome.warnings.iter_mut().skip(warnings) {
+        *warning = format!("{field}: {warning}");
+    }
+    if sheet.causal {
+        body = body.causally_projected();
+    }
+    let weighed = sheet.support.weighed();
+    Ok(FaceBody::Measured {
+        body,
+        scale: sheet.scale_uncertainty.as_ref().map_or(0.0, Stated::si),
+        mass_error: weighed.map_or(0.0, |weighed| weighed.standard_error),
+    })
+}

@@ -1,0 +1,513 @@
+//! The force that a measured response tells of.
+
+use labio::hits::Extent;
+use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
+use serde::Deserialize;
+
+use super::impact_lines::UncertaintySheet;
+use super::{response_answer, response_figures, response_solve};
+use crate::hits::{FoundHits, HitsSheet, Reading, Stretch};
+use crate::job::Surroundings;
+use crate::outcome::{Setting, Verdict};
+use crate::records::{Records, expect_quantity};
+use crate::responses::{HitsSource, ResponseFile, line_spacing_hz};
+use crate::sheet::{Frequency, Stated, Time};
+use crate::{Outcome, RodlabError};
+
+/// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
+const SAME_LINES: f64 = 1e-4;
+
+/// A force that was not measured, from a response that was.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResponseSheet {
+    /// How the response hangs on the force.
+    pub path: PathSheet,
+    /// The files with the response, and what their channels are.
+    pub record: Records,
+    /// Where the blow is in the record; the first that is accepted is taken. By default the record is the blow.
+    #[serde(default)]
+    pub hit: HitsSheet,
+    /// Channel of the response, as `"face"`.
+    pub response: String,
+    /// Channel of a force to compare with, where there is one.
+    #[serde(default)]
+    pub compare_with: Option<String>,
+    /// Noise of the response; by default it is estimated from what the force does not explain.
+    #[serde(default)]
+    pub noise: NoiseSheet,
+    /// How what the response says too little of is kept from becoming force; by default it is not.
+    #[serde(default)]
+    pub regularisation: Option<RegularisationSheet>,
+    /// Lines that are used; by default all.
+    #[serde(default)]
+    pub band: Option<BandSheet>,
+    /// When the force acts, from the first sample on; by default at any time.
+    #[serde(default)]
+    pub acting: Option<IntervalSheet>,
+    /// Whether the force is nowhere tension; needs `acting`.
+    #[serde(default)]
+    pub non_negative: bool,
+    /// Bands of the force.
+    #[serde(default)]
+    pub uncertainty: UncertaintySheet,
+}
+
+/// How a response hangs on the force.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+pub enum PathSheet {
+    /// By a frequency response in a file.
+    File(ResponseFile),
+    /// By hits of which the force was measured.
+    Hits(HitsSource),
+}
+
+/// Noise of a response.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum NoiseSheet {
+    /// It is not known.
+    #[default]
+    Unknown,
+    /// White, of this standard deviation in a unit of the channel, as `"0.5 m/s2"`.
+    White(Reading),
+    /// White, by the scatter over the beginning of the record, when nothing has happened yet, as `"4 ms"` or `"200 samples"`.
+    FromRest(Stretch),
+}
+
+/// A regularisation.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RegularisationSheet {
+    /// Tikhonov's: residual and penalty together are smallest.
+    Tikhonov {
+        /// What is to be small; by default the force itself.
+        #[serde(default)]
+        penalty: PenaltySheet,
+        /// Where the weight of the penalty comes from.
+        parameter: ParameterSheet,
+    },
+    /// What the response tells less of than the parameter is left out.
+    Truncated {
+        /// Where the limit comes from.
+        parameter: ParameterSheet,
+    },
+}
+
+/// What Tikhonov's method keeps small.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum PenaltySheet {
+    /// The force.
+    #[default]
+    Size,
+    /// Its rate.
+    Slope,
+    /// The rate of its rate.
+    Curvature,
+}
+
+/// Where the parameter of a regularisation comes from.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub enum ParameterSheet {
+    /// This number.
+    Given(f64),
+    /// The corner of the L-curve.
+    LCurve,
+    /// The minimum of the function of generalised cross validation.
+    GeneralisedCrossValidation,
+    /// As much as the noise excuses; needs the noise.
+    Discrepancy,
+}
+
+/// A band of frequencies.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandSheet {
+    /// Lower end, as `"20 Hz"`.
+    pub from: Stated<Frequency>,
+    /// Upper end, as `"5 kHz"`.
+    pub to: Stated<Frequency>,
+}
+
+/// A time span.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IntervalSheet {
+    /// Begin, as `"3.5 ms"`.
+    pub from: Stated<Time>,
+    /// End, as `"5 ms"`.
+    pub to: Stated<Time>,
+}
+
+/// Everything that a reconstruction is made of.
+pub(super) struct Problem<'a> {
+    pub(super) sheet: &'a ResponseSheet,
+    /// Response over force, on the lines of the record; NaN where it is not known.
+    pub(super) path: FrequencyResponse,
+    /// Samples of the response.
+    pub(super) samples: Vec<f64>,
+    pub(super) sampling_rate_hz: f64,
+    /// Standard deviation of the noise, where it is known.
+    pub(super) noise: Option<f64>,
+    /// The force that was measured, where there is one.
+    pub(super) measured: Option<Vec<f64>>,
+    /// Unit of the response.
+    pub(super) unit: &'static str,
+}
+
+pub(super) fn run(
+    sheet: &ResponseSheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let file = match &sheet.path {
+        PathSheet::File(file) => Some(file.read(around.folder, "problem.path", outcome)?),
+        PathSheet::Hits(_) => None,
+    };
+    let calibration = match &sheet.path {
+        PathSheet::Hits(hits) => {
+            if hits.exponential_window.is_some() {
+                return Err(RodlabError::request(
+                    "problem.path.exponential_window",
+                    "stated",
+                    "no statement: the response of the blow has no such window",
+                ));
+            }
+            Some((hits, hits.read(around, "problem.path", outcome)?))
+        }
+        PathSheet::File(_) => None,
+    };
+    let found = read_blow(sheet, around, outcome)?;
+    settings(sheet, outcome);
+    let Some(record) = found.accepted().first().copied().cloned() else {
+        around.has_read_all()?;
+        refuse(
+            outcome,
+            format!(
+                "none of {} hits of the record is accepted: the log says why",
+                found.n_found()
+            ),
+        );
+        return Ok(());
+    };
+    check_lines(sheet, &record, file.as_ref(), calibration.as_ref())?;
+    around.has_read_all()?;
+
+    around.progress.begins("path from force to response", 0);
+    let path = match (file, &calibration) {
+        (Some(file), _) => file,
+        (None, Some((hits, found))) => {
+            let accepted = found.accepted();
+            if accepted.len() < 2 {
+                refuse(
+                    outcome,
+                    format!(
+                        "{} of {} calibration hits accepted, and at least 2 are needed: the log says what is wrong with the others",
+                        accepted.len(),
+                        found.n_found()
+                    ),
+                );
+                return Ok(());
+            }
+            response_solve::path_of(hits, accepted, around)?
+        }
+        (None, None) => return Ok(()),
+    };
+    let path = response_solve::on_lines_of(path, &record, &sheet.response)?;
+    let problem = problem(sheet, path, &record, outcome)?;
+    around.progress.begins("force", 0);
+    let solved = match response_solve::solve(&problem)? {
+        Ok(solved) => solved,
+        Err(reason) => {
+            refuse(outcome, reason);
+            return Ok(());
+        }
+    };
+    around.go_on()?;
+    let scatter = match &calibration {
+        Some((hits, found)) => {
+            response_solve::scatter(&problem, &solved, hits, found, around, outcome)?
+        }
+        None => None,
+    };
+    let bands = response_answer::bands(&problem, &solved, scatter, outcome)?;
+    response_answer::tell(&problem, &solved, &bands, outcome);
+    outcome
+        .tables
+        .push(response_answer::force_table(&problem, &solved, &bands));
+    outcome.tables.extend(response_answer::curve_table(&solved));
+    outcome.figures = response_figures::all(&problem, &solved, &bands);
+    Ok(())
+}
+
+fn refuse(outcome: &mut Outcome, reason: String) {
+    outcome
+        .summary
+        .insert(0, format!("There is no force: {reason}."));
+    outcome.verdict = Verdict::NotAllowed { reason };
+}
+
+fn read_blow(
+    sheet: &ResponseSheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<FoundHits, RodlabError> {
+    let loaded = sheet.record.load(around.folder, "problem.record")?;
+    if let Some(first) = loaded.records.first() {
+        let record = &first.record;
+        let place = "problem.response";
+        let known = record
+            .channels()
+            .iter()
+            .find(|channel| channel.name() == sheet.response);
+        match known.map(|channel| channel.quantity()) {
+            Some(Physical::Acceleration | Physical::Velocity | Physical::Displacement) => {}
+            Some(other) => {
+                return Err(RodlabError::request(
+                    place,
+                    format!("`{}`, a channel of {}", sheet.response, other.name()),
+                    "a channel of acceleration, velocity or displacement",
+                ));
+            }
+            // names the channels there are
+            None => expect_quantity(record, &sheet.response, Physical::Acceleration, place)?,
+        }
+        if let Some(name) = &sheet.compare_with {
+            expect_quantity(record, name, Physical::Force, "problem.compare_with")?;
+        }
+    }
+    outcome.inputs.extend(loaded.inputs);
+    outcome.settings.extend(loaded.settings);
+    outcome.warnings.extend(loaded.warnings);
+    let found = sheet
+        .hit
+        .find(loaded.records, &sheet.response, "problem.hit")?;
+    outcome.settings.extend(found.settings().iter().cloned());
+    outcome.log.extend(found.log());
+    if found.n_accepted() > 1 {
+        outcome.warnings.push(format!(
+            "{} hits of the record are accepted: the force is that of the first.",
+            found.n_accepted()
+        ));
+    }
+    Ok(found)
+}
+
+/// Path and record have the same lines, where a path may end lower; the force acts within the record.
+fn check_lines(
+    sheet: &ResponseSheet,
+    record: &Record,
+    file: Option<&FrequencyResponse>,
+    calibration: Option<&(&HitsSource, FoundHits)>,
+) -> Result<(), RodlabError> {
+    if let Some(acting) = &sheet.acting {
+        let (from, to, end) = (acting.from.si(), acting.to.si(), record.duration());
+        if !(0.0 <= from && from < to && to <= end) {
+            return Err(RodlabError::request(
+                "problem.acting",
+                format!("{} to {}", acting.from, acting.to),
+                format!("a time span from 0 s to {end:.6} s, the end of the record"),
+            ));
+        }
+    }
+    let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
+    let n_lines = record.n_samples() / 2 + 1;
+    let here = format!("{n_lines} lines {spacing:.6} Hz apart, those of the record");
+    if let (Some(path), PathSheet::File(named)) = (file, &sheet.path) {
+        let found = line_spacing_hz(path);
+        if path.values.len() > n_lines || (found / spacing - 1.0).abs() > SAME_LINES {
+            return Err(RodlabError::request(
+                "problem.path.file",
+                format!(
+                    "{} with {} lines {found:.6} Hz apart",
+                    named.file,
+                    path.values.len()
+                ),
+                format!("up to {here}"),
+            ));
+        }
+        if path.kind().is_err() {
+            return Err(RodlabError::request(
+                "problem.path.kind",
+                "no response between a force and a motion",
+                "one of the six kinds",
+            ));
+        }
+    }
+    if let Some((_, found)) = calibration
+        && let Some(first) = found.accepted().first()
+    {
+        let same_rate =
+            (first.sampling_rate_hz() / record.sampling_rate_hz() - 1.0).abs() <= SAME_LINES;
+        if first.n_samples() != record.n_samples() || !same_rate {
+            return Err(RodlabError::request(
+                "problem.path.records",
+                format!(
+                    "hits of {} samples at {} Hz",
+                    first.n_samples(),
+                    first.sampling_rate_hz()
+                ),
+                format!(
+                    "{} samples at {} Hz, as the blow has",
+                    record.n_samples(),
+                    record.sampling_rate_hz()
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn problem<'a>(
+    sheet: &'a ResponseSheet,
+    path: FrequencyResponse,
+    record: &Record,
+    outcome: &mut Outcome,
+) -> Result<Problem<'a>, RodlabError> {
+    let step = |error| RodlabError::step("problem.response", error);
+    let samples = record.channel(&sheet.response).map_err(step)?.to_vec();
+    let channel = record
+        .channels()
+        .iter()
+        .find(|channel| channel.name() == sheet.response);
+    let unit = channel.map_or("", |channel| channel.quantity().unit());
+    let noise = match (&sheet.noise, channel) {
+        (NoiseSheet::White(level), Some(channel)) => {
+            Some(level.of(channel, "problem.noise.White")?)
+        }
+        (NoiseSheet::FromRest(stretch), _) => Some(noise_at_rest(
+            &samples,
+            stretch,
+            record.sampling_rate_hz(),
+            unit,
+            outcome,
+        )?),
+        _ => None,
+    };
+    let measured = sheet
+        .compare_with
+        .as_ref()
+        .map(|name| record.channel(name).map(|samples| samples.to_vec()))
+        .transpose()
+        .map_err(step)?;
+    Ok(Problem {
+        sheet,
+        path,
+        samples,
+        sampling_rate_hz: record.sampling_rate_hz(),
+        noise,
+        measured,
+        unit,
+    })
+}
+
+/// Standard deviation over the beginning of the record.
+fn noise_at_rest(
+    samples: &[f64],
+    stretch: &Stretch,
+    rate: f64,
+    unit: &str,
+    outcome: &mut Outcome,
+) -> Result<f64, RodlabError> {
+    /// Below this a standard deviation is known to less than 16 %.
+    const FEWEST: usize = 20;
+    let n_rest = match stretch.extent() {
+        Extent::Samples(n) => n,
+        Extent::Seconds(seconds) => (0..samples.len())
+            .take_while(|n| ((*n + 1) as f64) <= seconds * rate * (1.0 + 1e-9))
+            .count(),
+    };
+    let rest = samples.get(..n_rest).unwrap_or_default();
+    if rest.len() < FEWEST {
+        return Err(RodlabError::request(
+            "problem.noise.FromRest",
+            match stretch.extent() {
+                Extent::Samples(_) => stretch.to_string(),
+                Extent::Seconds(_) => format!("{stretch}, {n_rest} samples"),
+            },
+            format!("from {FEWEST} to {} samples", samples.len()),
+        ));
+    }
+    let n = rest.len() as f64;
+    let mean = rest.iter().sum::<f64>() / n;
+    let variance = rest.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let deviation = variance.sqrt();
+    if mean.abs() > 4.0 * deviation / n.sqrt() {
+        outcome.warnings.push(format!(
+            "The response has an offset of {mean:.3e} {unit} at rest: it is taken for a response, and lines near 0 Hz are wrong by it."
+        ));
+    }
+    Ok(deviation)
+}
+
+fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {
+    let mut say = |name: &str, value: String, by_default: bool| {
+        outcome.settings.push(Setting {
+            name: format!("problem.{name}"),
+            value,
+            by_default,
+        });
+    };
+    if let PathSheet::File(file) = &sheet.path {
+        say("path", format!("the response in {}", file.file), false);
+    }
+    say("response", sheet.response.clone(), false);
+    match &sheet.noise {
+        NoiseSheet::Unknown => say(
+            "noise",
+            "estimated from what the force does not explain".to_owned(),
+            true,
+        ),
+        NoiseSheet::White(level) => say("noise", format!("white, {level}"), false),
+        NoiseSheet::FromRest(stretch) => {
+            say("noise", format!("white, by the first {stretch}"), false);
+        }
+    }
+    say(
+        "regularisation",
+        sheet
+            .regularisation
+            .map_or("none".to_owned(), |stated| stated.in_words()),
+        sheet.regularisation.is_none(),
+    );
+    let band = sheet.band.as_ref();
+    say(
+        "band",
+        band.map_or("all lines".to_owned(), |b| {
+            format!("{} to {}", b.from, b.to)
+        }),
+        band.is_none(),
+    );
+    let acting = sheet.acting.as_ref();
+    say(
+        "acting",
+        acting.map_or("at any time".to_owned(), |t| {
+            format!("{} to {}", t.from, t.to)
+        }),
+        acting.is_none(),
+    );
+    let tension = if sheet.non_negative {
+        "the force is nowhere tension"
+    } else {
+        "tension is allowed"
+    };
+    say("non_negative", tension.to_owned(), !sheet.non_negative);
+}
+
+impl RegularisationSheet {
+    fn in_words(self) -> String {
+        match self {
+            Self::Tikhonov { penalty, parameter } => {
+                format!("Tikhonov on {penalty:?}, parameter by {parameter:?}")
+            }
+            Self::Truncated { parameter } => format!("truncated, parameter by {parameter:?}"),
+        }
+    }
+}
+
+/// The kind of response from a force to a motion of this quantity.
+pub(super) fn kind_of(quantity: Physical) -> Option<ResponseKind> {
+    ResponseKind::between(Physical::Force, quantity)
+}

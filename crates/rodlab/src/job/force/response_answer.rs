@@ -1,0 +1,448 @@
+//! What was found of a force from a response: bands, numbers, tables, sentences.
+
+use impulse::{
+    CalibrationScatter, ChoiceVerdict, ExclusionReason, ForceBand, ForceError, RandomErrorOfForce,
+    ReconstructedForce, ResponseEnd,
+};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::response::Problem;
+use super::response_solve::window;
+use crate::outcome::{Column, LogEntry, Quantity, Setting, Table};
+use crate::sheet::Stated;
+use crate::{Outcome, RodlabError};
+
+const DRAWS: usize = 1000;
+const SEED: u64 = 1;
+const LEVEL: f64 = 0.95;
+
+/// Largest weighted residual per degree of freedom that noise alone is believed to leave.
+const CHI_SQUARE: f64 = 1.5;
+
+/// What is known of the errors.
+pub(super) struct Bands {
+    pub(super) level: f64,
+    pub(super) random: Option<Random>,
+    /// By calibration hits that were reconstructed from each other.
+    pub(super) scatter: Option<(CalibrationScatter, ForceError, ForceBand)>,
+}
+
+/// The random error of the force.
+pub(super) struct Random {
+    pub(super) error: ForceError,
+    pub(super) pointwise: ForceBand,
+    pub(super) simultaneous: ForceBand,
+    /// Standard error of the impulse [N s].
+    impulse: f64,
+}
+
+pub(super) fn bands(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    scatter: Option<CalibrationScatter>,
+    outcome: &mut Outcome,
+) -> Result<Bands, RodlabError> {
+    let chosen = &problem.sheet.uncertainty;
+    let draws = chosen.draws.unwrap_or(DRAWS);
+    let seed = chosen.seed.unwrap_or(SEED);
+    let level = chosen.level.as_ref().map_or(LEVEL, Stated::si);
+    let mut say = |name: &str, value: String, by_default: bool| {
+        outcome.settings.push(Setting {
+            name: format!("problem.uncertainty.{name}"),
+            value,
+            by_default,
+        });
+    };
+    say("draws", draws.to_string(), chosen.draws.is_none());
+    say("seed", seed.to_string(), chosen.seed.is_none());
+    say("level", level.to_string(), chosen.level.is_none());
+    let refused = |error| RodlabError::step("problem.uncertainty", error);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let history = &solved.history;
+    let window = window(problem);
+    let known = solved
+        .error
+        .known()
+        .map(|error| {
+            let sums = (0..draws).map(|_| {
+                let draw = error.draw(&mut random);
+                history.time_step() * draw[window.clone()].iter().sum::<f64>()
+            });
+            let square: f64 = sums.map(|sum| sum * sum).sum();
+            let band = |band: ForceBand| {
+                if problem.sheet.non_negative {
+                    band.compressive()
+                } else {
+                    band
+                }
+            };
+            Ok::<_, RodlabError>(Random {
+                impulse: (square / draws as f64).sqrt(),
+                pointwise: band(error.pointwise(history, level).map_err(refused)?),
+                simultaneous: band(
+                    error
+                        .simultaneous(history, level, window.clone(), draws, &mut random)
+                        .map_err(refused)?,
+                ),
+                error: error.clone(),
+            })
+        })
+        .transpose()?;
+    let scatter = scatter
+        .map(|scatter| {
+            let error = scatter.error(history, window.clone());
+            let band = error.pointwise(history, level).map_err(refused)?;
+            Ok::<_, RodlabError>((scatter, error, band))
+        })
+        .transpose()?;
+    Ok(Bands {
+        level,
+        random: known,
+        scatter,
+    })
+}
+
+pub(super) fn tell(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    bands: &Bands,
+    outcome: &mut Outcome,
+) {
+    let history = &solved.history;
+    let peak = history.peak();
+    let at = history.index_near(peak.time);
+    let standard = |error: &ForceError| at.and_then(|at| error.standard_error().get(at).copied());
+    let random = bands
+        .random
+        .as_ref()
+        .and_then(|known| standard(&known.error));
+    let between = bands
+        .scatter
+        .as_ref()
+        .and_then(|(_, error, _)| standard(error));
+    // what differs from blow to blow contains what differs by noise
+    let error = match (random, between) {
+        (Some(a), Some(b)) => Some(a.max(b)),
+        (a, b) => a.or(b),
+    };
+    let stated = error.map_or_else(
+        || ", with an error that is not known".to_owned(),
+        |error| format!(" ± {error:.2} N"),
+    );
+    outcome.summary.push(format!(
+        "The force comes to {:.1} N{stated} at {:.4} ms of the record, with an impulse of {:.5} N s{}.",
+        peak.force,
+        1e3 * peak.time,
+        impulse(problem, solved),
+        bands
+            .random
+            .as_ref()
+            .map_or_else(String::new, |known| format!(" ± {:.5} N s", known.impulse)),
+    ));
+    if error.is_some_and(|error| peak.force < 3.0 * error) {
+        outcome.warnings.push(
+            "The peak is below three standard errors: there may be no force at all.".to_owned(),
+        );
+    }
+    warnings(solved, outcome);
+    quantities(problem, solved, bands, error, outcome);
+    log(solved, outcome);
+}
+
+/// The impulse over the time when the force acts.
+fn impulse(problem: &Problem<'_>, solved: &ReconstructedForce) -> f64 {
+    let force = solved.history.force();
+    let inside = force.get(window(problem)).unwrap_or_default();
+    solved.history.time_step() * inside.iter().sum::<f64>()
+}
+
+fn warnings(solved: &ReconstructedForce, outcome: &mut Outcome) {
+    if let ResponseEnd::CutOff { relative_level } = solved.response_end {
+        outcome.warnings.push(format!(
+            "The response has not died out when the record ends: {:.1} % of the peak are left, and what is cut off appears as a force all over the record.",
+            100.0 * relative_level
+        ));
+    }
+    if let Some(chi_square) = solved.reduced_chi_square
+        && chi_square > CHI_SQUARE
+    {
+        outcome.warnings.push(format!(
+            "The force leaves {chi_square:.2} times as much unexplained as the noise does: the noise is underrated, or the body is not the one of the frequency response."
+        ));
+    }
+    if let Some(parameter) = &solved.parameter {
+        match parameter.verdict {
+            ChoiceVerdict::AtEnd => outcome.warnings.push(
+                "The parameter of the regularisation is at the end of its range: the data ask for none at all, or for all of it."
+                    .to_owned(),
+            ),
+            ChoiceVerdict::NoCorner => outcome.warnings.push(
+                "The curve of the regularisation has no point to choose: the weakest was taken."
+                    .to_owned(),
+            ),
+            _ => {}
+        }
+    }
+    if solved.silent_components > 0 {
+        outcome.warnings.push(format!(
+            "{} components of the force are not seen in the response at all, and were left at zero.",
+            solved.silent_components
+        ));
+    }
+}
+
+fn quantities(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    bands: &Bands,
+    peak_error: Option<f64>,
+    outcome: &mut Outcome,
+) {
+    let history = &solved.history;
+    let peak = history.peak();
+    let mut add =
+        |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, verdict: &str| {
+            outcome.quantities.push(Quantity {
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+                value: value.filter(|value| value.is_finite()),
+                standard_error: error,
+                valid: value.is_some_and(f64::is_finite),
+                verdict: verdict.to_owned(),
+            });
+        };
+    let of_error = match (&solved.error, &bands.scatter) {
+        (_, Some(_)) => "error by noise, or by calibration hits where that is larger",
+        (RandomErrorOfForce::Stated(_), None) => "error by the stated noise",
+        (RandomErrorOfForce::Estimated { .. }, None) => "error by what the force does not explain",
+        _ => "the error is not known: the force explains the response to the last digit",
+    };
+    add("peak force", "N", Some(peak.force), peak_error, of_error);
+    add(
+        "time of the peak",
+        "ms",
+        Some(1e3 * peak.time),
+        None,
+        "from the first sample of the record",
+    );
+    let known = bands.random.as_ref();
+    add(
+        "impulse",
+        "N s",
+        Some(impulse(problem, solved)),
+        known.map(|known| known.impulse),
+        of_error,
+    );
+    let at = history.index_near(peak.time);
+    let bias = at.and_then(|at| solved.regularisation_bias.get(at).copied());
+    add(
+        "change of the peak by the regularisation",
+        "N",
+        bias,
+        None,
+        "an estimate, not in the error",
+    );
+    if let Some(parameter) = &solved.parameter {
+        add(
+            "parameter of the regularisation",
+            "",
+            Some(parameter.value),
+            None,
+            match parameter.verdict {
+                ChoiceVerdict::Given => "given",
+                ChoiceVerdict::Found => "found inside its range",
+                ChoiceVerdict::AtEnd => "at the end of its range",
+                ChoiceVerdict::NotReached => "not reached",
+                _ => "no corner: the weakest",
+            },
+        );
+    }
+    if let RandomErrorOfForce::Estimated {
+        standard_deviation, ..
+    } = &solved.error
+    {
+        add(
+            "noise of the response",
+            problem.unit,
+            Some(*standard_deviation),
+            None,
+            "estimated from what the force does not explain",
+        );
+    } else if let Some(noise) = problem.noise {
+        add(
+            "noise of the response",
+            problem.unit,
+            Some(noise),
+            None,
+            "stated, or by the rest before the blow",
+        );
+    }
+    let chi_square = solved.reduced_chi_square;
+    add(
+        "weighted residual per degree of freedom",
+        "",
+        chi_square,
+        None,
+        match chi_square {
+            None => "not known: the noise is not stated, or nothing is left over",
+            Some(value) if value > CHI_SQUARE => "more than noise leaves",
+            Some(_) => "as noise leaves it",
+        },
+    );
+    add(
+        "relative residual",
+        "",
+        Some(solved.relative_residual),
+        None,
+        "what the force leaves unexplained of the response",
+    );
+    if let Some((scatter, ..)) = &bands.scatter {
+        let verdict = format!("by {} hits reconstructed from each other", scatter.n_blows);
+        add(
+            "scatter between hits without force",
+            "N",
+            Some(scatter.without_force),
+            None,
+            &verdict,
+        );
+        add(
+            "scatter between hits with the force",
+            "%",
+            Some(100.0 * scatter.relative),
+            None,
+            &verdict,
+        );
+    }
+    if let Some(measured) = &problem.measured {
+        let difference = |n: usize, force: &f64| (force - measured[n]).powi(2);
+        let inside = window(problem);
+        let squares = history.force().iter().enumerate();
+        let square: f64 = squares
+            .filter(|(n, _)| inside.contains(n))
+            .map(|(n, force)| difference(n, force))
+            .sum();
+        add(
+            "root mean square difference from the measured force",
+            "N",
+            Some((square / inside.len() as f64).sqrt()),
+            None,
+            "while the force acts",
+        );
+        if let Some(known) = known {
+            let held = known.simultaneous.part_inside(measured, inside);
+            add(
+                "part of the measured force inside the band of the whole history",
+                "%",
+                Some(100.0 * held),
+                None,
+                "while the force acts",
+            );
+        }
+    }
+}
+
+/// Lines that were not used, in runs.
+fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
+    for reason in [
+        ExclusionReason::LeftOut,
+        ExclusionReason::OutsideBand,
+        ExclusionReason::VanishingResponse,
+    ] {
+        let lines: Vec<f64> = solved
+            .excluded
+            .iter()
+            .filter(|line| line.reason == reason)
+            .map(|line| line.frequency_hz)
+            .collect();
+        let (Some(first), Some(last)) = (lines.first(), lines.last()) else {
+            continue;
+        };
+        let words = match reason {
+            ExclusionReason::LeftOut => "the frequency response, or its error, is not known there",
+            ExclusionReason::OutsideBand => "outside the band",
+            _ => "the frequency response is zero there",
+        };
+        outcome.log.push(LogEntry {
+            what: if lines.len() == 1 {
+                format!("line at {first:.6} Hz")
+            } else {
+                format!(
+                    "{} lines between {first:.6} Hz and {last:.6} Hz",
+                    lines.len()
+                )
+            },
+            accepted: false,
+            reasons: vec![words.to_owned()],
+        });
+    }
+}
+
+pub(super) fn force_table(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    bands: &Bands,
+) -> Table {
+    let history = &solved.history;
+    let steps = 0..history.force().len();
+    let mut columns = vec![
+        Column::numbers("time", "s", steps.map(|n| history.time_at(n)).collect()),
+        Column::numbers("response", problem.unit, problem.samples.clone()),
+        Column::numbers("force", "N", history.force().to_vec()),
+    ];
+    let limits = |name: &str, band: &ForceBand| {
+        [
+            Column::numbers(format!("{name}, lower"), "N", band.lower.clone()),
+            Column::numbers(format!("{name}, upper"), "N", band.upper.clone()),
+        ]
+    };
+    if let Some(known) = &bands.random {
+        columns.push(Column::numbers(
+            "standard error of the force",
+            "N",
+            known.error.standard_error().to_vec(),
+        ));
+        columns.extend(limits("pointwise band", &known.pointwise));
+        columns.extend(limits("band of the whole history", &known.simultaneous));
+    }
+    if let Some((_, _, band)) = &bands.scatter {
+        columns.extend(limits("band by calibration hits", band));
+    }
+    columns.push(Column::numbers(
+        "change by the regularisation",
+        "N",
+        solved.regularisation_bias.clone(),
+    ));
+    if let Some(measured) = &problem.measured {
+        columns.push(Column::numbers("measured force", "N", measured.clone()));
+    }
+    Table {
+        name: "force".to_owned(),
+        title: "Force from the response".to_owned(),
+        columns,
+    }
+}
+
+/// The curve that the parameter was chosen from.
+pub(super) fn curve_table(solved: &ReconstructedForce) -> Option<Table> {
+    let curve = &solved.parameter.as_ref()?.curve;
+    if curve.is_empty() {
+        return None;
+    }
+    let of = |value: &dyn Fn(&impulse::CurvePoint) -> f64| curve.iter().map(value).collect();
+    Some(Table {
+        name: "regularisation".to_owned(),
+        title: "What other parameters of the regularisation give".to_owned(),
+        columns: vec![
+            Column::numbers("parameter", "", of(&|point| point.parameter)),
+            Column::numbers("squared residual", "", of(&|point| point.squared_residual)),
+            Column::numbers("squared norm", "", of(&|point| point.squared_norm)),
+            Column::numbers(
+                "degrees of freedom",
+                "",
+                of(&|point| point.degrees_of_freedom),
+            ),
+            Column::numbers("score", "", of(&|point| point.score)),
+        ],
+    })
+}

@@ -1,0 +1,260 @@
+//! A response and its path to a force, by `impulse`; calibration hits as a test of it.
+
+use std::ops::Range;
+
+use impulse::{
+    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand, ImpulseError,
+    Parameter, Penalty, PivotingEnd, ReconstructedForce, Reconstruction, Regularisation,
+    ResponseNoise, Sensor, TimeInterval,
+};
+use labio::{FrequencyResponse, LineValidity, Record};
+use num_complex::Complex64;
+
+use super::response::{
+    ParameterSheet, PenaltySheet, Problem, RegularisationSheet, ResponseSheet, kind_of,
+};
+use crate::hits::FoundHits;
+use crate::job::Surroundings;
+use crate::responses::HitsSource;
+use crate::{Outcome, RodlabError};
+
+/// Fewest calibration hits of which each can be reconstructed from the others.
+const FEWEST_HITS: usize = 3;
+
+impl ParameterSheet {
+    fn parameter(self) -> Parameter {
+        match self {
+            Self::Given(value) => Parameter::Given(value),
+            Self::LCurve => Parameter::LCurve,
+            Self::GeneralisedCrossValidation => Parameter::GeneralisedCrossValidation,
+            Self::Discrepancy => Parameter::Discrepancy,
+        }
+    }
+}
+
+impl RegularisationSheet {
+    /// As `impulse` calls it; `parameter` in the place of the one of the sheet, if it is stated.
+    fn regularisation(self, fixed: Option<f64>) -> Regularisation {
+        let of = |parameter: ParameterSheet| {
+            fixed.map_or_else(|| parameter.parameter(), Parameter::Given)
+        };
+        match self {
+            Self::Tikhonov { penalty, parameter } => Regularisation::Tikhonov {
+                penalty: match penalty {
+                    PenaltySheet::Size => Penalty::Size,
+                    PenaltySheet::Slope => Penalty::Slope,
+                    PenaltySheet::Curvature => Penalty::Curvature,
+                },
+                parameter: of(parameter),
+            },
+            Self::Truncated { parameter } => Regularisation::Truncated {
+                parameter: of(parameter),
+            },
+        }
+    }
+}
+
+/// The response over the force of calibration hits.
+pub(super) fn path_of<'a>(
+    hits: &HitsSource,
+    records: impl IntoIterator<Item = &'a Record>,
+    around: &Surroundings<'_>,
+) -> Result<FrequencyResponse, RodlabError> {
+    let field = "problem.path";
+    let spectra = hits.spectra(records, around, field)?;
+    spectra
+        .response(
+            hits.estimator.unwrap_or_default().estimator(),
+            &hits.force,
+            &hits.response,
+        )
+        .map_err(|error| RodlabError::step(field, error))
+}
+
+/// `path` as a response of the quantity of the channel, with as many lines as the record has: those above its last are not known.
+pub(super) fn on_lines_of(
+    path: FrequencyResponse,
+    record: &Record,
+    channel: &str,
+) -> Result<FrequencyResponse, RodlabError> {
+    let known = record.channels().iter().find(|c| c.name() == channel);
+    let kind = known.and_then(|channel| kind_of(channel.quantity()));
+    let Some(kind) = kind else {
+        return Err(RodlabError::request(
+            "problem.response",
+            format!("`{channel}`"),
+            "a channel of acceleration, velocity or displacement",
+        ));
+    };
+    let mut path = path
+        .to_kind(kind)
+        .map_err(|error| RodlabError::step("problem.path", error))?;
+    let n_lines = record.n_samples() / 2 + 1;
+    let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
+    path.values
+        .resize(n_lines, Complex64::new(f64::NAN, f64::NAN));
+    path.validity.resize(n_lines, LineValidity::NotDefined);
+    if let Some(variance) = &mut path.variance {
+        variance.resize(n_lines, f64::NAN);
+    }
+    path.coherence = None;
+    path.n_samples = record.n_samples();
+    path.frequency_hz = (0..n_lines).map(|line| line as f64 * spacing).collect();
+    Ok(path)
+}
+
+fn reconstruct(
+    sheet: &ResponseSheet,
+    path: &FrequencyResponse,
+    (samples, sampling_rate_hz): (&[f64], f64),
+    noise: Option<f64>,
+    fixed: Option<f64>,
+) -> Result<ReconstructedForce, ImpulseError> {
+    let mut sensor = Sensor::new(samples, &path.values)?.without_lines(path.invalid_lines());
+    if let Some(noise) = noise {
+        sensor = sensor.with_noise(ResponseNoise::White(noise))?;
+    }
+    if let Some(variance) = &path.variance {
+        sensor = sensor.with_variance(variance)?;
+    }
+    let mut reconstruction = Reconstruction::of_sensors(vec![sensor], sampling_rate_hz)?;
+    if let Some(stated) = sheet.regularisation {
+        reconstruction = reconstruction.with_regularisation(stated.regularisation(fixed));
+    }
+    if let Some(band) = &sheet.band {
+        reconstruction = reconstruction.within(FrequencyBand {
+            from_hz: band.from.si(),
+            to_hz: band.to.si(),
+        });
+    }
+    if let Some(acting) = &sheet.acting {
+        reconstruction = reconstruction.acting_during(TimeInterval {
+            from: acting.from.si(),
+            to: acting.to.si(),
+        });
+    }
+    if sheet.non_negative {
+        reconstruction = reconstruction.non_negative();
+    }
+    reconstruction.solve()
+}
+
+/// The force, or the reason why the data do not give one.
+pub(super) fn solve(
+    problem: &Problem<'_>,
+) -> Result<Result<ReconstructedForce, String>, RodlabError> {
+    let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
+    let found = reconstruct(problem.sheet, &problem.path, samples, problem.noise, None);
+    let solved = match found {
+        Ok(solved) => solved,
+        // what the data lack, not the sheet
+        Err(
+            error @ (ImpulseError::NoUsableLine { .. } | ImpulseError::SpectrumOverflow { .. }),
+        ) => {
+            return Ok(Err(error.to_string()));
+        }
+        Err(error) => return Err(RodlabError::step("problem", error)),
+    };
+    if let Some(parameter) = &solved.parameter
+        && parameter.verdict == ChoiceVerdict::NotReached
+    {
+        return Ok(Err(
+            "the response is no larger than its noise, and any force or none explains it"
+                .to_owned(),
+        ));
+    }
+    if let Some(end) = solved.non_negativity
+        && end.end != PivotingEnd::Converged
+    {
+        return Ok(Err(format!(
+            "the search for a force without tension ended after {} steps without one: regularise",
+            end.steps
+        )));
+    }
+    Ok(Ok(solved))
+}
+
+/// The samples of a force that acts in the interval of the sheet.
+pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
+    let n_samples = problem.samples.len();
+    let Some(acting) = &problem.sheet.acting else {
+        return 0..n_samples;
+    };
+    let rate = problem.sampling_rate_hz;
+    let inside = |n: &usize| {
+        let time = *n as f64 / rate;
+        (acting.from.si()..=acting.to.si()).contains(&time)
+    };
+    let first = (0..n_samples).find(inside).unwrap_or(0);
+    let last = (0..n_samples).rfind(inside).unwrap_or(first);
+    first..last + 1
+}
+
+/// What calibration hits say of the error: each is reconstructed from the others, as the blow was.
+pub(super) fn scatter(
+    problem: &Problem<'_>,
+    solved: &ReconstructedForce,
+    hits: &HitsSource,
+    found: &FoundHits,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<Option<CalibrationScatter>, RodlabError> {
+    let accepted = found.accepted();
+    if accepted.len() < FEWEST_HITS {
+        outcome.warnings.push(format!(
+            "{} calibration hits cannot be reconstructed from each other: that takes {FEWEST_HITS}, and what differs from blow to blow is not in the errors.",
+            accepted.len()
+        ));
+        return Ok(None);
+    }
+    let step = |error| RodlabError::step("problem.path, reconstructing calibration hits", error);
+    let window = window(problem);
+    let fixed = solved.parameter.as_ref().map(|parameter| parameter.value);
+    around
+        .progress
+        .begins("calibration hits from each other", accepted.len());
+    let mut forces: Vec<(ForceHistory, Vec<f64>)> = Vec::with_capacity(accepted.len());
+    for (index, hit) in accepted.iter().enumerate() {
+        around.go_on()?;
+        let others = accepted
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .map(|(_, record)| *record);
+        let path = path_of(hits, others, around)?;
+        let path = on_lines_of(path, hit, &hits.response)?;
+        let response = hit
+            .channel(&hits.response)
+            .map_err(|error| RodlabError::step("problem.path", error))?
+            .to_vec();
+        let measured = hit
+            .channel(&hits.force)
+            .map_err(|error| RodlabError::step("problem.path", error))?
+            .to_vec();
+        let largest = measured
+            .iter()
+            .enumerate()
+            .max_by(|(_, a), (_, b)| a.total_cmp(b));
+        if largest.is_some_and(|(at, _)| !window.contains(&at)) {
+            outcome.warnings.push(format!(
+                "The force of calibration hit {} is not where the force acts: the hits cannot tell how good the reconstruction is.",
+                index + 1
+            ));
+            return Ok(None);
+        }
+        let samples = (response.as_slice(), problem.sampling_rate_hz);
+        let again = reconstruct(problem.sheet, &path, samples, problem.noise, fixed);
+        forces.push((again.map_err(step)?.history, measured));
+        around.progress.one_more();
+    }
+    let blows: Vec<CalibrationBlow<'_>> = forces
+        .iter()
+        .map(|(reconstructed, measured)| CalibrationBlow {
+            reconstructed,
+            measured,
+        })
+        .collect();
+    CalibrationScatter::of(&blows, window)
+        .map(Some)
+        .map_err(step)
+}

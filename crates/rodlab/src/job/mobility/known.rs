@@ -1,0 +1,280 @@
+//! From a response to the mobility of the bare face: the head taken off, low lines completed, every line judged.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use impulse::ImpedanceHead;
+use labio::{FrequencyResponse, LineValidity, Passivity, ResponseKind};
+use num_complex::Complex64;
+
+use super::MobilitySheet;
+use super::source::Raw;
+use crate::outcome::{LogEntry, Quantity};
+use crate::responses::{cut, in_words, line_spacing_hz};
+use crate::sheet::body::ComputedBody;
+use crate::{Outcome, RodlabError};
+
+/// Probability with which noise alone reaches the coherence below which a line is not believed.
+const CHANCE: f64 = 0.05;
+
+/// Standard errors by which a real part may be below zero.
+const COVERAGE: f64 = 4.0;
+
+/// Runs of lines that a log lists one by one.
+const LONGEST_LOG: usize = 40;
+
+/// The mobility and what is known of every line.
+pub(super) struct Known {
+    pub(super) mobility: FrequencyResponse,
+    /// Why each line is not to be believed; none for one that is.
+    pub(super) objections: Vec<Option<String>>,
+    /// Coherence of every test.
+    pub(super) coherences: Vec<Vec<f64>>,
+    pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
+    /// Number of the first line that was not replaced.
+    pub(super) first_measured: usize,
+    pub(super) calibration: f64,
+    pub(super) body: Option<ComputedBody>,
+    pub(super) is_computed: bool,
+    pub(super) origin: String,
+}
+
+impl Known {
+    pub(super) fn is_valid(&self, line: usize) -> bool {
+        self.objections[line].is_none()
+    }
+}
+
+pub(super) fn prepare(
+    raw: Raw,
+    sheet: &MobilitySheet,
+    outcome: &mut Outcome,
+) -> Result<Known, RodlabError> {
+    let mut response = raw.response;
+    if let Some(up_to) = &sheet.up_to {
+        cut(&mut response, up_to, "up_to")?;
+    }
+    let n_lines = response.values.len();
+    let mut objections: Vec<Option<String>> = vec![None; n_lines];
+    judge_coherence(&response, &raw.coherences, &mut objections)?;
+    if let Some(mass) = &sheet.head_mass {
+        let bare = without_head(&response, mass.si())?;
+        if let Some(error) = mass.standard_uncertainty() {
+            let heavier = without_head(&response, mass.si() + error)?;
+            outcome.quantities.push(effect_of_head(&bare, &heavier));
+        }
+        response = bare;
+    }
+    let mut first_measured = 0;
+    if let Some(completion) = &sheet.complete {
+        (response, first_measured) = completion.complete(&response, &sheet.support, "complete")?;
+        for objection in objections.iter_mut().take(first_measured) {
+            *objection = None;
+        }
+        outcome.log.push(LogEntry {
+            what: format!("lines below {}", completion.below),
+            accepted: true,
+            reasons: vec![format!(
+                "{first_measured} lines replaced by those of the weighed mass"
+            )],
+        });
+    }
+    let mobility = response
+        .to_kind(ResponseKind::Mobility)
+        .map_err(|error| RodlabError::step("the mobility", error))?;
+    for (objection, validity) in objections.iter_mut().zip(&mobility.validity) {
+        if *validity != LineValidity::Valid {
+            *objection = Some(in_words(*validity).to_owned());
+        }
+    }
+    judge_passivity(&mobility, &mut objections)?;
+    log(&mobility, &objections, outcome);
+    if let Some(window) = mobility.added_damping {
+        outcome.warnings.push(format!(
+            "Under the exponential window the lines are those of the mobility at {:.4} 1/s beside the frequency axis: they are not screened, and no force can be computed of them.",
+            window.decay_rate()
+        ));
+    }
+    Ok(Known {
+        objections,
+        coherences: raw
+            .coherences
+            .into_iter()
+            .map(|coherence| {
+                let mut values = coherence.values;
+                values.truncate(n_lines);
+                values
+            })
+            .collect(),
+        merged: raw.merged.map(|(mut shares, mut discrepancy)| {
+            shares.truncate(n_lines);
+            discrepancy.truncate(n_lines);
+            (shares, discrepancy)
+        }),
+        first_measured,
+        calibration: raw.calibration,
+        is_computed: raw.body.is_some(),
+        body: raw.body,
+        origin: raw.origin,
+        mobility,
+    })
+}
+
+/// The response without the mass between gauge and face.
+fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResponse, RodlabError> {
+    let refused = |error| RodlabError::step("head_mass", error);
+    let mut accelerance = response
+        .to_kind(ResponseKind::Accelerance)
+        .map_err(|error| RodlabError::step("head_mass", error))?;
+    let spacing_hz = line_spacing_hz(&accelerance);
+    let head = ImpedanceHead::new(mass).map_err(refused)?;
+    // lines without information stay what they are
+    let known: Vec<bool> = accelerance
+        .validity
+        .iter()
+        .map(|validity| *validity == LineValidity::Valid)
+        .collect();
+    let values: Vec<Complex64> = accelerance
+        .values
+        .iter()
+        .zip(&known)
+        .map(|(value, known)| if *known { *value } else { Complex64::ZERO })
+        .collect();
+    let variance: Vec<f64> = match &accelerance.variance {
+        Some(variance) => variance
+            .iter()
+            .zip(&known)
+            .map(|(value, known)| if *known { *value } else { 0.0 })
+            .collect(),
+        None => vec![0.0; values.len()],
+    };
+    let face = head
+        .face_mobility(&values, &variance, spacing_hz)
+        .map_err(refused)?;
+    for line in 0..values.len() {
+        if line == 0 {
+            // 0 Hz has no mobility; of the accelerance there it is only known again by the mass
+            accelerance.validity[0] = LineValidity::NotDefined;
+            accelerance.values[0] = Complex64::new(f64::NAN, f64::NAN);
+            if let Some(variance) = &mut accelerance.variance {
+                variance[0] = f64::NAN;
+            }
+        } else if known[line] {
+            let omega = TAU * spacing_hz * line as f64;
+            accelerance.values[line] = face.mobility[line] * Complex64::new(0.0, omega);
+            if let Some(variance) = &mut accelerance.variance {
+                variance[line] = face.variance[line] * omega * omega;
+            }
+        }
+    }
+    Ok(accelerance)
+}
+
+/// What one standard uncertainty of the mass of the head does to the lines.
+fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quantity {
+    let lines = bare.values.iter().zip(&heavier.values);
+    let largest = lines
+        .map(|(bare, heavier)| ((heavier - bare) / bare).norm())
+        .filter(|change| change.is_finite())
+        .fold(0.0, f64::max);
+    Quantity {
+        name: "largest change by the uncertainty of the head mass".to_owned(),
+        unit: "%".to_owned(),
+        value: Some(100.0 * largest),
+        standard_error: None,
+        valid: true,
+        verdict: "common to all lines and not in their errors".to_owned(),
+    }
+}
+
+fn judge_coherence(
+    response: &FrequencyResponse,
+    coherences: &[labio::Coherence],
+    objections: &mut [Option<String>],
+) -> Result<(), RodlabError> {
+    if coherences.is_empty() {
+        return Ok(());
+    }
+    let levels = coherences
+        .iter()
+        .map(|coherence| coherence.chance_level(CHANCE))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| RodlabError::step("the level of chance", error))?;
+    for (line, objection) in objections.iter_mut().enumerate() {
+        let mut tests = coherences.iter().zip(&levels);
+        let believed = tests.any(|(coherence, level)| {
+            coherence
+                .values
+                .get(line)
+                .is_some_and(|value| value > level)
+        });
+        if !believed && response.validity[line] == LineValidity::Valid {
+            *objection = Some("coherence as of chance".to_owned());
+        }
+    }
+    Ok(())
+}
+
+fn judge_passivity(
+    mobility: &FrequencyResponse,
+    objections: &mut [Option<String>],
+) -> Result<(), RodlabError> {
+    if mobility.variance.is_none() {
+        return Ok(());
+    }
+    let report = mobility
+        .passivity(COVERAGE)
+        .map_err(|error| RodlabError::step("the passivity", error))?;
+    for (objection, verdict) in objections.iter_mut().zip(&report.lines) {
+        if *verdict == Passivity::Active && objection.is_none() {
+            *objection = Some("makes energy".to_owned());
+        }
+    }
+    Ok(())
+}
+
+/// Runs of lines that are not believed; where there are too many to read, how many lines for each reason.
+fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mut Outcome) {
+    let frequency = &mobility.frequency_hz;
+    let mut runs: Vec<(usize, usize, &str)> = Vec::new();
+    for (line, objection) in objections.iter().enumerate() {
+        let Some(reason) = objection else { continue };
+        match runs.last_mut() {
+            Some((_, end, last)) if *end == line && *last == reason => *end = line + 1,
+            _ => runs.push((line, line + 1, reason)),
+        }
+    }
+    let entry = |what: String, reason: &str| LogEntry {
+        what,
+        accepted: false,
+        reasons: vec![reason.to_owned()],
+    };
+    if runs.len() <= LONGEST_LOG {
+        outcome.log.extend(runs.iter().map(|(from, to, reason)| {
+            let (first, last) = (frequency[*from], frequency[to - 1]);
+            if to - from == 1 {
+                entry(format!("line at {first:.6} Hz"), reason)
+            } else {
+                entry(
+                    format!("{} lines from {first:.6} Hz to {last:.6} Hz", to - from),
+                    reason,
+                )
+            }
+        }));
+        return;
+    }
+    let mut counts: BTreeMap<&str, (usize, f64, f64)> = BTreeMap::new();
+    for (from, to, reason) in runs {
+        let count = counts.entry(reason).or_insert((0, frequency[from], 0.0));
+        count.0 += to - from;
+        count.2 = frequency[to - 1];
+    }
+    outcome
+        .log
+        .extend(counts.iter().map(|(reason, (count, first, last))| {
+            entry(
+                format!("{count} lines between {first:.6} Hz and {last:.6} Hz"),
+                reason,
+            )
+        }));
+}

@@ -1,0 +1,195 @@
+//! Whether the mobility can be that of a body, and what the body answers to an impulse.
+
+use std::sync::Arc;
+
+use impulse::{ImpactBody, Kernel, Quadrature, Screening, ScreeningFlag, TimeGrid};
+use labio::LineValidity;
+
+use super::MobilitySheet;
+use super::known::Known;
+use crate::outcome::{Column, Quantity, Table};
+use crate::responses::{SupportSheet, line_spacing_hz, measured_body};
+use crate::{Outcome, RodlabError};
+
+/// What was found.
+#[derive(Default)]
+pub(super) struct Screened {
+    pub(super) impulse_response: Option<ImpulseResponse>,
+}
+
+/// The velocity after a unit impulse.
+pub(super) struct ImpulseResponse {
+    pub(super) time: Vec<f64>,
+    /// Mean over a step \[1/kg\]; the first holds the answer at once besides, and is left out.
+    pub(super) values: Vec<f64>,
+    /// What a free body comes to, 1/M \[1/kg\].
+    pub(super) rigid: Option<f64>,
+}
+
+impl ImpulseResponse {
+    pub(super) fn table(&self) -> Table {
+        Table {
+            name: "impulse_response".to_owned(),
+            title: "Velocity of the face after a unit impulse".to_owned(),
+            columns: vec![
+                Column::numbers("time", "s", self.time.clone()),
+                Column::numbers("impulse response", "1/kg", self.values.clone()),
+            ],
+        }
+    }
+}
+
+pub(super) fn screen(
+    known: &Known,
+    sheet: &MobilitySheet,
+    outcome: &mut Outcome,
+) -> Result<Screened, RodlabError> {
+    let mobility = &known.mobility;
+    if mobility.added_damping.is_some() {
+        return Ok(Screened::default());
+    }
+    let holes = mobility.invalid_lines().filter(|line| *line > 0).count();
+    if holes > 0 {
+        outcome.warnings.push(format!(
+            "{holes} lines above 0 Hz carry no information: the mobility is not screened, and has no impulse response."
+        ));
+        return Ok(Screened::default());
+    }
+    let body: Arc<dyn ImpactBody + Send + Sync> = if let Some(computed) = &known.body {
+        computed.impact_body()?
+    } else {
+        let missing = mobility.validity.first() != Some(&LineValidity::Valid);
+        if missing && matches!(sheet.support, SupportSheet::AsMeasured) {
+            outcome.warnings.push(
+                "What holds the body is not stated (`support`), and no line at 0 Hz says it: the mobility is not screened, and has no impulse response."
+                    .to_owned(),
+            );
+            return Ok(Screened::default());
+        }
+        let body = measured_body(
+            mobility,
+            &sheet.support,
+            sheet.front_impedance.as_ref(),
+            "the mobility",
+        )?;
+        tell(&body.screen(), outcome);
+        Arc::new(body)
+    };
+    Ok(Screened {
+        impulse_response: impulse_response(&*body, known, outcome),
+    })
+}
+
+/// Half a period in steps of two to the period of the highest line.
+fn impulse_response(
+    body: &dyn ImpactBody,
+    known: &Known,
+    outcome: &mut Outcome,
+) -> Option<ImpulseResponse> {
+    let n_lines = known.mobility.values.len();
+    let period = 1.0 / line_spacing_hz(&known.mobility);
+    let grid = TimeGrid {
+        time_step: period / (2 * (n_lines - 1)) as f64,
+        n_steps: n_lines - 1,
+    };
+    let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
+        Ok(kernel) => kernel,
+        // the mobility stands: a law for real frequencies may have no limit at rest
+        Err(error) => {
+            let why = std::error::Error::source(&error)
+                .map_or_else(String::new, |source| format!(": {source}"));
+            outcome
+                .warnings
+                .push(format!("There is no impulse response: {error}{why}."));
+            return None;
+        }
+    };
+    let weights = kernel.weights();
+    if known.body.is_none() {
+        // as a check: of a body that rings longer than the period this is what has come round
+        let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
+        outcome.quantities.push(Quantity {
+            name: "level of the impulse response ahead of the impulse".to_owned(),
+            unit: String::new(),
+            value: Some(level).filter(|level| level.is_finite()),
+            standard_error: None,
+            valid: level.is_finite(),
+            verdict: "root mean square, over the answer in the first step".to_owned(),
+        });
+    }
+    Some(ImpulseResponse {
+        time: (1..weights.len())
+            .map(|step| step as f64 * grid.time_step)
+            .collect(),
+        values: weights
+            .iter()
+            .skip(1)
+            .map(|weight| weight / grid.time_step)
+            .collect(),
+        rigid: body.free_mass().map(|mass| 1.0 / mass),
+    })
+}
+
+/// Screening of a measured body as quantities, a sentence and warnings; the quantities first.
+pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) {
+    let flags = screening.flags();
+    let against = |is_it: &dyn Fn(&ScreeningFlag) -> bool| {
+        let flag = flags.iter().find(|flag| is_it(flag));
+        flag.map(ToString::to_string)
+    };
+    let mut add = |name: &str, unit: &str, value: f64, error: Option<f64>, flag: Option<String>| {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: Some(value).filter(|value| value.is_finite()),
+            standard_error: error.filter(|error| error.is_finite()),
+            valid: flag.is_none(),
+            verdict: flag.unwrap_or_else(|| "nothing speaks against it".to_owned()),
+        });
+    };
+    let causality = &screening.causality;
+    add(
+        "energy ahead of the impulse",
+        "",
+        causality.acausal_part,
+        None,
+        against(&|flag| matches!(flag, ScreeningFlag::Acausal { .. })),
+    );
+    add(
+        "lines that make energy",
+        "",
+        screening.passivity.active_lines as f64,
+        None,
+        against(&|flag| matches!(flag, ScreeningFlag::Active { .. })),
+    );
+    if let Some(mass) = &screening.mass {
+        add(
+            "mass by the low lines",
+            "kg",
+            mass.apparent,
+            Some(mass.standard_error),
+            against(&|flag| matches!(flag, ScreeningFlag::MassContradicted { .. })),
+        );
+    }
+    add(
+        "front impedance by the upper lines",
+        "kg/s",
+        screening.front.apparent,
+        None,
+        against(&|flag| {
+            matches!(
+                flag,
+                ScreeningFlag::FrontContradicted { .. } | ScreeningFlag::FrontNotPositive { .. }
+            )
+        }),
+    );
+    if flags.is_empty() {
+        outcome.summary.push(
+            "Nothing speaks against it: it answers after the force, takes energy, and begins and ends as it should."
+                .to_owned(),
+        );
+    }
+    outcome
+        .warnings
+        .extend(flags.iter().map(|flag| format!("Screening: {flag}.")));
+}

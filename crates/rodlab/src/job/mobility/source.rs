@@ -1,0 +1,291 @@
+//! Where a mobility comes from.
+
+use labio::{
+    AveragedSpectra, Channel, Coherence, FrequencyResponse, MergedResponse, Quantity, Record,
+};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use super::MobilitySheet;
+use crate::hits::FoundHits;
+use crate::job::Surroundings;
+use crate::outcome::{Setting, Verdict};
+use crate::responses::{HitsSource, ResponseFile};
+use crate::sheet::body::{BodySheet, ComputedBody};
+use crate::sheet::{Frequency, Stated};
+use crate::{Outcome, RodlabError};
+
+/// Where the mobility comes from.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
+pub enum SourceSheet {
+    /// Hits with a force and a motion.
+    Hits(HitsSource),
+    /// The same test with a heavy and a light hammer, merged line by line.
+    TwoHammers {
+        /// The heavy hammer, for low frequencies.
+        low: HitsSource,
+        /// The light hammer, for high frequencies.
+        high: HitsSource,
+        /// How the two become one; by default `LargerForce`.
+        #[serde(default)]
+        merge: MergeSheet,
+    },
+    /// A response that was averaged before.
+    File(ResponseFile),
+    /// A body that is computed.
+    Computed {
+        /// The body from its impact face on.
+        body: BodySheet,
+        /// Highest frequency, as `"10 kHz"`.
+        up_to: Stated<Frequency>,
+        /// Number of lines above 0 Hz, as 1024.
+        lines: usize,
+    },
+}
+
+/// How two tests become one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum MergeSheet {
+    /// Each line from the test with the larger force in it (Ödeen 1993, paper E, section 3.1).
+    #[default]
+    LargerForce,
+    /// Weighed by the inverse of the variances.
+    InverseVariance,
+}
+
+/// What was read.
+pub(super) enum Read<'a> {
+    Tests(Vec<Test<'a>>),
+    Response(FrequencyResponse),
+    Computed(ComputedBody),
+}
+
+/// One hammer.
+pub(super) struct Test<'a> {
+    source: &'a HitsSource,
+    field: &'static str,
+    found: FoundHits,
+}
+
+/// A response before anything is done to it.
+pub(super) struct Raw {
+    pub(super) response: FrequencyResponse,
+    /// Coherence of every test.
+    pub(super) coherences: Vec<Coherence>,
+    /// Share of the second hammer in every line, and how far the two are apart in units of their errors.
+    pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
+    /// Relative standard uncertainty of the scale by the sensors.
+    pub(super) calibration: f64,
+    /// The body, where it was computed.
+    pub(super) body: Option<ComputedBody>,
+    /// Where it comes from, to stand at the end of a sentence.
+    pub(super) origin: String,
+}
+
+pub(super) fn read<'a>(
+    sheet: &'a MobilitySheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<Read<'a>, RodlabError> {
+    let mut test = |source: &'a HitsSource, field: &'static str| {
+        Ok::<_, RodlabError>(Test {
+            found: source.read(around, field, outcome)?,
+            source,
+            field,
+        })
+    };
+    match &sheet.source {
+        SourceSheet::Hits(hits) => Ok(Read::Tests(vec![test(hits, "source")?])),
+        SourceSheet::TwoHammers { low, high, merge } => {
+            let tests = vec![test(low, "source.low")?, test(high, "source.high")?];
+            outcome.settings.push(Setting {
+                name: "source.merge".to_owned(),
+                value: format!("{merge:?}"),
+                by_default: *merge == MergeSheet::default(),
+            });
+            Ok(Read::Tests(tests))
+        }
+        SourceSheet::File(file) => file
+            .read(around.folder, "source", outcome)
+            .map(Read::Response),
+        SourceSheet::Computed { body, up_to, lines } => {
+            if sheet.head_mass.is_some() {
+                return Err(RodlabError::request(
+                    "head_mass",
+                    "stated",
+                    "no statement: a computed body has no impedance head",
+                ));
+            }
+            outcome.settings.push(Setting {
+                name: "source".to_owned(),
+                value: format!("computed, {lines} lines up to {up_to}"),
+                by_default: false,
+            });
+            body.body(&sheet.materials, "source.body")
+                .map(Read::Computed)
+        }
+    }
+}
+
+/// The response as it is known at first; none if the hits do not allow one, which `outcome` then says.
+pub(super) fn raw(
+    read: &Read<'_>,
+    sheet: &MobilitySheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<Option<Raw>, RodlabError> {
+    match read {
+        Read::Tests(tests) => of_tests(tests, sheet, around, outcome),
+        Read::Response(response) => Ok(Some(Raw {
+            response: response.clone(),
+            coherences: Vec::new(),
+            merged: None,
+            calibration: 0.0,
+            body: None,
+            origin: ", as the file has them".to_owned(),
+        })),
+        Read::Computed(body) => computed(body, &sheet.source).map(Some),
+    }
+}
+
+fn of_tests(
+    tests: &[Test<'_>],
+    sheet: &MobilitySheet,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<Option<Raw>, RodlabError> {
+    let mut spectra: Vec<AveragedSpectra> = Vec::new();
+    let mut calibration: f64 = 0.0;
+    let mut counts = Vec::new();
+    for test in tests {
+        let accepted: Vec<&Record> = test.found.accepted();
+        if accepted.len() < 2 {
+            outcome.verdict = Verdict::NotAllowed {
+                reason: format!(
+                    "{} hit{} of {} accepted in `{}`, and a mobility with errors needs at least 2: the log says what is wrong with the others",
+                    accepted.len(),
+                    if accepted.len() == 1 { "" } else { "s" },
+                    test.found.n_found(),
+                    test.field,
+                ),
+            };
+            outcome
+                .summary
+                .push("There is no mobility: too few hits are accepted.".to_owned());
+            return Ok(None);
+        }
+        if let Some(first) = accepted.first() {
+            calibration = calibration.max(test.source.calibration(first, test.field)?);
+        }
+        counts.push(test.found.in_words());
+        spectra.push(
+            test.source
+                .spectra(accepted.iter().copied(), around, test.field)?,
+        );
+    }
+    let Some((first, source)) = spectra.first().zip(tests.first().map(|test| test.source)) else {
+        return Ok(None);
+    };
+    let names = (source.force.as_str(), source.response.as_str());
+    let estimator = source.estimator.unwrap_or_default().estimator();
+    let refused = |error| RodlabError::step("source", error);
+    let (response, merged) = if let [low, high] = spectra.as_slice() {
+        check_same_channels(tests)?;
+        let merged = match &sheet.source {
+            SourceSheet::TwoHammers {
+                merge: MergeSheet::InverseVariance,
+                ..
+            } => [low, high]
+                .into_iter()
+                .map(|test| test.response(estimator, names.0, names.1))
+                .collect::<Result<Vec<_>, _>>()
+                .and_then(|responses| MergedResponse::by_inverse_variance(&responses)),
+            _ => MergedResponse::by_larger_input(&[low, high], estimator, names.0, names.1),
+        }
+        .map_err(refused)?;
+        let shares = merged.shares.row(1).to_vec();
+        (merged.response, Some((shares, merged.discrepancy)))
+    } else {
+        let response = first
+            .response(estimator, names.0, names.1)
+            .map_err(refused)?;
+        (response, None)
+    };
+    let coherences = spectra
+        .iter()
+        .map(|test| test.coherence(names.0, names.1))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(refused)?;
+    Ok(Some(Raw {
+        response,
+        coherences,
+        merged,
+        calibration,
+        body: None,
+        origin: format!(": {}", counts.join("; ")),
+    }))
+}
+
+fn check_same_channels(tests: &[Test<'_>]) -> Result<(), RodlabError> {
+    let [low, high] = tests else { return Ok(()) };
+    for (name, expected, found) in [
+        ("force", &low.source.force, &high.source.force),
+        ("response", &low.source.response, &high.source.response),
+    ] {
+        if expected != found {
+            return Err(RodlabError::request(
+                format!("source.high.{name}"),
+                format!("`{found}`"),
+                format!("`{expected}`, as in source.low"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabError> {
+    let SourceSheet::Computed { up_to, lines, .. } = source else {
+        return Err(RodlabError::request(
+            "source",
+            "not computed",
+            "a computed body",
+        ));
+    };
+    let step = |error| RodlabError::step("source", error);
+    if !(8..=1 << 22).contains(lines) {
+        return Err(RodlabError::request(
+            "source.lines",
+            lines.to_string(),
+            "a number from 8 to 4194304",
+        ));
+    }
+    let spacing_hz = up_to.si() / *lines as f64;
+    let mut values = Vec::with_capacity(lines + 1);
+    // a long rod has a mobility at 0 Hz, a free or fixed body has not, or has none that is read
+    values.push(match body.mobility(0.0) {
+        Ok(value) if body.free_mass().is_none() && value.is_finite() => value,
+        _ => Complex64::new(f64::NAN, f64::NAN),
+    });
+    for line in 1..=*lines {
+        let value = body.mobility(line as f64 * spacing_hz);
+        values.push(value.map_err(|error| RodlabError::step("source.body", error))?);
+    }
+    let channel = |quantity: Quantity| Channel::new(quantity.name(), quantity).map_err(step);
+    let response = FrequencyResponse::of_lines(
+        channel(Quantity::Force)?,
+        channel(Quantity::Velocity)?,
+        spacing_hz,
+        values,
+    )
+    .map_err(step)?;
+    Ok(Raw {
+        response,
+        coherences: Vec::new(),
+        merged: None,
+        calibration: 0.0,
+        body: Some(body.clone()),
+        origin: ", computed from the body of the sheet".to_owned(),
+    })
+}

@@ -1,0 +1,81 @@
+//! The mobility line by line.
+
+use super::known::Known;
+use crate::outcome::{Column, Table};
+
+pub(super) fn mobility(known: &Known) -> Table {
+    let response = &known.mobility;
+    let of = |value: &dyn Fn(usize) -> f64| (0..response.values.len()).map(value).collect();
+    let mut columns = vec![
+        Column::numbers("frequency", "Hz", response.frequency_hz.clone()),
+        Column::numbers("real part", "m/(N s)", of(&|line| response.values[line].re)),
+        Column::numbers(
+            "imaginary part",
+            "m/(N s)",
+            of(&|line| response.values[line].im),
+        ),
+        Column::numbers(
+            "magnitude",
+            "m/(N s)",
+            of(&|line| response.values[line].norm()),
+        ),
+        Column::numbers(
+            "phase",
+            "deg",
+            of(&|line| response.values[line].arg().to_degrees()),
+        ),
+    ];
+    if let Some(variance) = &response.variance {
+        let root = variance.iter().map(|v| v.sqrt()).collect();
+        columns.push(Column::numbers("standard error", "m/(N s)", root));
+    }
+    if let Some(errors) = response.random_error() {
+        let magnitudes = errors.iter().map(|e| 100.0 * e.magnitude).collect();
+        columns.push(Column::numbers(
+            "standard error of the magnitude",
+            "%",
+            magnitudes,
+        ));
+        let phases = errors.iter().map(|e| e.phase.to_degrees()).collect();
+        columns.push(Column::numbers(
+            "standard error of the phase",
+            "deg",
+            phases,
+        ));
+    }
+    match known.coherences.as_slice() {
+        [low, high] => {
+            columns.push(Column::numbers("coherence, low", "", low.clone()));
+            columns.push(Column::numbers("coherence, high", "", high.clone()));
+        }
+        [only] => columns.push(Column::numbers("coherence", "", only.clone())),
+        _ => {
+            if let Some(coherence) = &response.coherence {
+                columns.push(Column::numbers("coherence", "", coherence.clone()));
+            }
+        }
+    }
+    if let Some((shares, discrepancy)) = &known.merged {
+        columns.push(Column::numbers("share of high", "", shares.clone()));
+        columns.push(Column::numbers(
+            "discrepancy of the two",
+            "",
+            discrepancy.clone(),
+        ));
+    }
+    columns.push(Column::words(
+        "validity",
+        (0..response.values.len())
+            .map(|line| match &known.objections[line] {
+                Some(reason) => reason.clone(),
+                None if line < known.first_measured => "valid, by the weighed mass".to_owned(),
+                None => "valid".to_owned(),
+            })
+            .collect(),
+    ));
+    Table {
+        name: "mobility".to_owned(),
+        title: "Mobility of the face".to_owned(),
+        columns,
+    }
+}

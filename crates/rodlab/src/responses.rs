@@ -1,0 +1,76 @@
+//! Frequency responses of a sheet: of hits, or of a file.
+//!
+//! A job that needs the response of a body takes it from here, wherever it comes from: [`HitsSource`] averages hits,
+//! [`ResponseFile`] reads what was averaged before.
+
+mod file;
+mod hits;
+mod support;
+
+pub(crate) use file::STANDARD_ERROR;
+pub use file::{KindSheet, ResponseFile};
+pub use hits::{EstimatorSheet, ForceWindowSheet, HitsSource};
+pub use support::{CompletionSheet, SupportSheet, measured_body};
+
+use labio::{FrequencyResponse, LineValidity};
+
+use crate::RodlabError;
+use crate::sheet::{Frequency, Stated};
+
+/// Fewest lines of a response that something is made of.
+const FEWEST_LINES: usize = 8;
+
+/// Distance of the lines \[Hz\].
+#[must_use]
+pub fn line_spacing_hz(response: &FrequencyResponse) -> f64 {
+    response.frequency_hz.get(1).copied().unwrap_or(f64::NAN)
+}
+
+/// Why a line carries no information, in words.
+#[must_use]
+pub fn in_words(validity: LineValidity) -> &'static str {
+    match validity {
+        LineValidity::Valid => "valid",
+        LineValidity::NoInput => "no input",
+        LineValidity::NoOutput => "no output",
+        LineValidity::NoCorrelation => "no correlation",
+        LineValidity::NotDefined => "not defined",
+        LineValidity::DependentInputs => "dependent inputs",
+        _ => "no information",
+    }
+}
+
+/// Leaves out the lines of `response` above the frequency `up_to`; `field` is its place in the sheet.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] if fewer than eight lines are left.
+pub fn cut(
+    response: &mut FrequencyResponse,
+    up_to: &Stated<Frequency>,
+    field: &str,
+) -> Result<(), RodlabError> {
+    let limit = up_to.si() + 1e-6 * line_spacing_hz(response);
+    let n_lines = response.frequency_hz.partition_point(|f| *f <= limit);
+    if n_lines < FEWEST_LINES {
+        return Err(RodlabError::request(
+            field,
+            format!("{up_to}, up to which there are {n_lines} lines"),
+            format!("a frequency with at least {FEWEST_LINES} lines below it"),
+        ));
+    }
+    if n_lines == response.values.len() {
+        return Ok(());
+    }
+    response.frequency_hz.truncate(n_lines);
+    response.values.truncate(n_lines);
+    response.validity.truncate(n_lines);
+    for lines in [&mut response.coherence, &mut response.variance]
+        .into_iter()
+        .flatten()
+    {
+        lines.truncate(n_lines);
+    }
+    response.n_samples = 2 * (n_lines - 1);
+    Ok(())
+}

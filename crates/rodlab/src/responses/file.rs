@@ -1,0 +1,448 @@
+//! A frequency response in a file.
+
+use std::fs;
+use std::path::Path;
+
+use labio::format::{self};
+use labio::{
+    Abscissa, Channel, Contents, Dimension, FrequencyResponse, Ordinate, Provenance, Quantity,
+    ResponseKind, Series, SeriesKind,
+};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use crate::outcome::InputFile;
+use crate::records::Selector;
+use crate::{Outcome, RodlabError};
+
+/// Part of the spacing by which a line may be off its place: what a rounded frequency is off by.
+const OFF_GRID: f64 = 1e-3;
+
+/// What stands behind the name of a response in the name of its standard error.
+pub(crate) const STANDARD_ERROR: &str = ", standard error";
+
+/// A frequency response in a file: UFF58, or any other that holds lines on a frequency axis.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResponseFile {
+    /// Name of the file, relative to the sheet.
+    pub file: String,
+    /// The data set, by number from 1 or by name; by default the only complex one. Where real and imaginary part are two columns, that of the
+    /// real part.
+    #[serde(default)]
+    pub data_set: Option<Selector>,
+    /// Column of the imaginary part, where it is one of its own.
+    #[serde(default)]
+    pub imaginary: Option<Selector>,
+    /// What it is, as `Mobility`; by default as its unit says.
+    #[serde(default)]
+    pub kind: Option<KindSheet>,
+    /// Data set of the standard error of the lines, the root of the variance of the complex number, in the unit of the response. By
+    /// default the one that is called as the response with `, standard error` behind it, if there is one.
+    #[serde(default)]
+    pub standard_error: Option<Selector>,
+    /// Data set of the coherence, which with `averages` tells the standard error.
+    #[serde(default)]
+    pub coherence: Option<Selector>,
+    /// Number of hits that were averaged.
+    #[serde(default)]
+    pub averages: Option<usize>,
+}
+
+/// One of the six responses between a force and a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum KindSheet {
+    /// Displacement over force.
+    Receptance,
+    /// Velocity over force.
+    Mobility,
+    /// Acceleration over force.
+    Accelerance,
+    /// Force over displacement.
+    DynamicStiffness,
+    /// Force over velocity.
+    Impedance,
+    /// Force over acceleration.
+    DynamicMass,
+}
+
+impl KindSheet {
+    /// As `labio` calls it.
+    #[must_use]
+    pub fn kind(self) -> ResponseKind {
+        match self {
+            Self::Receptance => ResponseKind::Receptance,
+            Self::Mobility => ResponseKind::Mobility,
+            Self::Accelerance => ResponseKind::Accelerance,
+            Self::DynamicStiffness => ResponseKind::DynamicStiffness,
+            Self::Impedance => ResponseKind::Impedance,
+            Self::DynamicMass => ResponseKind::DynamicMass,
+        }
+    }
+}
+
+const KINDS: [ResponseKind; 6] = [
+    ResponseKind::Receptance,
+    ResponseKind::Mobility,
+    ResponseKind::Accelerance,
+    ResponseKind::DynamicStiffness,
+    ResponseKind::Impedance,
+    ResponseKind::DynamicMass,
+];
+
+fn quantities(kind: ResponseKind) -> [Quantity; 2] {
+    if kind.is_motion_over_force() {
+        [Quantity::Force, kind.motion()]
+    } else {
+        [kind.motion(), Quantity::Force]
+    }
+}
+
+fn dimension(kind: ResponseKind) -> Option<Dimension> {
+    let [input, output] = quantities(kind);
+    output.dimension().quotient(input.dimension())
+}
+
+/// The lines of a data set on the grid of a response.
+struct Lines {
+    spacing_hz: f64,
+    /// lines of the grid below the first of the file
+    before: usize,
+}
+
+impl ResponseFile {
+    /// Reads the response; `outcome` is told of the file.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError`] with the file or the place below `field`.
+    pub fn read(
+        &self,
+        folder: &Path,
+        field: &str,
+        outcome: &mut Outcome,
+    ) -> Result<FrequencyResponse, RodlabError> {
+        let path = folder.join(&self.file);
+        let bytes = fs::read(&path).map_err(|source| RodlabError::Read { path, source })?;
+        let reading = |error| RodlabError::step(format!("reading {}", self.file), error);
+        let contents = format::read_bytes(&bytes).map_err(reading)?;
+        let provenance = Provenance::of_file(Path::new(&self.file), contents.format, &bytes);
+        outcome.inputs.push(InputFile {
+            path: self.file.clone(),
+            format: contents.format.to_owned(),
+            bytes: bytes.len() as u64,
+            sha256: provenance
+                .hash()
+                .map(|hash| hash.to_string())
+                .unwrap_or_default(),
+        });
+        let series = self.data_set(&contents, field)?;
+        let lines = self.lines(series, field)?;
+        let (kind, scale) = self.kind_and_scale(series, field, outcome)?;
+        let mut values = self.values(&contents, series, field)?;
+        for value in &mut values {
+            *value *= scale;
+        }
+        let nothing = Complex64::new(f64::NAN, f64::NAN);
+        values.splice(0..0, std::iter::repeat_n(nothing, lines.before));
+        let [input, output] = quantities(kind);
+        let channel = |quantity: Quantity| Channel::new(quantity.name(), quantity).map_err(reading);
+        let response = FrequencyResponse::of_lines(
+            channel(input)?,
+            channel(output)?,
+            lines.spacing_hz,
+            values,
+        )
+        .map_err(reading)?;
+        self.with_errors(response, &contents, (&series.name, &lines), scale, field)
+    }
+
+    fn with_errors(
+        &self,
+        response: FrequencyResponse,
+        contents: &Contents,
+        (name, lines): (&str, &Lines),
+        scale: f64,
+        field: &str,
+    ) -> Result<FrequencyResponse, RodlabError> {
+        let n_lines = response.values.len();
+        let reals = |selector: &Selector, name: &str| -> Result<Vec<f64>, RodlabError> {
+            let place = format!("{field}.{name}");
+            let series = self.selected(contents, selector, &place)?;
+            let Ordinate::Real(values) = &series.ordinate else {
+                return Err(RodlabError::request(
+                    place,
+                    format!("{selector}, which is complex"),
+                    "a data set of real numbers",
+                ));
+            };
+            // a data set that begins lower, as a coherence at 0 Hz, has lines that the response lacks
+            let own = self.lines(series, &place)?;
+            let mut values: Vec<f64> = std::iter::repeat_n(f64::NAN, own.before)
+                .chain(values.iter().copied())
+                .collect();
+            if values.len() != n_lines || (own.spacing_hz / lines.spacing_hz - 1.0).abs() > OFF_GRID
+            {
+                return Err(RodlabError::request(
+                    place,
+                    format!(
+                        "{} lines {} Hz apart",
+                        values.len() - own.before,
+                        own.spacing_hz
+                    ),
+                    format!("the lines of the response, up to {n_lines}"),
+                ));
+            }
+            values.truncate(n_lines);
+            Ok(values)
+        };
+        let step = |error| RodlabError::step(format!("{field}, {}", self.file), error);
+        let beside = format!("{name}{STANDARD_ERROR}");
+        let called = contents.series.iter().any(|series| series.name == beside);
+        let by_default = (called && self.coherence.is_none()).then_some(Selector::Name(beside));
+        let standard_error = self.standard_error.as_ref().or(by_default.as_ref());
+        match (standard_error, &self.coherence, self.averages) {
+            (Some(selector), _, _) => {
+                let errors = reals(selector, "standard_error")?;
+                let variance = errors.iter().map(|e| (e * scale).powi(2)).collect();
+                response.with_variance(variance).map_err(step)
+            }
+            (None, Some(selector), Some(averages)) => response
+                .with_coherence(reals(selector, "coherence")?, averages)
+                .map_err(step),
+            (None, Some(_), None) => Err(RodlabError::request(
+                format!("{field}.averages"),
+                "not stated",
+                "the number of hits, which with the coherence tells the errors",
+            )),
+            (None, None, Some(_)) => Err(RodlabError::request(
+                format!("{field}.coherence"),
+                "not stated",
+                "the data set of the coherence, which with the averages tells the errors",
+            )),
+            (None, None, None) => Ok(response),
+        }
+    }
+
+    /// The data set of the response.
+    fn data_set<'a>(&self, contents: &'a Contents, field: &str) -> Result<&'a Series, RodlabError> {
+        let place = format!("{field}.data_set");
+        if let Some(selector) = &self.data_set {
+            return self.selected(contents, selector, &place);
+        }
+        let complex: Vec<&Series> = contents
+            .series
+            .iter()
+            .filter(|series| matches!(series.ordinate, Ordinate::Complex(_)))
+            .filter(|series| {
+                !matches!(
+                    series.kind,
+                    SeriesKind::CrossSpectrum | SeriesKind::Spectrum
+                )
+            })
+            .collect();
+        match complex.as_slice() {
+            [only] => Ok(only),
+            several => Err(RodlabError::request(
+                place,
+                format!(
+                    "not stated, and {} has {} complex data sets",
+                    self.file,
+                    several.len()
+                ),
+                listed(contents),
+            )),
+        }
+    }
+
+    fn selected<'a>(
+        &self,
+        contents: &'a Contents,
+        selector: &Selector,
+        place: &str,
+    ) -> Result<&'a Series, RodlabError> {
+        let found = match selector {
+            Selector::Number(number) => number
+                .checked_sub(1)
+                .and_then(|index| contents.series.get(index)),
+            Selector::Name(name) => {
+                let mut named = contents
+                    .series
+                    .iter()
+                    .filter(|series| series.name.trim() == name.trim());
+                match (named.next(), named.next()) {
+                    (Some(only), None) => Some(only),
+                    (None, _) => None,
+                    (Some(_), Some(_)) => {
+                        return Err(RodlabError::request(
+                            place,
+                            format!(
+                                "`{name}`, which several data sets of {} are called",
+                                self.file
+                            ),
+                            format!("its number: {}", listed(contents)),
+                        ));
+                    }
+                }
+            }
+        };
+        found.ok_or_else(|| {
+            let shown = match selector {
+                Selector::Number(number) => format!("data set {number}"),
+                Selector::Name(name) => format!("`{name}`"),
+            };
+            RodlabError::request(
+                place,
+                shown,
+                format!("{} ({})", listed(contents), self.file),
+            )
+        })
+    }
+
+    /// The lines of a data set: evenly spaced from a multiple of their spacing.
+    fn lines(&self, series: &Series, field: &str) -> Result<Lines, RodlabError> {
+        let off = |found: String| {
+            RodlabError::request(
+                format!("{field}, {}", self.file),
+                found,
+                "lines at multiples of their spacing, in Hz",
+            )
+        };
+        let axis = &series.abscissa_axis;
+        let unit = match &axis.unit {
+            Some(unit) if Some(unit.dimension()) == Dimension::NONE.quotient(TIME) => unit,
+            Some(unit) => return Err(off(format!("over {}", unit.symbol()))),
+            None => return Err(off(format!("over an axis without unit, `{}`", axis.label))),
+        };
+        let (start, step) = match &series.abscissa {
+            Abscissa::Even { start, step } => (unit.to_si(*start), unit.to_si(*step)),
+            Abscissa::Uneven(values) => {
+                let (Some(first), Some(last)) = (values.first(), values.last()) else {
+                    return Err(off("without a line".to_owned()));
+                };
+                let step = (last - first) / (values.len().max(2) - 1) as f64;
+                let mut places = values.iter().enumerate();
+                if let Some((line, value)) = places
+                    .find(|(k, value)| (*value - first - *k as f64 * step).abs() > OFF_GRID * step)
+                {
+                    return Err(off(format!("uneven at line {line}, {value}")));
+                }
+                (unit.to_si(*first), unit.to_si(step))
+            }
+        };
+        let before = (start / step).round();
+        if !(step > 0.0 && before >= 0.0 && (start / step - before).abs() < OFF_GRID) {
+            return Err(off(format!("lines {step} Hz apart from {start} Hz on")));
+        }
+        // a file of a million lines ends below this
+        let before = (0..1_usize << 24).find(|n| *n as f64 >= before);
+        Ok(Lines {
+            spacing_hz: step,
+            before: before.ok_or_else(|| off(format!("a first line at {start} Hz")))?,
+        })
+    }
+
+    fn kind_and_scale(
+        &self,
+        series: &Series,
+        field: &str,
+        outcome: &mut Outcome,
+    ) -> Result<(ResponseKind, f64), RodlabError> {
+        let stated = self.kind.map(KindSheet::kind);
+        let place = format!("{field}.kind");
+        match (&series.ordinate_axis.unit, stated) {
+            (Some(unit), stated) => {
+                let found = KINDS
+                    .into_iter()
+                    .find(|kind| dimension(*kind) == Some(unit.dimension()));
+                match (found, stated) {
+                    (Some(found), None) => Ok((found, unit.scale())),
+                    (Some(found), Some(kind)) if found == kind => Ok((found, unit.scale())),
+                    (Some(found), Some(kind)) => Err(RodlabError::request(
+                        place,
+                        kind.to_string(),
+                        format!("{found}, as {} has it in {}", self.file, unit.symbol()),
+                    )),
+                    (None, _) => Err(RodlabError::request(
+                        format!("{field}.file"),
+                        format!("{}, whose data set is in {}", self.file, unit.symbol()),
+                        "a response between a force and a motion, as in m/s/N",
+                    )),
+                }
+            }
+            (None, Some(kind)) => {
+                outcome.warnings.push(format!(
+                    "{} tells no unit that is known: its numbers are taken as {kind} in SI units.",
+                    self.file
+                ));
+                Ok((kind, 1.0))
+            }
+            (None, None) => Err(RodlabError::request(
+                place,
+                "not stated",
+                format!(
+                    "what the response is, as Mobility: {} tells no unit that is known",
+                    self.file
+                ),
+            )),
+        }
+    }
+
+    fn values(
+        &self,
+        contents: &Contents,
+        series: &Series,
+        field: &str,
+    ) -> Result<Vec<Complex64>, RodlabError> {
+        match (&series.ordinate, &self.imaginary) {
+            (Ordinate::Complex(values), None) => Ok(values.clone()),
+            (Ordinate::Complex(_), Some(selector)) => Err(RodlabError::request(
+                format!("{field}.imaginary"),
+                selector.to_string(),
+                "no statement: the data set is complex",
+            )),
+            (Ordinate::Real(real), Some(selector)) => {
+                let place = format!("{field}.imaginary");
+                match &self.selected(contents, selector, &place)?.ordinate {
+                    Ordinate::Real(imaginary) if imaginary.len() == real.len() => Ok(real
+                        .iter()
+                        .zip(imaginary)
+                        .map(|(re, im)| Complex64::new(*re, *im))
+                        .collect()),
+                    other => Err(RodlabError::request(
+                        place,
+                        format!("{selector} with {} numbers", other.len()),
+                        format!("{} real numbers", real.len()),
+                    )),
+                }
+            }
+            (Ordinate::Real(_), None) => Err(RodlabError::request(
+                format!("{field}.imaginary"),
+                "not stated",
+                "the column of the imaginary part: the data set is real",
+            )),
+        }
+    }
+}
+
+const TIME: Dimension = Dimension {
+    length: 0,
+    mass: 0,
+    time: 1,
+    current: 0,
+    temperature: 0,
+};
+
+/// The data sets there are.
+fn listed(contents: &Contents) -> String {
+    let named = contents
+        .series
+        .iter()
+        .zip(1..)
+        .map(|(series, number)| match series.name.trim() {
+            "" => number.to_string(),
+            name => format!("{number} `{name}`"),
+        });
+    let names: Vec<String> = named.take(20).collect();
+    format!("one of the data sets {}", names.join(", "))
+}

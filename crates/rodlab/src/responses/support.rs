@@ -1,0 +1,145 @@
+//! What a body does at low frequency, which no force transducer tells well.
+
+use impulse::{LowFrequency, MeasuredBody, WeighedMass};
+use labio::{FrequencyResponse, ResponseKind, RigidBand, RigidBody};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use super::line_spacing_hz;
+use crate::RodlabError;
+use crate::sheet::{Frequency, ImpactMass, SpecificImpedance, Stated};
+
+/// What holds a body.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SupportSheet {
+    /// Nothing: below its first resonance it moves as a mass.
+    Free {
+        /// Its mass, as `"1.504 kg ± 1 gram"`.
+        mass: Stated<ImpactMass>,
+    },
+    /// Something rigid.
+    Fixed,
+    /// It is so long that nothing returns.
+    LongRod {
+        /// Its characteristic impedance, as `"392 kg/s"`.
+        impedance: Stated<SpecificImpedance>,
+    },
+    /// The line at 0 Hz says it.
+    #[default]
+    AsMeasured,
+}
+
+impl SupportSheet {
+    /// In words, for the report.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Free { mass } => format!("free, of {mass}"),
+            Self::Fixed => "fixed".to_owned(),
+            Self::LongRod { impedance } => format!("a long rod of {impedance}"),
+            Self::AsMeasured => "as the line at 0 Hz says".to_owned(),
+        }
+    }
+
+    /// The weighed mass of a free body.
+    #[must_use]
+    pub fn weighed(&self) -> Option<WeighedMass> {
+        match self {
+            Self::Free { mass } => Some(WeighedMass {
+                mass: mass.si(),
+                standard_error: mass.standard_uncertainty().unwrap_or(0.0),
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// Replacement of low lines by those of the weighed mass.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CompletionSheet {
+    /// Lines below this frequency are replaced, as `"30 Hz"`.
+    pub below: Stated<Frequency>,
+    /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
+    pub fitted_to: Stated<Frequency>,
+}
+
+impl CompletionSheet {
+    /// `response` with its low lines replaced, and the number of the first that is measured.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with what `labio` says.
+    pub fn complete(
+        &self,
+        response: &FrequencyResponse,
+        support: &SupportSheet,
+        field: &str,
+    ) -> Result<(FrequencyResponse, usize), RodlabError> {
+        let Some(weighed) = support.weighed() else {
+            return Err(RodlabError::request(
+                field,
+                "stated",
+                "a free body, whose weighed mass the low lines are replaced by",
+            ));
+        };
+        let refused = |error| RodlabError::step(field, error);
+        let completed = RigidBody::new(weighed.mass, weighed.standard_error)
+            .and_then(|body| {
+                body.complete(
+                    response,
+                    RigidBand {
+                        from_hz: self.below.si(),
+                        to_hz: self.fitted_to.si(),
+                    },
+                )
+            })
+            .map_err(refused)?;
+        Ok((completed.response, completed.first_measured))
+    }
+}
+
+/// The body of this driving-point response, of any kind.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] with what `labio` says of the kind, or `impulse` of the lines: one without information among them.
+pub fn measured_body(
+    response: &FrequencyResponse,
+    support: &SupportSheet,
+    front_impedance: Option<&Stated<SpecificImpedance>>,
+    field: &str,
+) -> Result<MeasuredBody, RodlabError> {
+    let mobility = response
+        .to_kind(ResponseKind::Mobility)
+        .map_err(|error| RodlabError::step(field, error))?;
+    let refused = |error| RodlabError::step(field, error);
+    let mut values = mobility.values.clone();
+    let (low, front) = match support {
+        SupportSheet::Fixed => (LowFrequency::Fixed, None),
+        SupportSheet::LongRod { impedance } => {
+            if let Some(first) = values.first_mut() {
+                *first = Complex64::from(1.0 / impedance.si());
+            }
+            (LowFrequency::Measured, Some(impedance.si()))
+        }
+        free => match free.weighed() {
+            Some(weighed) => (LowFrequency::Free(weighed), None),
+            None => (LowFrequency::Measured, None),
+        },
+    };
+    let mut body =
+        MeasuredBody::from_mobility(&values, line_spacing_hz(&mobility), low).map_err(refused)?;
+    if let Some(variance) = &mobility.variance {
+        let mut variance = variance.clone();
+        if let Some(first) = variance.first_mut() {
+            *first = 0.0;
+        }
+        body = body.with_variance(&variance).map_err(refused)?;
+    }
+    if let Some(impedance) = front_impedance.map(Stated::si).or(front) {
+        body = body.with_front_impedance(impedance).map_err(refused)?;
+    }
+    Ok(body)
+}

@@ -1,0 +1,160 @@
+//! Materials and bodies of sheets against closed forms: each law as a long rod, each element at low frequency.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a sheet that should have a result and has none is the failure that the test reports"
+)]
+
+mod two_masses;
+
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+use num_complex::Complex64;
+use rodlab::Outcome;
+use two_masses::{attempt, column};
+
+const DENSITY: f64 = 1150.0;
+const DIAMETER: f64 = 0.02;
+
+fn computed(law: &str, body: &str) -> Outcome {
+    let text = format!(
+        r#"Mobility(title: "computed", materials: {{ "it": (density: "1150 kg/m3", law: {law}) }},
+        source: Computed(body: {body}, up_to: "10 kHz", lines: 100))"#
+    );
+    attempt(Path::new("."), &text).unwrap()
+}
+
+fn lines(outcome: &Outcome) -> Vec<(f64, Complex64)> {
+    let parts = column(outcome, "mobility", "real part").iter();
+    parts
+        .zip(column(outcome, "mobility", "imaginary part"))
+        .zip(column(outcome, "mobility", "frequency"))
+        .skip(1)
+        .map(|((re, im), f)| (*f, Complex64::new(*re, *im)))
+        .collect()
+}
+
+#[test]
+fn a_long_rod_of_each_law_has_its_characteristic_impedance() {
+    let area = PI * DIAMETER * DIAMETER / 4.0;
+    let power = |s: Complex64, exponent: f64| (s.ln() * exponent).exp();
+    type Law = Box<dyn Fn(Complex64) -> Complex64>;
+    let relaxed = |s: Complex64, tau: f64| s * tau / (1.0 + s * tau);
+    let laws: Vec<(&str, Law)> = vec![
+        (
+            r#"Elastic(modulus: "3 GPa")"#,
+            Box::new(|_| Complex64::from(3e9)),
+        ),
+        (
+            r#"ConstantQ(modulus: "3 GPa", loss_factor: "0.1", at: "2 kHz")"#,
+            // |E*| is 3 GPa at 2 kHz, and Im/Re = 0.1 everywhere: E* = 3 GPa (s/w0)^(2 atan(0.1)/pi) turned to be real in front
+            Box::new(move |s| 3e9 * power(s / (TAU * 2e3), 2.0 * 0.1_f64.atan() / PI)),
+        ),
+        (
+            r#"KelvinVoigt(modulus: "3 GPa", viscosity: "20 kPa s")"#,
+            Box::new(|s| 3e9 + 20e3 * s),
+        ),
+        (
+            r#"Maxwell(modulus: "3 GPa", viscosity: "2 MPa s")"#,
+            Box::new(move |s| 3e9 * relaxed(s, 2e6 / 3e9)),
+        ),
+        (
+            r#"Zener(relaxed: "3 GPa", unrelaxed: "3.6 GPa", relaxation_time: "30 us")"#,
+            Box::new(move |s| 3e9 + 0.6e9 * relaxed(s, 30e-6)),
+        ),
+        (
+            r#"FractionalZener(relaxed: "3 GPa", unrelaxed: "3.6 GPa", relaxation_time: "30 us", exponent: "0.4")"#,
+            Box::new(move |s| 3e9 + 0.6e9 * relaxed(power(s * 30e-6, 0.4), 1.0)),
+        ),
+        (
+            r#"Prony(equilibrium: "3 GPa", branches: [(modulus: "0.2 GPa", relaxation_time: "20 us"), (modulus: "0.1 GPa", relaxation_time: "1 ms")])"#,
+            Box::new(move |s| 3e9 + 0.2e9 * relaxed(s, 20e-6) + 0.1e9 * relaxed(s, 1e-3)),
+        ),
+        (
+            "PowerLawPropagation(damping_factor: 8.818e-5, damping_exponent: 0.894, wave_number_factor: 8.937e-4, wave_number_exponent: 0.970)",
+            // E* = rho s^2/gamma^2, gamma = a omega^p + i b omega^q
+            Box::new(|s| {
+                let omega = s.im;
+                let gamma =
+                    Complex64::new(8.818e-5 * omega.powf(0.894), 8.937e-4 * omega.powf(0.970));
+                DENSITY * s * s / (gamma * gamma)
+            }),
+        ),
+    ];
+    for (law, modulus) in &laws {
+        let outcome = computed(law, r#"LongRod(material: "it", diameter: "20 mm")"#);
+        for (f, found) in lines(&outcome) {
+            let exact = 1.0 / (area * (DENSITY * modulus(Complex64::new(0.0, TAU * f))).sqrt());
+            assert!(
+                (found / exact - 1.0).norm() < 1e-12,
+                "{law} at {f} Hz: {found}, exact {exact}"
+            );
+            // the wave loses: the real part is positive
+            assert!(found.re > 0.0);
+        }
+    }
+}
+
+#[test]
+fn every_element_has_its_mass_at_low_frequency() {
+    let law = r#"Elastic(modulus: "3000 GPa")"#;
+    let rod = DENSITY * PI * DIAMETER * DIAMETER / 4.0 * 0.1;
+    // of a horn A(x) = A0 (A1/A0)^(x/L)
+    let (near, far) = (PI * 0.03_f64.powi(2) / 4.0, PI * 0.01_f64.powi(2) / 4.0);
+    let cone = DENSITY * PI / 12.0 * 0.1 * (9e-4 + 3e-4 + 1e-4);
+    let horn = DENSITY * 0.1 * (near - far) / (near / far).ln();
+    for (elements, mass) in [
+        (
+            r#"Rod(material: "it", diameter: "20 mm", length: "100 mm")"#,
+            rod,
+        ),
+        (
+            r#"Cone(material: "it", near: "30 mm", far: "10 mm", length: "100 mm")"#,
+            cone,
+        ),
+        (
+            r#"Horn(material: "it", near: "30 mm", far: "10 mm", length: "100 mm")"#,
+            horn,
+        ),
+        (
+            r#"Mass("20 gram"), Rod(material: "it", diameter: "20 mm", length: "100 mm")"#,
+            0.02 + rod,
+        ),
+    ] {
+        let outcome = computed(law, &format!("Chain(elements: [{elements}])"));
+        let (f, found) = lines(&outcome)[0];
+        let exact = 1.0 / Complex64::new(0.0, TAU * f * mass);
+        // c = 51 km/s: (omega L/c)^2/3 = 5e-7 at 100 Hz, twice or thrice as much where the section varies
+        assert!(
+            (found / exact - 1.0).norm() < 3e-6,
+            "{elements}: {found}, {exact}"
+        );
+    }
+    // a spring and a dashpot in a row before a wall: F = k x, and F = c v behind it
+    let outcome = computed(
+        law,
+        r#"Chain(elements: [Spring("2 MN/m"), Dashpot("300 kg/s")], end: Fixed)"#,
+    );
+    for (f, found) in lines(&outcome) {
+        let exact = Complex64::new(0.0, TAU * f) / 2e6 + 1.0 / 300.0;
+        assert!((found / exact - 1.0).norm() < 1e-12);
+    }
+    // a dashpot at the end and a mass at the end
+    for (end, impedance) in [
+        (
+            r#"Dashpot("300 kg/s")"#,
+            Box::new(|_| Complex64::from(300.0)) as Box<dyn Fn(Complex64) -> Complex64>,
+        ),
+        (r#"Mass("0.4 kg")"#, Box::new(|s| 0.4 * s)),
+    ] {
+        let outcome = computed(
+            law,
+            &format!(r#"Chain(elements: [Spring("2 MN/m")], end: {end})"#),
+        );
+        for (f, found) in lines(&outcome) {
+            let s = Complex64::new(0.0, TAU * f);
+            let exact = s / 2e6 + 1.0 / impedance(s);
+            assert!((found / exact - 1.0).norm() < 1e-12);
+        }
+    }
+}

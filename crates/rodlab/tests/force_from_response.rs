@@ -1,0 +1,301 @@
+//! Forces from the acceleration of the struck one of two masses, which is integrated in time; the path is known in closed form or by
+//! calibration hits.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a sheet that should have a result and has none is the failure that the test reports"
+)]
+
+mod two_masses;
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use num_complex::Complex64;
+use rodlab::outcome::Verdict;
+use rodlab::output;
+use tempfile::TempDir;
+use two_masses::{BODY, Body, HAMMER, Hammer, RATE, SAMPLES, attempt, column, quantity, strike};
+
+/// Writes the exact accelerance of `body` as a table.
+fn accelerance(folder: &Path, body: Body) {
+    let mut text = "frequency [Hz],real part [1/kg],imaginary part [1/kg]\n".to_owned();
+    for line in 0..=SAMPLES / 2 {
+        let f = line as f64 * RATE / SAMPLES as f64;
+        let value = if line == 0 {
+            Complex64::from(1.0 / (body.struck + body.behind))
+        } else {
+            body.mobility(f) * Complex64::new(0.0, TAU * f)
+        };
+        writeln!(text, "{f},{},{}", value.re, value.im).unwrap();
+    }
+    fs::write(folder.join("accelerance.csv"), text).unwrap();
+}
+
+const FILE: &str =
+    r#"File(file: "accelerance.csv", data_set: "real part", imaginary: "imaginary part")"#;
+
+const HITS: &str = r#"Hits(
+    records: (files: ["hit*.csv"], channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]),
+    force: "hammer", response: "face")"#;
+
+const RECORD: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "hammer", from: "force")]),
+    response: "face", compare_with: "hammer""#;
+
+const TIKHONOV: &str =
+    "regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation)";
+
+const ACTING: &str = r#"acting: (from: "3.8 ms", to: "4.6 ms")"#;
+
+fn sheet(path: &str, rest: &str) -> String {
+    format!(r#"Force(title: "blow", problem: Response(path: {path}, {RECORD}, {rest}))"#)
+}
+
+/// A blow of 300 N that is not among the hits.
+const BLOW: Hammer = Hammer {
+    hits: 1,
+    peak: 300.0,
+    seed: 21,
+    noise: 2.0,
+    ..HAMMER
+};
+
+#[test]
+fn a_force_comes_back_within_its_band() {
+    let folder = TempDir::new().unwrap();
+    accelerance(folder.path(), BODY);
+    strike(folder.path(), "blow", BODY, BLOW);
+    let text = sheet(
+        FILE,
+        &format!(r#"{TIKHONOV}, {ACTING}, non_negative: true, noise: FromRest("3.5 ms")"#),
+    );
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let peak = quantity(&outcome, "peak force");
+    let error = peak.standard_error.unwrap();
+    let bias = quantity(&outcome, "change of the peak by the regularisation");
+    let away = (peak.value.unwrap() - 300.0).abs();
+    assert!(
+        away < 4.0 * error + bias.value.unwrap().abs(),
+        "{peak:?} {bias:?}"
+    );
+    // 2 m/s2 on a mass of 1 kg: some newtons
+    assert!((0.2..5.0).contains(&error), "{error}");
+    let held = quantity(
+        &outcome,
+        "part of the measured force inside the band of the whole history",
+    );
+    // where the force begins and ends the band without tension has no width, and the measured force has its noise of 0.01 N
+    let difference = quantity(
+        &outcome,
+        "root mean square difference from the measured force",
+    );
+    assert!(difference.value.unwrap() < 3.0, "{difference:?} {held:?}");
+    // the raised cosine has half its peak in the mean
+    let impulse = quantity(&outcome, "impulse");
+    let away = (impulse.value.unwrap() - 0.5 * 300.0 * 0.3e-3).abs();
+    assert!(away < 4.0 * impulse.standard_error.unwrap(), "{impulse:?}");
+    let chi = quantity(&outcome, "weighted residual per degree of freedom");
+    // 2000 samples tell it to 3 %, 179 at rest tell the noise to 5 % and its square to 10 %
+    assert!((chi.value.unwrap() - 1.0).abs() < 0.35, "{chi:?}");
+    let noise = quantity(&outcome, "noise of the response").value.unwrap();
+    assert!((noise / 2.0 - 1.0).abs() < 0.2, "{noise}");
+    let names: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["force", "path", "regularisation"]);
+    assert_eq!(outcome.warnings, Vec::<String>::new());
+    // a band that holds no less than the pointwise one, and the same bytes again
+    let identity = output::SheetIdentity {
+        file: "test.ron".to_owned(),
+        sha256: String::new(),
+    };
+    let json = |outcome| output::json_of(outcome, &identity).unwrap();
+    assert_eq!(
+        json(&outcome),
+        json(&attempt(folder.path(), &text).unwrap())
+    );
+}
+
+#[test]
+fn without_regularisation_the_band_of_the_whole_history_holds_the_force() {
+    let folder = TempDir::new().unwrap();
+    accelerance(folder.path(), BODY);
+    strike(folder.path(), "blow", BODY, BLOW);
+    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    let force = column(&outcome, "force", "force");
+    let measured = column(&outcome, "force", "measured force");
+    let errors = column(&outcome, "force", "standard error of the force");
+    let lower = column(&outcome, "force", "band of the whole history, lower");
+    let upper = column(&outcome, "force", "band of the whole history, upper");
+    let mut squares = Vec::new();
+    for n in 195..=235 {
+        // 0.01 N of noise on the measured force is nothing beside 2 N
+        assert!(lower[n] <= measured[n] && measured[n] <= upper[n], "{n}");
+        squares.push(((force[n] - measured[n]) / errors[n]).powi(2));
+    }
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    // 41 samples, correlated: the mean square of unit errors is known to a third or so
+    assert!((0.4..2.0).contains(&mean), "{mean}");
+}
+
+#[test]
+fn calibration_hits_tell_path_and_scatter() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    strike(folder.path(), "blow", BODY, BLOW);
+    let rest = format!(
+        r#"{TIKHONOV}, {ACTING}, noise: White("2 m/s2"), band: (from: "0.02 kHz", to: "5 kHz")"#
+    );
+    let outcome = attempt(folder.path(), &sheet(HITS, &rest)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let peak = quantity(&outcome, "peak force");
+    let error = peak.standard_error.unwrap();
+    let bias = quantity(&outcome, "change of the peak by the regularisation");
+    let away = (peak.value.unwrap() - 300.0).abs();
+    assert!(
+        away < 4.0 * error + bias.value.unwrap().abs(),
+        "{peak:?} {bias:?}"
+    );
+    let scatter = quantity(&outcome, "scatter between hits with the force");
+    // the hits differ by noise alone: a few percent at most
+    assert!((0.0..5.0).contains(&scatter.value.unwrap()), "{scatter:?}");
+    // below 20 Hz and above 5 kHz: outside the band, and so it stands in the log
+    let reasons: Vec<&str> = outcome
+        .log
+        .iter()
+        .filter(|entry| !entry.accepted)
+        .flat_map(|entry| entry.reasons.iter().map(String::as_str))
+        .collect();
+    assert!(reasons.contains(&"outside the band"), "{reasons:?}");
+    assert_eq!(outcome.inputs.len(), 9);
+}
+
+#[test]
+fn what_contradicts_the_noise_is_said() {
+    let folder = TempDir::new().unwrap();
+    accelerance(folder.path(), BODY);
+    strike(folder.path(), "blow", BODY, BLOW);
+    // noise underrated by a factor of four
+    let text = sheet(
+        FILE,
+        &format!(r#"{TIKHONOV}, {ACTING}, noise: White("0.5 m/s2")"#),
+    );
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert!(
+        outcome
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("the noise is underrated")),
+        "{:?}",
+        outcome.warnings
+    );
+    // another body
+    accelerance(
+        folder.path(),
+        Body {
+            stiffness: 5e7,
+            ..BODY
+        },
+    );
+    let text = sheet(
+        FILE,
+        &format!(r#"{TIKHONOV}, {ACTING}, noise: White("2 m/s2")"#),
+    );
+    let outcome = attempt(folder.path(), &text).unwrap();
+    let chi = quantity(&outcome, "weighted residual per degree of freedom");
+    assert!(chi.value.unwrap() > 10.0, "{chi:?}");
+}
+
+#[test]
+fn noise_alone_is_no_force() {
+    let folder = TempDir::new().unwrap();
+    accelerance(folder.path(), BODY);
+    let nothing = Hammer { peak: 0.0, ..BLOW };
+    strike(folder.path(), "blow", BODY, nothing);
+    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(
+        outcome.verdict,
+        Verdict::NotAllowed {
+            reason: "none of 1 hits of the record is accepted: the log says why".to_owned()
+        }
+    );
+    assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
+    // whoever accepts it by hand is told by the discrepancy
+    let by_hand = r#"hit: (accept: [(hit: 1, because: "to see")])"#;
+    let rest = format!(
+        r#"{ACTING}, {by_hand}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
+    );
+    let outcome = attempt(folder.path(), &sheet(FILE, &rest)).unwrap();
+    assert_eq!(
+        outcome.verdict,
+        Verdict::NotAllowed {
+            reason: "the response is no larger than its noise, and any force or none explains it"
+                .to_owned()
+        }
+    );
+}
+
+#[test]
+fn what_cannot_be_is_refused_where_it_stands() {
+    let folder = TempDir::new().unwrap();
+    accelerance(folder.path(), BODY);
+    strike(folder.path(), "blow", BODY, BLOW);
+    strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
+    let lines = fs::read_to_string(folder.path().join("accelerance.csv")).unwrap();
+    let every_second: Vec<&str> = lines
+        .lines()
+        .enumerate()
+        .filter(|(n, _)| *n == 0 || n % 2 == 1)
+        .map(|(_, line)| line)
+        .collect();
+    fs::write(folder.path().join("wide.csv"), every_second.join("\n")).unwrap();
+    let refused = |path: &str, rest: &str| {
+        let refused = attempt(folder.path(), &sheet(path, rest)).err();
+        refused.unwrap().to_string()
+    };
+    let refusals = [
+        refused(&FILE.replace("accelerance.csv", "wide.csv"), ""),
+        refused(
+            r#"File(file: "accelerance.csv", data_set: "real part")"#,
+            "",
+        ),
+        refused(
+            &FILE.replace("imaginary:", "kind: Mobility, imaginary:"),
+            "",
+        ),
+        refused(FILE, "non_negative: true"),
+        refused(FILE, "regularisation: Tikhonov(parameter: Discrepancy)"),
+        refused(FILE, r#"noise: White("2 N")"#),
+        refused(FILE, r#"noise: FromRest("10 samples")"#),
+        refused(FILE, r#"acting: (from: "30 ms", to: "60 ms")"#),
+        refused(FILE, r#"band: (from: "5 kHz", to: "1 kHz")"#),
+        refused(
+            &HITS.replace(
+                "force: \"hammer\"",
+                "exponential_window: \"1 %\", force: \"hammer\"",
+            ),
+            "",
+        ),
+        refused(&FILE.replace("accelerance.csv", "absent.csv"), "")
+            .split(": ")
+            .skip(1)
+            .collect::<Vec<_>>()
+            .join(": "),
+    ]
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    problem.path.file is wide.csv with 513 lines 50.000000 Hz apart, expected up to 1025 lines 25.000000 Hz apart, those of the record
+    problem.path.imaginary is not stated, expected the column of the imaginary part: the data set is real
+    problem.path.kind is mobility, expected accelerance, as accelerance.csv has it in 1/kg
+    problem: a force without tension needs a support, and there is none
+    problem: the discrepancy principle needs the noise of the response, and it is not known
+    problem.noise.White is `2 N`, expected a level of `face`, which is acceleration [m/s^2]
+    problem.noise.FromRest is 10 samples, expected from 20 to 2048 samples
+    problem.acting is 30 ms to 60 ms, expected a time span from 0 s to 0.040000 s, the end of the record
+    problem: the frequency band [Hz] runs from 5000 to 1000, expected finite and increasing limits
+    problem.path.exponential_window is stated, expected no statement: the response of the blow has no such window
+    No such file or directory (os error 2)
+    ");
+}

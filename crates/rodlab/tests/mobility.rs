@@ -1,0 +1,374 @@
+//! Mobilities from sheets: of virtual hits on two masses with a spring and a dashpot between, which are integrated in time and known in
+//! closed form; of files; of computed bodies.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a sheet that should have a result and has none is the failure that the test reports"
+)]
+
+mod two_masses;
+
+use std::f64::consts::{PI, TAU};
+use std::fs;
+use std::path::Path;
+
+use num_complex::Complex64;
+use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::output;
+use tempfile::TempDir;
+use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, quantity, strike, words};
+
+const CHANNELS: &str =
+    r#"channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]"#;
+
+fn hits(pattern: &str) -> String {
+    format!(r#"(records: (files: ["{pattern}"], {CHANNELS}), force: "hammer", response: "face")"#)
+}
+
+fn sheet(source: &str, rest: &str) -> String {
+    format!(r#"Mobility(title: "two masses", source: {source}, {rest})"#)
+}
+
+fn lines(outcome: &Outcome) -> Vec<Complex64> {
+    let parts = column(outcome, "mobility", "real part").iter();
+    parts
+        .zip(column(outcome, "mobility", "imaginary part"))
+        .map(|(re, im)| Complex64::new(*re, *im))
+        .collect()
+}
+
+/// Mean of the squared errors of the lines from 100 Hz to 4 kHz in units of their variances.
+fn mean_square_error(outcome: &Outcome, body: Body) -> f64 {
+    let frequency = column(outcome, "mobility", "frequency");
+    let errors = column(outcome, "mobility", "standard error");
+    let mut squares = Vec::new();
+    for ((line, f), error) in lines(outcome).iter().zip(frequency).zip(errors) {
+        if (100.0..4000.0).contains(f) {
+            squares.push((line - body.mobility(*f)).norm_sqr() / (error * error));
+        }
+    }
+    squares.iter().sum::<f64>() / squares.len() as f64
+}
+
+const WEIGHED: &str = r#"support: Free(mass: "1.5 kg ± 1 gram"), up_to: "5 kHz""#;
+
+#[test]
+fn hits_give_the_mobility_within_its_errors() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines tell the mean to 8 % and the tails of Student's law
+    // to some more
+    let found = mean_square_error(&outcome, BODY);
+    assert!((0.75..1.75).contains(&found), "{found}");
+    let mass = quantity(&outcome, "mass by the low lines");
+    let (apparent, error) = (mass.value.unwrap(), mass.standard_error.unwrap());
+    // the elastic term of fourth order, (f/1.74 kHz)^4 over the lines used, leaves up to 1 %
+    assert!(
+        mass.valid && (apparent - 1.5).abs() < 4.0 * error + 0.015,
+        "{mass:?}"
+    );
+    assert!(quantity(&outcome, "energy ahead of the impulse").valid);
+    assert!(quantity(&outcome, "lines that make energy").valid);
+    assert_eq!(outcome.log.iter().filter(|entry| entry.accepted).count(), 8);
+    assert_eq!(outcome.inputs.len(), 8);
+    let names: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["mobility", "nyquist", "impulse_response"]);
+    // after the ringing the body moves on with 1/M
+    let table = outcome.tables.iter().find(|t| t.name == "impulse_response");
+    let Cells::Numbers(values) = &table.unwrap().columns[1].cells else {
+        unreachable!("numbers");
+    };
+    let late = &values[values.len() / 2..];
+    let mean = late.iter().sum::<f64>() / late.len() as f64;
+    // the lines are noisy by parts of a percent, and the band ends at 5 kHz
+    assert!((mean * 1.5 - 1.0).abs() < 0.02, "{mean}");
+
+    // the universal file is read back as it was written, errors and all
+    let attachment = &outcome.attachments[0];
+    fs::write(folder.path().join(&attachment.name), &attachment.bytes).unwrap();
+    let again = attempt(
+        folder.path(),
+        &sheet(r#"File(file: "mobility.uff")"#, WEIGHED),
+    )
+    .unwrap();
+    for (there, here) in lines(&outcome).iter().zip(lines(&again)).skip(1) {
+        assert!((there - here).norm() < 1e-10 * there.norm()); // thirteen digits
+    }
+    let errors = column(&outcome, "mobility", "standard error").iter();
+    for (there, here) in errors
+        .zip(column(&again, "mobility", "standard error"))
+        .skip(1)
+    {
+        assert!((there / here - 1.0).abs() < 1e-10);
+    }
+    // the same bytes from the same sheet
+    let identity = output::SheetIdentity {
+        file: "test.ron".to_owned(),
+        sha256: String::new(),
+    };
+    let json = |outcome: &Outcome| output::json_of(outcome, &identity).unwrap();
+    assert_eq!(
+        json(&outcome),
+        json(&attempt(folder.path(), &text).unwrap())
+    );
+}
+
+#[test]
+fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
+    let folder = TempDir::new().unwrap();
+    let with_head = Body {
+        struck: 1.04,
+        ..BODY
+    };
+    strike(folder.path(), "hit", with_head, HAMMER);
+    let source = format!("Hits{}", hits("hit*.csv"));
+    let loaded = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
+    // 40 g are 4 % of the struck mass, and the lines are known better
+    assert!(mean_square_error(&loaded, BODY) > 10.0);
+    let rest = format!(
+        r#"{WEIGHED}, head_mass: "40 gram ± 0.5 gram", complete: (below: "100 Hz", fitted_to: "400 Hz")"#
+    );
+    let outcome = attempt(folder.path(), &sheet(&source, &rest)).unwrap();
+    let found = mean_square_error(&outcome, BODY);
+    assert!((0.75..1.75).contains(&found), "{found}");
+    for (line, f) in lines(&outcome)
+        .iter()
+        .zip(column(&outcome, "mobility", "frequency"))
+    {
+        if *f > 0.0 && *f < 100.0 {
+            // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known to a few percent
+            let exact = BODY.mobility(*f);
+            assert!((line / exact - 1.0).norm() < 1e-3, "{f} Hz");
+        }
+    }
+    assert_eq!(
+        words(&outcome, "mobility", "validity")[1],
+        "valid, by the weighed mass"
+    );
+    let change = quantity(
+        &outcome,
+        "largest change by the uncertainty of the head mass",
+    );
+    // dG/G = i omega G dm, up to 5 kHz at the resonance: it is of the order of 0.5 g over the modal mass
+    assert!((0.05..5.0).contains(&change.value.unwrap()), "{change:?}");
+}
+
+#[test]
+fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    let source = format!("Hits{}", hits("hit*.csv"));
+    let inverted = source.replace(
+        r#"from: "acceleration""#,
+        r#"from: "acceleration", inverted: true"#,
+    );
+    let outcome = attempt(folder.path(), &sheet(&inverted, WEIGHED)).unwrap();
+    let making = quantity(&outcome, "lines that make energy");
+    assert!(!making.valid && making.value.unwrap() > 10.0, "{making:?}");
+    assert!(
+        outcome
+            .warnings
+            .iter()
+            .any(|w| w.contains("generate energy"))
+    );
+    assert!(
+        words(&outcome, "mobility", "validity")
+            .iter()
+            .any(|w| w == "makes energy")
+    );
+    // weighed with the wrong body on the balance
+    let outcome = attempt(
+        folder.path(),
+        &sheet(
+            &source,
+            r#"support: Free(mass: "1.8 kg ± 1 gram"), up_to: "5 kHz""#,
+        ),
+    )
+    .unwrap();
+    assert!(!quantity(&outcome, "mass by the low lines").valid);
+    // nothing is said of what holds it
+    let outcome = attempt(folder.path(), &sheet(&source, "")).unwrap();
+    assert_eq!(
+        outcome.warnings,
+        [
+            "What holds the body is not stated (`support`), and no line at 0 Hz says it: the mobility is not screened, and has no impulse response."
+        ]
+    );
+}
+
+#[test]
+fn a_soft_and_a_hard_hammer_become_one() {
+    let folder = TempDir::new().unwrap();
+    let soft = Hammer {
+        pulse: 2e-3,
+        ..HAMMER
+    };
+    let hard = Hammer {
+        pulse: 0.2e-3,
+        seed: 4,
+        ..HAMMER
+    };
+    strike(folder.path(), "soft", BODY, soft);
+    strike(folder.path(), "hard", BODY, hard);
+    for merge in ["LargerForce", "InverseVariance"] {
+        let source = format!(
+            "TwoHammers(low: {}, high: {}, merge: {merge})",
+            hits("soft*.csv"),
+            hits("hard*.csv")
+        );
+        let outcome = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
+        let found = mean_square_error(&outcome, BODY);
+        // weights that are estimated from 8 hits each make the stated variance too small by a part of about 1/2
+        assert!((0.7..2.5).contains(&found), "{merge}: {found}");
+        let share = column(&outcome, "mobility", "share of high");
+        for (f, share) in column(&outcome, "mobility", "frequency")
+            .iter()
+            .zip(share)
+            .skip(1)
+        {
+            // pulses of one height: the long one is larger below about the inverse of its length
+            if merge == "LargerForce" && *f < 400.0 {
+                assert!(share.abs() < 1e-12, "{f} Hz");
+            } else if merge == "LargerForce" && *f > 1100.0 {
+                assert!((share - 1.0).abs() < 1e-12, "{f} Hz");
+            }
+        }
+        assert!(quantity(&outcome, "mass by the low lines").valid);
+    }
+}
+
+#[test]
+fn too_few_hits_are_no_mobility() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
+    let source = hits("hit*.csv").replace(
+        "force: \"hammer\"",
+        r#"hits: (reject: [(hit: 2, because: "slipped")]), force: "hammer""#,
+    );
+    let outcome = attempt(folder.path(), &sheet(&format!("Hits{source}"), WEIGHED)).unwrap();
+    assert_eq!(
+        outcome.verdict,
+        Verdict::NotAllowed {
+            reason: "1 hit of 2 accepted in `source`, and a mobility with errors needs at least 2: the log says what is wrong with the others".to_owned()
+        }
+    );
+    assert_eq!(outcome.log[1].reasons, ["rejected by hand: slipped"]);
+}
+
+#[test]
+fn computed_bodies_have_their_closed_forms() {
+    let nowhere = Path::new(".");
+    let computed = |body: &str| {
+        format!(
+            r#"Mobility(title: "computed", materials: {{ "steel": (density: "7800 kg/m3", law: Elastic(modulus: "200 GPa")) }},
+            source: Computed(body: {body}, up_to: "10 kHz", lines: 1000))"#
+        )
+    };
+    let rod = r#"LongRod(material: "steel", diameter: "16 mm")"#;
+    let outcome = attempt(nowhere, &computed(rod)).unwrap();
+    let impedance = PI * 0.016_f64.powi(2) / 4.0 * (7800.0 * 200e9_f64).sqrt();
+    for line in lines(&outcome).iter().skip(1) {
+        assert!((line * impedance - 1.0).norm() < 1e-12);
+    }
+    let outcome = attempt(nowhere, &computed(r#"RigidMass("2 kg")"#)).unwrap();
+    for (line, f) in lines(&outcome)
+        .iter()
+        .zip(column(&outcome, "mobility", "frequency"))
+        .skip(1)
+    {
+        assert!((line * Complex64::new(0.0, TAU * f) * 2.0 - 1.0).norm() < 1e-12);
+    }
+    let Cells::Numbers(impulse) = &outcome.tables[1].columns[1].cells else {
+        unreachable!("numbers");
+    };
+    // the kernel rounds the jump at time 0 by its damped transform: 3e-5 of it is left a step later
+    assert!(impulse.iter().all(|v| (v * 2.0 - 1.0).abs() < 5e-5));
+    // a free rod of 1 m: G = -i cot(kL)/Z
+    let free = r#"Chain(elements: [Rod(material: "steel", diameter: "16 mm", length: "1 m")])"#;
+    let outcome = attempt(nowhere, &computed(free)).unwrap();
+    for (line, f) in lines(&outcome)
+        .iter()
+        .zip(column(&outcome, "mobility", "frequency"))
+        .skip(1)
+    {
+        let angle = TAU * f / (200e9_f64 / 7800.0).sqrt();
+        let exact = Complex64::new(0.0, -1.0 / angle.tan() / impedance);
+        // near a resonance the cotangent makes a rounding of the angle as much larger as itself
+        let scale = 1.0 / impedance + impedance * exact.norm_sqr();
+        assert!((line - exact).norm() < 1e-10 * scale, "{f} Hz");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_where_it_stands() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
+    fs::write(
+        folder.path().join("odd.csv"),
+        "frequency [Hz],response [m/s],other\n10,1,2\n20,1,2\n30,1,2\n",
+    )
+    .unwrap();
+    let refused = |source: &str, rest: &str| {
+        let error = attempt(folder.path(), &sheet(source, rest)).unwrap_err();
+        error.to_string()
+    };
+    let good = hits("hit*.csv");
+    let refusals = [
+        refused(
+            &format!(
+                "Hits{}",
+                good.replace("force: \"hammer\"", "force: \"face\"")
+            ),
+            "",
+        ),
+        refused(
+            &format!(
+                "Hits{}",
+                good.replace("response: \"face\"", "response: \"fase\"")
+            ),
+            "",
+        ),
+        refused(
+            &format!(
+                "Hits{}",
+                good.replace("response: \"face\"", "response: \"hammer\"")
+            ),
+            "",
+        ),
+        refused(
+            &format!("Hits{good}"),
+            r#"complete: (below: "100 Hz", fitted_to: "400 Hz")"#,
+        ),
+        refused(&format!("Hits{good}"), r#"up_to: "50 Hz""#),
+        refused(&format!("Hits{good}"), r#"head_mass: "4 mm""#),
+        refused(&format!("TwoHammers(low: {good})"), ""),
+        refused(r#"File(file: "odd.csv")"#, ""),
+        refused(r#"File(file: "odd.csv", data_set: "response")"#, ""),
+        refused(r#"File(file: "odd.csv", data_set: 3)"#, ""),
+        refused(
+            r#"Computed(body: RigidMass("1 kg"), up_to: "1 kHz", lines: 2)"#,
+            "",
+        ),
+        refused(
+            r#"Computed(body: RigidMass("1 kg"), up_to: "1 kHz", lines: 20)"#,
+            r#"head_mass: "4 gram""#,
+        ),
+    ]
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r#"
+    source.force is `face`, a channel of acceleration, expected a channel of force [N]
+    source.response is `fase`, expected one of the channels `hammer`, `face`
+    source.response is `hammer`, a channel of force, expected a channel of acceleration, velocity or displacement
+    complete is stated, expected a free body, whose weighed mass the low lines are replaced by
+    up_to is 50 Hz, up to which there are 3 lines, expected a frequency with at least 8 lines below it
+    test.ron:1:207: Mobility.head_mass: `4 mm` has the dimension m, expected a mass, as "2.9 gram" or "0 kg"
+    test.ron:1:205: Mobility.source.TwoHammers: the field `high` is missing
+    source.data_set is not stated, and odd.csv has 0 complex data sets, expected one of the data sets 1 `response`, 2 `other`
+    source.file is odd.csv, whose data set is in m/s, expected a response between a force and a motion, as in m/s/N
+    source.data_set is data set 3, expected one of the data sets 1 `response`, 2 `other` (odd.csv)
+    source.lines is 2, expected a number from 8 to 4194304
+    head_mass is stated, expected no statement: a computed body has no impedance head
+    "#);
+}

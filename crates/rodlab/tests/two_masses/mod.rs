@@ -1,0 +1,170 @@
+//! Two masses with a spring and a dashpot between, integrated in time and known in closed form: struck by a virtual hammer.
+#![allow(
+    dead_code,
+    reason = "each test file uses a part of what they have in common"
+)]
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use num_complex::Complex64;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rodlab::RodlabError;
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Outcome, Quantity};
+use rodlab::sheet::{Sheet, parse};
+
+pub(crate) const RATE: f64 = 51_200.0;
+pub(crate) const SAMPLES: usize = 2048;
+
+/// Two masses with a spring and a dashpot between.
+#[derive(Clone, Copy)]
+pub(crate) struct Body {
+    pub(crate) struck: f64,
+    pub(crate) behind: f64,
+    pub(crate) stiffness: f64,
+    pub(crate) damping: f64,
+}
+
+/// Rings at 1.7 kHz and is quiet after 10 ms.
+pub(crate) const BODY: Body = Body {
+    struck: 1.0,
+    behind: 0.5,
+    stiffness: 4e7,
+    damping: 400.0,
+};
+
+impl Body {
+    pub(crate) fn mobility(self, frequency_hz: f64) -> Complex64 {
+        let s = Complex64::new(0.0, TAU * frequency_hz);
+        let link = self.stiffness + self.damping * s;
+        let both = self.struck * self.behind * s * s + (self.struck + self.behind) * link;
+        (self.behind * s * s + link) / (s * both)
+    }
+
+    /// Acceleration of the struck mass \[m/s²\] under `force`, sampled at [`RATE`], by the classical Runge-Kutta method in eight steps a
+    /// sample: the error of a step is (omega h)^5/120 = 1e-10.
+    pub(crate) fn acceleration(self, force: impl Fn(f64) -> f64) -> Vec<f64> {
+        const STEPS: usize = 8;
+        let step = 1.0 / (RATE * STEPS as f64);
+        let link = |state: [f64; 4]| {
+            self.stiffness * (state[0] - state[2]) + self.damping * (state[1] - state[3])
+        };
+        let rate = |time: f64, state: [f64; 4]| {
+            let pull = link(state);
+            [
+                state[1],
+                (force(time) - pull) / self.struck,
+                state[3],
+                pull / self.behind,
+            ]
+        };
+        let add = |state: [f64; 4], rate: [f64; 4], step: f64| {
+            std::array::from_fn(|n| state[n] + step * rate[n])
+        };
+        let mut state = [0.0; 4];
+        let mut samples = Vec::with_capacity(SAMPLES);
+        for sample in 0..SAMPLES {
+            let start = sample as f64 / RATE;
+            samples.push((force(start) - link(state)) / self.struck);
+            for n in 0..STEPS {
+                let time = start + n as f64 * step;
+                let k1 = rate(time, state);
+                let k2 = rate(time + step / 2.0, add(state, k1, step / 2.0));
+                let k3 = rate(time + step / 2.0, add(state, k2, step / 2.0));
+                let k4 = rate(time + step, add(state, k3, step));
+                let mean =
+                    std::array::from_fn(|i| (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0);
+                state = add(state, mean, step);
+            }
+        }
+        samples
+    }
+}
+
+/// Hammer and noise of a test.
+#[derive(Clone, Copy)]
+pub(crate) struct Hammer {
+    /// Length of the pulse \[s\], a raised cosine.
+    pub(crate) pulse: f64,
+    /// Standard deviation of the noise of the accelerometer [m/s²].
+    pub(crate) noise: f64,
+    pub(crate) hits: usize,
+    pub(crate) seed: u64,
+    /// Peak of the first hit \[N\]; each has 20 N more than the one before.
+    pub(crate) peak: f64,
+}
+
+pub(crate) const HAMMER: Hammer = Hammer {
+    pulse: 0.3e-3,
+    noise: 0.5,
+    hits: 8,
+    seed: 3,
+    peak: 170.0,
+};
+
+/// Writes `{prefix}N.csv`: time, force, acceleration.
+pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
+    let mut random = ChaCha8Rng::seed_from_u64(hammer.seed);
+    let mut normal = move || {
+        // Box and Muller
+        let (a, b): (f64, f64) = (random.random(), random.random());
+        (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
+    };
+    for hit in 1..=hammer.hits {
+        let peak = hammer.peak + 20.0 * (hit - 1) as f64;
+        let begin = 4e-3;
+        let force = |time: f64| {
+            let phase = (time - begin) / hammer.pulse;
+            if (0.0..1.0).contains(&phase) {
+                0.5 * peak * (1.0 - (TAU * phase).cos())
+            } else {
+                0.0
+            }
+        };
+        let mut text = "time [s],force [N],acceleration [m/s^2]\n".to_owned();
+        for (n, acceleration) in body.acceleration(force).iter().enumerate() {
+            let time = n as f64 / RATE;
+            let felt = force(time) + 0.01 * normal();
+            let noisy = acceleration + hammer.noise * normal();
+            writeln!(text, "{time:.9},{felt},{noisy}").unwrap();
+        }
+        fs::write(folder.join(format!("{prefix}{hit}.csv")), text).unwrap();
+    }
+}
+
+pub(crate) fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("test.ron");
+    let sheet = Sheet {
+        job: parse(Path::new("test.ron"), text)?,
+        path,
+        text: text.to_owned(),
+    };
+    job::run(&sheet, &Silent, &AtomicBool::new(false))
+}
+
+pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let column = table.columns.iter().find(|c| c.name == name).unwrap();
+    let Cells::Numbers(values) = &column.cells else {
+        unreachable!("{name} is a column of words");
+    };
+    values
+}
+
+pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let column = table.columns.iter().find(|c| c.name == name).unwrap();
+    let Cells::Words(values) = &column.cells else {
+        unreachable!("{name} is a column of numbers");
+    };
+    values
+}
+
+pub(crate) fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
+    outcome.quantities.iter().find(|q| q.name == name).unwrap()
+}
