@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::RodlabError;
-use crate::figure::{Figure, svg_of_thinned, thinned};
+use crate::figure::{Drawn, Figure, thinned};
 use crate::outcome::{Cells, InputFile, LogEntry, Outcome, Quantity, Setting, Table, Verdict};
 use crate::report::html_of;
 
@@ -34,7 +34,8 @@ pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
 
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
 ///
-/// Each file appears whole; `result.json` is the last.
+/// Each file appears whole. The `result.json` of an earlier run goes first and the new one comes last: where it is, all files are of
+/// one run.
 ///
 /// # Errors
 ///
@@ -47,18 +48,28 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
-    for figure in &figures {
-        files.push((
-            format!("{}.svg", figure.name),
-            svg_of_thinned(figure).into_bytes(),
-        ));
+    let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
+    for drawn in &drawn {
+        let name = format!("{}.svg", drawn.figure.name);
+        files.push((name, drawn.svg.clone().into_bytes()));
     }
-    files.push((REPORT.to_owned(), html_of(outcome, &figures)?.into_bytes()));
+    files.push((REPORT.to_owned(), html_of(outcome, &drawn)?.into_bytes()));
+    let figures: Vec<&Figure> = drawn.iter().map(|drawn| &drawn.figure).collect();
     files.push((
         RESULT.to_owned(),
         json_with(outcome, &figures)?.into_bytes(),
     ));
+    // of an earlier result; from here on the folder is not complete
+    let result = folder.join(RESULT);
+    match fs::remove_file(&result) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            return Err(RodlabError::Write {
+                path: result,
+                source,
+            });
+        }
+        _ => {}
+    }
     let mut paths = Vec::with_capacity(files.len());
     for (name, bytes) in files {
         let path = folder.join(name);
@@ -105,11 +116,11 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
 ///
 /// [`RodlabError::Step`] if a number of the outcome cannot be written.
 pub fn json_of(outcome: &Outcome) -> Result<String, RodlabError> {
-    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
-    json_with(outcome, &figures)
+    let thinned: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
+    json_with(outcome, &thinned.iter().collect::<Vec<_>>())
 }
 
-fn json_with(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabError> {
+fn json_with(outcome: &Outcome, figures: &[&Figure]) -> Result<String, RodlabError> {
     #[derive(serde::Serialize)]
     struct Result<'a> {
         result_version: u32,
@@ -124,7 +135,7 @@ fn json_with(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabErro
         log: &'a [LogEntry],
         quantities: &'a [Quantity],
         tables: &'a [Table],
-        figures: &'a [Figure],
+        figures: &'a [&'a Figure],
     }
     // every field by name, so that a new one is not forgotten here
     let Outcome {

@@ -94,10 +94,13 @@ fn ordinates(panel: &Panel, shown: [f64; 2]) -> [f64; 2] {
         return core;
     }
     let logarithmic = panel.y.scale == Scale::Logarithmic;
-    let (to, back): (fn(f64) -> f64, fn(f64) -> f64) = if logarithmic {
-        (f64::log10, |power| 10_f64.powf(power))
-    } else {
-        (|value| value, |value| value)
+    let to = |value: f64| if logarithmic { value.log10() } else { value };
+    let back = |place: f64| {
+        if logarithmic {
+            10_f64.powf(place)
+        } else {
+            place
+        }
     };
     let span = to(core[1]) - to(core[0]);
     if span <= 0.0 {

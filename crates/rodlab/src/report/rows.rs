@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::number::{alone, with_error};
-use crate::outcome::{Cells, Quantity, Table};
+use super::number::{in_line, with_error};
+use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows that are seen at once.
 const FIRST: usize = 12;
@@ -69,18 +69,20 @@ impl<'a> TableRows<'a> {
         // a few rows more are not worth folding
         let first = if total <= FIRST + 4 { total } else { FIRST };
         let shown = total.min(IN_ALL);
+        let texts: Vec<Vec<String>> = table
+            .columns
+            .iter()
+            .map(|column| match &column.cells {
+                Cells::Numbers(values) => in_line(&values[..values.len().min(shown)]),
+                Cells::Words(words) => words.iter().take(shown).cloned().collect(),
+            })
+            .collect();
         let row = |row: usize| -> Vec<Cell> {
-            let cell = |cells: &Cells| match cells {
-                Cells::Numbers(values) => Cell {
-                    text: values.get(row).copied().map(alone).unwrap_or_default(),
-                    numeric: true,
-                },
-                Cells::Words(words) => Cell {
-                    text: words.get(row).cloned().unwrap_or_default(),
-                    numeric: false,
-                },
+            let cell = |(column, texts): (&Column, &Vec<String>)| Cell {
+                text: texts.get(row).cloned().unwrap_or_default(),
+                numeric: matches!(column.cells, Cells::Numbers(_)),
             };
-            table.columns.iter().map(|c| cell(&c.cells)).collect()
+            table.columns.iter().zip(&texts).map(cell).collect()
         };
         Self {
             title: &table.title,

@@ -19,11 +19,11 @@ function value(v) {
   const p = v && power(v);
   return p < -3 || p > 5 ? `${+(v / 10 ** p).toPrecision(5)}×10${sup(p)}` : String(+v.toPrecision(5));
 }
-function ticks(log, [from, to], wanted) {
+function ticks(log, [from, to], wanted, unit) {
   const major = [], minor = [], decades = log ? lg(to / from) : 0;
   if (decades < 1) {
     const least = (to - from) / wanted, ten = 10 ** Math.floor(lg(least));
-    const step = ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
+    const step = (unit === "°" && to - from > 60 && [15, 30, 45, 90, 180, 360].find((s) => s >= least)) || ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
     for (let n = Math.ceil(from / step - 1e-9); n * step <= to + 1e-9 * step; n++) major.push([n * step, label(n * step, step)]);
     return { major, minor };
   }
@@ -45,7 +45,7 @@ function widened([a, b], log, margin) {
   return [a - free, b + free];
 }
 const MARKERS = ["m-2.8 0a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0-5.6 0z", "m-2.6-2.6h5.2v5.2h-5.2z", "m0-3.6l3.2 5.8h-6.4z", "m0-3.7l3.7 3.7-3.7 3.7-3.7-3.7z",
-  "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-1.6 0a1.6 1.6 0 1 0 3.2 0a1.6 1.6 0 1 0-3.2 0z"];
+  "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"];
 let clips = 0;
 
 function figure(box) {
@@ -147,7 +147,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
-      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny).major.map((t) => t[1].length), 5);
+      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
       if (p.e && !view.log && !own.log) {
         const k = Math.max((rx[1] - rx[0]) / (right - left), (ry[1] - ry[0]) / high);
         const wide = (r, n) => [(r[0] + r[1] - k * n) / 2, (r[0] + r[1] + k * n) / 2];
@@ -164,9 +164,9 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       top = 8 + 14 * Math.max(0, ...lines.map((l) => l.row + 1));
       bottom = top + high;
       fy = map(own.log, ry, bottom, top);
-      const tx = ticks(view.log, rx, Math.floor((right - left) / 75)), ty = ticks(own.log, ry, ny);
+      const tx = ticks(view.log, rx, Math.floor((right - left) / (view.log ? 55 : 75)), p.x.u), ty = ticks(own.log, ry, ny, p.y.u);
       let grid = "", frame = `M${left} ${top}H${right}V${bottom}H${left}z`, text = "";
-      tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${fx(v)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
+      tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${Math.min(fx(v), w - 3.4 * t.length - 1)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
       ty.major.forEach(([v, t]) => ((grid += `M${left} ${fy(v)}H${right}`), (frame += `M${left} ${fy(v)}h-5`), (text += `<text x="${left - 8}" y="${fy(v) + 4}" text-anchor="end">${t}</text>`)));
       tx.minor.forEach((v) => (frame += `M${fx(v)} ${bottom}v3`));
       ty.minor.forEach((v) => (frame += `M${left} ${fy(v)}h-3`));

@@ -1,5 +1,7 @@
 //! An outcome that has everything an outcome can have: every mark, every role, both scales, gaps, words that are markup.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use rodlab::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 use rodlab::outcome::{
     Attachment, Column, InputFile, LogEntry, Outcome, Quantity, Setting, Table, Verdict,
@@ -252,7 +254,7 @@ fn moduli() -> Figure {
 
 /// A curve that runs back and forth on equal axes.
 fn nyquist() -> Figure {
-    let angle = steps(20_000, 0.0, 6.283);
+    let angle = steps(20_000, 0.0, TAU);
     let at = |offset: f64| -> Vec<f64> {
         angle
             .iter()
@@ -267,13 +269,13 @@ fn nyquist() -> Figure {
                 name: "measured".into(),
                 role: Role::First,
                 x: at(0.0),
-                y: at(-1.5708).iter().map(|v| v - 2.0).collect(),
+                y: at(-FRAC_PI_2).iter().map(|v| v - 2.0).collect(),
             },
             Mark::Line {
                 name: "model".into(),
                 role: Role::Fifth,
                 x: at(0.0).iter().map(|v| v + 0.05).collect(),
-                y: at(-1.5708).iter().map(|v| v - 1.98).collect(),
+                y: at(-FRAC_PI_2).iter().map(|v| v - 1.98).collect(),
             },
         ],
     );

@@ -10,7 +10,7 @@ use super::text;
 use crate::figure::palette::{Marker, look};
 use crate::figure::span::{on, spans};
 use crate::figure::ticks::{Ticks, ticks};
-use crate::figure::{Axis, Mark, Panel, Role, Scale};
+use crate::figure::{Axis, Mark, Panel, Role, Scale, push_decimal};
 
 /// Colour of text and axes.
 pub(super) const INK: &str = "#1c1c1c";
@@ -100,7 +100,7 @@ impl<'a> Arranged<'a> {
     }
 
     fn y_ticks(&self, y: [f64; 2]) -> Ticks {
-        ticks(self.panel.y.scale, y, (self.height() / 45.0).floor())
+        ticks(&self.panel.y, y, (self.height() / 45.0).floor())
     }
 
     /// What the numbers and the label of the vertical axis take.
@@ -140,7 +140,7 @@ impl<'a> Arranged<'a> {
             bottom,
         };
         let on_x = ticks(
-            self.panel.x.scale,
+            &self.panel.x,
             x_range,
             ((place.right - place.left) / 85.0).floor(),
         );
@@ -444,9 +444,11 @@ impl Frame {
         for (value, label) in &on_x.major {
             let pixel = x.at(*value);
             _ = write!(lines, "M{pixel} {bottom:.1}v5");
+            let half = 0.5 * text::width(label, f64::from(SMALL));
             elements.push(words(
                 label,
-                pixel,
+                // the last one stays on the paper
+                pixel.min(super::WIDTH - half - 1.0),
                 bottom + 17.0,
                 SMALL,
                 TextAnchor::Middle,
@@ -543,11 +545,7 @@ pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
     }
     _ = match shape {
         Marker::Cross => write!(d, "M{:.1} {:.1}l6 6m-6 0l6 -6", x - 3.0, y - 3.0),
-        Marker::Dot => write!(
-            d,
-            "M{:.1} {y:.1}a1.6 1.6 0 1 0 3.2 0a1.6 1.6 0 1 0 -3.2 0z",
-            x - 1.6
-        ),
+        Marker::Dot => write!(d, "M{:.1} {y:.1}a2 2 0 1 0 4 0a2 2 0 1 0 -4 0z", x - 2.0),
         _ => write!(
             d,
             "M{:.1} {y:.1}a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0 -5.6 0z",
@@ -560,11 +558,16 @@ pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
 pub(super) fn outlined(d: String, role: Role) -> Primitive {
     let look = look(role);
     let crossed = look.marker == Marker::Cross;
+    let edged = !crossed && look.marker != Marker::Dot;
     Primitive::Path(Box::new(PathData {
         d,
         fill: (!crossed).then(|| Color::from(look.color)),
-        stroke: Color::from(if crossed { look.color } else { "#ffffff" }),
-        stroke_width: if crossed { 1.3 } else { 0.5 },
+        stroke: Color::from(if edged { "#ffffff" } else { look.color }),
+        stroke_width: match look.marker {
+            Marker::Cross => 1.3,
+            Marker::Dot => 0.0,
+            _ => 0.5,
+        },
         opacity: None,
         stroke_dasharray: None,
     }))
@@ -581,6 +584,15 @@ fn path(d: String, color: &str, width: f64) -> Primitive {
     }))
 }
 
+/// A place in pixels, with tenths.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "places are within some thousand pixels"
+)]
+fn push_pixel(d: &mut String, pixel: f64) {
+    push_decimal(d, (10.0 * pixel).round() as i64, 1);
+}
+
 /// A line through `points`, in fewer bytes than `Primitive::PolyLine` takes.
 pub(super) fn stroke(
     points: &[(f64, f64)],
@@ -590,7 +602,10 @@ pub(super) fn stroke(
 ) -> Primitive {
     let mut d = String::with_capacity(12 * points.len());
     for (index, (x, y)) in points.iter().enumerate() {
-        _ = write!(d, "{}{x} {y}", if index == 0 { 'M' } else { ' ' });
+        d.push(if index == 0 { 'M' } else { ' ' });
+        push_pixel(&mut d, *x);
+        d.push(' ');
+        push_pixel(&mut d, *y);
     }
     Primitive::Path(Box::new(PathData {
         d,
