@@ -143,7 +143,9 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
         .filter(|(all, drawn)| drawn < all)
         .max()
         .map(|(all, drawn)| {
-            format!("Curves of many samples are drawn by their extremes: the longest by {drawn} of {all}.")
+            format!(
+                "Curves of many samples are drawn by their extremes, the longest by {drawn} of {all} samples; zoomed far in, samples are missing."
+            )
         })
 }
 

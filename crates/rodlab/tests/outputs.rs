@@ -30,6 +30,7 @@ fn every_part_has_its_file_and_the_result_is_the_last() {
     response.svg
     modulus.svg
     cole-cole.svg
+    hardly anything.svg
     report.html
     result.json
     ");

@@ -10,7 +10,12 @@ const REACH: f64 = 0.6;
 
 /// Ranges of both axes.
 pub(super) fn spans(panel: &Panel) -> [[f64; 2]; 2] {
-    let x = panel.x.range.unwrap_or_else(|| {
+    // a range that is none is not asked for
+    let asked = |axis: &Axis| {
+        axis.range
+            .filter(|range| range[0] < range[1] && range.iter().all(|end| on(axis, *end)))
+    };
+    let x = asked(&panel.x).unwrap_or_else(|| {
         let (seen, points) = abscissae(panel);
         let margin = if points || panel.equal_axes {
             MARGIN
@@ -19,10 +24,7 @@ pub(super) fn spans(panel: &Panel) -> [[f64; 2]; 2] {
         };
         widened(seen, &panel.x, margin)
     });
-    let y = panel
-        .y
-        .range
-        .unwrap_or_else(|| widened(ordinates(panel, x), &panel.y, MARGIN));
+    let y = asked(&panel.y).unwrap_or_else(|| widened(ordinates(panel, x), &panel.y, MARGIN));
     [x, y]
 }
 

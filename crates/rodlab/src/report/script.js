@@ -75,7 +75,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
     function spans() {
       const lx = view.log, ly = own.log, on = (v, log) => is(v) && (!log || v > 0), shown = curves.filter((m) => !hidden.has(m.n));
       const grow = (r, v, log) => on(v, log) && ((r[0] = Math.min(r[0], v)), (r[1] = Math.max(r[1], v)));
-      const fits = (r, log) => r && (!log || r[0] > 0) && r;
+      const fits = (r, log) => r && r[0] < r[1] && (!log || r[0] > 0) && r;
       rx = view.zoom || fits(p.x.r, lx);
       if (!rx) {
         const r = [1 / 0, -1 / 0];
@@ -92,7 +92,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
             if (!on(x, lx) || x < rx[0] || x > rx[1]) return;
             grow(m.t === "b" ? reach : core, m.y[i], ly);
             if (m.t === "b") grow(reach, m.z[i], ly);
-            else if (m.z && m.z[i] !== null) [-1, 1].forEach((s) => grow(reach, m.y[i] + s * m.z[i], ly));
+            else if (m.z && is(m.z[i])) [-1, 1].forEach((s) => grow(reach, m.y[i] + s * m.z[i], ly));
           });
         if (core[0] > core[1]) core = reach;
         else if (reach[0] <= reach[1]) {
@@ -115,7 +115,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
         m.x.forEach((x, i) => is(fx(x)) && is(fy(m.y[i])) && (d += `M${fx(x)} ${fy(m.y[i])}${MARKERS[m.r]}`));
         let bars = "";
         if (m.z) m.x.forEach((x, i) => {
-          if (m.z[i] === null || !is(fx(x)) || !is(fy(m.y[i]))) return;
+          if (!is(m.z[i] + fx(x) + fy(m.y[i]))) return;
           const low = fy(m.y[i] - m.z[i]);
           bars += `M${fx(x)} ${is(low) ? low : 9e3}V${fy(m.y[i] + m.z[i])}m-2.5 0h5${is(low) ? `M${fx(x) - 2.5} ${low}h5` : ""}`;
         });
@@ -196,15 +196,17 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
         const [i, d] = near[k];
         if (!is(d) || abs(fx(m.x[i]) - fx(x)) > 6 || (p.e && k !== best)) return;
         if (m.t !== "b") dots += `<circle class="s${m.r}" cx="${fx(m.x[i])}" cy="${fy(m.y[i])}" r="4"/>`;
-        words += `; ${m.n || p.y.l} ${value(m.y[i])}` + (m.t === "b" ? ` to ${value(m.z[i])}` : m.z && m.z[i] !== null ? ` ± ${value(m.z[i])}` : "") + unit(p.y);
+        words += `; ${m.n || p.y.l} ${value(m.y[i])}` + (m.t === "b" ? is(m.z[i]) ? ` to ${value(m.z[i])}` : "" : m.z && is(m.z[i]) ? ` ± ${value(m.z[i])}` : "") + unit(p.y);
       });
       cursor = [shown[best], near[best][0]];
       svg.querySelector(".cursor").innerHTML = dots;
       out.textContent = words;
     }
+    // neither finer than numbers are nor beyond them
+    const to = (state, r) => r.every((v) => abs(v) < 1e99 && (!state.log || v > 1e-99)) && r[1] - r[0] > 1e-9 * Math.max(abs(r[0]), abs(r[1])) && (state.zoom = r);
     const zoom = (by, px = (left + right) / 2) => {
-      view.zoom = [fx.back(px + (left - px) * by), fx.back(px + (right - px) * by)];
-      if (p.e) own.zoom = [fy.back((top + bottom + (bottom - top) * by) / 2), fy.back((top + bottom - (bottom - top) * by) / 2)];
+      to(view, [left, right].map((v) => fx.back(px + (v - px) * by)));
+      if (p.e) to(own, [bottom, top].map((v) => fy.back((top + bottom) / 2 + (v - (top + bottom) / 2) * by)));
       redraw();
     };
     const redraw = () => panels.forEach((o) => o.view === view && o.draw());
@@ -216,6 +218,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       down.set(e.pointerId, place(e));
       from = e.pointerType === "touch" ? null : place(e);
       spread = 0;
+      try { svg.setPointerCapture(e.pointerId); } catch { /* gone already */ }
     };
     svg.onpointermove = (e) => {
       const [x, y] = place(e);
@@ -235,8 +238,8 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       from = null;
       if (!was || abs(x - was[0]) < 8) return;
       const sort = (a, b) => [Math.min(a, b), Math.max(a, b)], inside = (v, a, b) => Math.min(Math.max(v, a), b);
-      if (p.e || abs(y - was[1]) > 40) own.zoom = sort(...[y, was[1]].map((v) => fy.back(inside(v, top, bottom))));
-      view.zoom = sort(...[x, was[0]].map((v) => fx.back(inside(v, left, right))));
+      if (p.e || abs(y - was[1]) > 40) to(own, sort(...[y, was[1]].map((v) => fy.back(inside(v, top, bottom)))));
+      to(view, sort(...[x, was[0]].map((v) => fx.back(inside(v, left, right)))));
       redraw();
     };
     svg.onpointerleave = svg.onpointercancel = (e) => {

@@ -288,6 +288,58 @@ fn nyquist() -> Figure {
     }
 }
 
+/// What is hard to draw: nothing, nothing that can be shown, one point, a constant, bands to infinity, unequal lengths.
+fn hardly_anything() -> Figure {
+    let nan = f64::NAN;
+    let mut shown = panel(
+        Axis::linear("strain", "µε").within([1.0, 1.0]),
+        Axis::linear("stress", "MPa"),
+        vec![
+            line("constant", Role::First, &[0.0, 1.0, 2.0], |_| 5.0),
+            line("none", Role::Second, &[0.0, 1.0], |_| f64::NAN),
+            Mark::Points {
+                name: "one".into(),
+                role: Role::Third,
+                x: vec![1.5, nan],
+                y: vec![5.1, 5.0, 3.0],
+                error: vec![f64::INFINITY],
+            },
+            Mark::Band {
+                name: "without end".into(),
+                role: Role::Fourth,
+                x: vec![0.0, 1.0, 2.0],
+                lower: vec![4.9, f64::NEG_INFINITY, 4.9],
+                upper: vec![5.1, f64::INFINITY, 5.1],
+            },
+            Mark::At {
+                name: "nowhere".into(),
+                x: nan,
+            },
+        ],
+    );
+    shown.greyed = vec![Greyed {
+        from: 5.0,
+        to: f64::INFINITY,
+        because: "beyond what is shown".into(),
+    }];
+    let negative = panel(
+        Axis::logarithmic("frequency", "Hz"),
+        Axis::logarithmic("power", "m²/s⁴"),
+        vec![line("not positive", Role::First, &[-1.0, 0.0], |x| x)],
+    );
+    let empty = panel(
+        Axis::linear("time", "s"),
+        Axis::linear("force", "N"),
+        vec![],
+    );
+    Figure {
+        name: "hardly anything".into(),
+        title: "Hardly anything".into(),
+        caption: "".into(),
+        panels: vec![shown, negative, empty],
+    }
+}
+
 /// The outcome.
 pub(crate) fn outcome() -> Outcome {
     let mut outcome = Outcome::of(
@@ -405,7 +457,13 @@ pub(crate) fn outcome() -> Outcome {
             Column::numbers("frequency", "Hz", frequency),
         ],
     }];
-    outcome.figures = vec![histories(), response(), moduli(), nyquist()];
+    outcome.figures = vec![
+        histories(),
+        response(),
+        moduli(),
+        nyquist(),
+        hardly_anything(),
+    ];
     outcome.attachments = vec![Attachment {
         name: "response.uff".into(),
         bytes: b"    -1\n".to_vec(),
