@@ -12,6 +12,7 @@ mod ticks;
 
 pub(crate) use decimal::push_decimal;
 pub use draw::{Drawn, svg_of};
+pub(crate) use thinning::FEW;
 pub use thinning::thinned;
 pub(crate) use ticks::superscript;
 

@@ -51,6 +51,7 @@ struct FigurePart<'a> {
     thinned: Option<String>,
     data: String,
     drawing: &'a str,
+    panels: usize,
 }
 
 /// The page for `outcome`, whose figures are `drawn`, in their order.
@@ -83,6 +84,7 @@ pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError
                 thinned: thinning(whole, &drawn.figure),
                 data: compact::json_of(&drawn.figure),
                 drawing: &drawn.svg,
+                panels: whole.panels.len(),
             })
             .collect(),
         tables: outcome.tables.iter().map(TableRows::of).collect(),
@@ -140,7 +142,7 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     samples(whole)
         .into_iter()
         .zip(samples(drawn))
-        .filter(|(all, drawn)| drawn < all)
+        .filter(|(all, drawn)| drawn < all && *all > crate::figure::FEW)
         .max()
         .map(|(all, drawn)| {
             format!(

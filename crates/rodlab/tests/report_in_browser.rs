@@ -179,6 +179,7 @@ fn a_person_reads_zooms_and_finds_nothing_broken() {
             words(&found, "dragged_below"),
             "panels are zoomed together {here}"
         );
+        assert_eq!(found["paper"], 680, "width on paper");
         assert_eq!(
             found["hidden"], 1,
             "curves that are gone after a click in the legend {here}"

@@ -4,9 +4,14 @@
 //! axis goes down to any positive value and does not end at full decades; the names of clipping paths do not depend on what else
 //! was drawn in the same process.
 
+mod frame;
+mod ink;
 mod legend;
+mod mapping;
+mod marks;
 mod panel;
 mod text;
+mod vertical_lines;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
@@ -65,7 +70,7 @@ fn svg(figure: &Figure) -> String {
             anchor: TextAnchor::Start,
             rotate: None,
             bold: true,
-            color: Some(Color::from(panel::INK)),
+            color: Some(Color::from(ink::INK)),
         });
     }
     top += 6.0;

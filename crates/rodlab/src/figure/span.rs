@@ -33,6 +33,12 @@ pub(super) fn on(axis: &Axis, value: f64) -> bool {
     value.is_finite() && (axis.scale == Scale::Linear || value > 0.0)
 }
 
+/// Whether there is anything to see on axes with these ranges.
+pub(super) fn shows_anything(panel: &Panel, [x, _]: [[f64; 2]; 2]) -> bool {
+    let seen = ordinates(panel, x);
+    seen[0] <= seen[1]
+}
+
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 fn with([least, greatest]: [f64; 2], value: f64) -> [f64; 2] {

@@ -10,7 +10,7 @@ use super::{Axis, Figure, Mark, Panel, Scale};
 /// Columns of the range that is shown, and of everything outside it.
 const COLUMNS: f64 = 500.0;
 /// Samples that nobody needs to thin.
-const FEW: usize = 1200;
+pub(crate) const FEW: usize = 1200;
 /// Samples that a curve running back and forth is followed by at most.
 const MOST: usize = 3000;
 

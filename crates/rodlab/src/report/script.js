@@ -50,11 +50,15 @@ let clips = 0;
 
 function figure(box) {
   const data = JSON.parse(box.querySelector("script").textContent);
-  const views = {}, panels = data.p.map(panel);
   let width = 0;
-  const fit = () => box.clientWidth !== width && ((width = box.clientWidth), panels.forEach((p) => p.draw()));
-  addEventListener("resize", fit);
-  fit();
+  const views = {}, panels = data.p.map(panel);
+  const fit = (wanted) => wanted !== width && ((width = wanted), panels.forEach((p) => p.draw()));
+  const screen = () => fit(Math.max(box.clientWidth, 240));
+  addEventListener("resize", screen);
+  // a page of paper is as wide as this, so that letters have their size
+  addEventListener("beforeprint", () => fit(680));
+  addEventListener("afterprint", screen);
+  screen();
 
   function panel(p) {
     const view = (views[title(p.x)] ??= { log: p.x.s, zoom: null });
@@ -94,6 +98,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
             if (m.t === "b") grow(reach, m.z[i], ly);
             else if (m.z && is(m.z[i])) [-1, 1].forEach((s) => grow(reach, m.y[i] + s * m.z[i], ly));
           });
+        own.empty = core[0] > core[1] && reach[0] > reach[1];
         if (core[0] > core[1]) core = reach;
         else if (reach[0] <= reach[1]) {
           const to = ly ? lg : (v) => v, back = ly ? (v) => 10 ** v : (v) => v, span = to(core[1]) - to(core[0]);
@@ -143,7 +148,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
     };
     function draw() {
       spans();
-      const w = Math.max(box.clientWidth, 240);
+      const w = width;
       right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
@@ -156,11 +161,11 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       }
       fx = map(view.log, rx, left, right);
       const lines = at.map((m) => ({ n: m.n, v: fx(m.v), row: 0 })).filter((l) => l.v >= left && l.v <= right).sort((a, b) => a.v - b.v);
-      for (let i = lines.length; i--; ) {
-        const l = lines[i], size = 6.2 * l.n.length;
-        l.x = Math.max(left, Math.min(l.v + 3, right - size));
-        for (const o of lines.slice(i + 1)) if (Math.min(o.v, o.x) < l.x + size + 6) l.row = Math.max(l.row, o.row + 1);
-      }
+      const placed = [];
+      lines.forEach((l) => (l.x = Math.max(left, Math.min(l.v + 3, right - 6.2 * l.n.length)), (l.end = l.x + 6.2 * l.n.length + 6)));
+      const place_above = (l, under) => ((l.row = Math.max(-1, ...placed.filter(under).map((o) => o.row)) + 1), placed.push(l));
+      lines.filter((l) => l.x > l.v).reverse().forEach((l) => place_above(l, (o) => o.v < l.end));
+      lines.filter((l) => l.x <= l.v).forEach((l) => place_above(l, (o) => o.end > l.x && o.v - 6 < l.end));
       top = 8 + 14 * Math.max(0, ...lines.map((l) => l.row + 1));
       bottom = top + high;
       fy = map(own.log, ry, bottom, top);
@@ -175,7 +180,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       svg.innerHTML = `<clipPath id="${clip}"><path d="M${left} ${top}H${right}V${bottom}H${left}z"/></clipPath><g clip-path="url(#${clip})">
 ${p.g.map((g) => `<path class="g" d="M${end(g[0], left)} ${top}H${end(g[1], right)}V${bottom}H${end(g[0], left)}z"/>`).join("")}<path class="grid" d="${grid}"/>
 ${lines.map((l) => `<path class="at" d="M${l.v} ${top}V${bottom}"/>`).join("")}${curves.filter((m) => !hidden.has(m.n)).map(path).join("")}<g class="cursor"></g></g>
-${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><text x="${l.x}" y="${top - 4 - 14 * l.row}">${esc(l.n)}</text>`).join("")}<path class="axis" d="${frame}"/>${text}
+${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><text x="${l.x}" y="${top - 4 - 14 * l.row}">${esc(l.n)}</text>`).join("")}<path class="axis" d="${frame}"/>${text}${own.empty ? `<text x="${(left + right) / 2}" y="${(top + bottom) / 2}" text-anchor="middle">no data to show</text>` : ""}
 <text x="${(left + right) / 2}" y="${bottom + 36}" text-anchor="middle">${esc(title(p.x))}</text><text transform="translate(14 ${(top + bottom) / 2})rotate(-90)" text-anchor="middle">${esc(title(p.y))}</text>`;
       tools[3].setAttribute("aria-pressed", !!view.log);
       tools[4].setAttribute("aria-pressed", !!own.log);

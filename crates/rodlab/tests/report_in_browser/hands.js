@@ -107,6 +107,14 @@ function hands(found) {
   found.pinched = ticks(one);
   press("reset");
 
+  // what a printer gets: letters of their size, and the same on screen afterwards
+  const wide = () => svg(one).viewBox.baseVal.width;
+  const screen = wide();
+  dispatchEvent(new Event("beforeprint"));
+  found.paper = wide();
+  dispatchEvent(new Event("afterprint"));
+  if (wide() !== screen) heard.push(`${screen} pixels before printing, ${wide()} afterwards`);
+
   // as far as one can go, with what is hard to draw
   [...panels(figures[2]).slice(0, 1), ...panels(figures[4])].forEach((panel) => {
     [0.2, 0.5, 0.8].forEach((x) => pointer(panel, "move", x, 0.5));
