@@ -151,7 +151,7 @@ fn a_person_reads_zooms_and_finds_nothing_broken() {
         // the value under the pointer is that of the curve
         let read = words(&found, "pointed");
         let (f, magnitude) = (number(&read, "frequency"), number(&read, "measured"));
-        let truth = rich::magnitude(f);
+        let truth = rich::figures::magnitude(f);
         assert!(
             (magnitude / truth - 1.0).abs() < 1e-3, // five digits of f on a resonance, six of the data
             "{read}, but {truth} m/s/N at {f} Hz, {here}"
