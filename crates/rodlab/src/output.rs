@@ -59,6 +59,12 @@ pub fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabErr
         RESULT.to_owned(),
         json_with(outcome, &figures)?.into_bytes(),
     ));
+    let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let error = io::Error::other(format!("two of them are called {}", twice[0]));
+        return Err(RodlabError::step("writing the files of the result", error));
+    }
     // of an earlier result; from here on the folder is not complete
     let result = folder.join(RESULT);
     match fs::remove_file(&result) {

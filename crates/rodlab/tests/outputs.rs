@@ -58,6 +58,21 @@ fn a_run_that_stops_half_way_leaves_no_result_of_an_earlier_one() {
 }
 
 #[test]
+fn no_file_takes_the_place_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut outcome = rich::outcome();
+    outcome.figures[0].name = "modulus".into();
+    let error = output::write(&outcome, folder.path())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "writing the files of the result: two of them are called modulus.svg"
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
 fn the_same_outcome_gives_the_same_bytes() {
     let write = || {
         let folder = tempfile::tempdir().unwrap();

@@ -137,6 +137,11 @@ fn a_person_reads_zooms_and_finds_nothing_broken() {
         assert_eq!(found["dark"], dark, "{here}");
         assert_eq!(found["too_wide"], 0, "pixels that do not fit {here}");
         assert_eq!(
+            found["disagree"],
+            Value::Array(vec![]),
+            "page and file {here}"
+        );
+        assert_eq!(
             found["overlaps"],
             Value::Array(vec![]),
             "texts on each other {here}"

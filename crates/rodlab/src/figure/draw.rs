@@ -74,7 +74,7 @@ fn svg(figure: &Figure) -> String {
         });
     }
     top += 6.0;
-    let arranged: Vec<Arranged<'_>> = figure.panels.iter().map(Arranged::of).collect();
+    let arranged = Arranged::all_of(&figure.panels);
     // axes of all panels are in line
     let left = arranged
         .iter()

@@ -61,7 +61,8 @@ function figure(box) {
   screen();
 
   function panel(p) {
-    const view = (views[title(p.x)] ??= { log: p.x.s, zoom: null });
+    const view = (views[title(p.x) + p.x.s] ??= { log: p.x.s, zoom: null, panels: [] });
+    view.panels.push(p);
     const own = { view, log: p.y.s, zoom: null };
     const hidden = new Set(), clip = `c${clips++}`;
     const curves = p.m.filter((m) => m.t !== "a"), at = p.m.filter((m) => m.t === "a");
@@ -80,12 +81,16 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       const lx = view.log, ly = own.log, on = (v, log) => is(v) && (!log || v > 0), shown = curves.filter((m) => !hidden.has(m.n));
       const grow = (r, v, log) => on(v, log) && ((r[0] = Math.min(r[0], v)), (r[1] = Math.max(r[1], v)));
       const fits = (r, log) => r && r[0] < r[1] && (!log || r[0] > 0) && r;
-      rx = view.zoom || fits(p.x.r, lx);
+      rx = view.zoom || [p, ...view.panels].map((q) => fits(q.x.r, lx)).find((r) => r);
       if (!rx) {
         const r = [1 / 0, -1 / 0];
-        curves.forEach((m) => m.x.forEach((v) => grow(r, v, lx)));
-        at.forEach((m) => grow(r, m.v, lx));
-        rx = widened(r, lx, p.e || curves.some((m) => m.t === "p") ? 0.05 : 0);
+        let margin = 0;
+        for (const q of view.panels)
+          for (const m of q.m) {
+            (m.x || [m.v]).forEach((v) => grow(r, v, lx));
+            if (q.e || m.t === "p") margin = 0.05;
+          }
+        rx = widened(r, lx, margin);
       }
       ry = own.zoom || fits(p.y.r, ly);
       if (!ry) {

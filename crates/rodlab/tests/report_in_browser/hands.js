@@ -28,6 +28,15 @@ function hands(found) {
   found.dark = matchMedia("(prefers-color-scheme: dark)").matches;
   found.too_wide = Math.max(0, document.documentElement.scrollWidth - innerWidth);
 
+  // the script and the file have the same numbers at their vertical axes, if the heights are equal
+  found.disagree = [];
+  figures.forEach((figure, i) => {
+    const still = new DOMParser().parseFromString(figure.querySelector("noscript").textContent, "text/html");
+    const numbers = (root) => [...root.querySelectorAll('text[text-anchor="end"]')].map((t) => t.textContent).join(" ");
+    const [here, there] = [panels(figure).map(numbers).join(" "), numbers(still)];
+    if (i !== 3 && (here !== there || !here)) found.disagree.push(`${here} | ${there}`);
+  });
+
   // texts of one drawing neither touch each other nor leave it
   found.overlaps = [];
   found.cut_off = [];

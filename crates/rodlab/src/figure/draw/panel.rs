@@ -44,9 +44,12 @@ pub(super) struct Arranged<'a> {
 }
 
 impl<'a> Arranged<'a> {
-    pub(super) fn of(panel: &'a Panel) -> Self {
-        let [x, y] = spans(panel);
-        Self { panel, x, y }
+    pub(super) fn all_of(panels: &'a [Panel]) -> Vec<Self> {
+        panels
+            .iter()
+            .zip(spans(panels))
+            .map(|(panel, [x, y])| Self { panel, x, y })
+            .collect()
     }
 
     fn height(&self) -> f64 {
