@@ -9,12 +9,14 @@ mod palette;
 mod span;
 mod thinning;
 mod ticks;
+mod unit;
 
 pub(crate) use decimal::push_decimal;
 pub use draw::{Drawn, svg_of};
 pub(crate) use thinning::FEW;
 pub use thinning::thinned;
 pub(crate) use ticks::superscript;
+pub(crate) use unit::unit_as_read;
 
 use serde::Serialize;
 

@@ -10,13 +10,13 @@ use super::{Axis, Figure, Mark, Panel, Scale};
 /// Columns of the range that is shown, and of everything outside it.
 const COLUMNS: f64 = 500.0;
 /// Samples that nobody needs to thin.
-pub(crate) const FEW: usize = 1200;
+pub(crate) const FEW: usize = 2000;
 /// Samples that a curve running back and forth is followed by at most.
 const MOST: usize = 3000;
 
 /// The figure as it is drawn: series of many samples by their extremes over 1/500 of the horizontal axis.
 ///
-/// Series of up to 1200 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
+/// Series of up to 2000 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
 /// of 500 columns of the range that is shown, and as many of what lies outside it; the least and the greatest sample are among them.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_short_series_is_untouched() {
-        let x = time(1200);
+        let x = time(2000);
         let y: Vec<f64> = x.iter().map(|x| (1e4 * x).sin()).collect();
         assert_eq!(line(x.clone(), y.clone(), Axis::linear("t", "s")), (x, y));
     }

@@ -1,5 +1,6 @@
 //! Where the ticks of an axis are and what is written at them. `report/script.js` does the same.
 
+use super::unit::raised;
 use super::{Axis, Scale};
 
 /// The ticks of an axis.
@@ -16,7 +17,9 @@ pub(super) struct Ticks {
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
     match axis.scale {
-        Scale::Linear if axis.unit == "°" && range[1] - range[0] > 60.0 => {
+        Scale::Linear
+            if matches!(axis.unit.as_str(), "°" | "deg") && range[1] - range[0] > 60.0 =>
+        {
             let turns = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
             let part = turns.into_iter().find(|part| *part >= least);
             linear(range, part.unwrap_or_else(|| round_step(least)))
@@ -115,22 +118,7 @@ fn places(count: f64) -> usize {
 
 /// A power of ten as it stands above the line.
 pub(crate) fn superscript(power: f64) -> String {
-    format!("{power:.0}")
-        .chars()
-        .map(|c| match c {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            '9' => '⁹',
-            _ => '⁰',
-        })
-        .collect()
+    format!("{power:.0}").chars().map(raised).collect()
 }
 
 #[cfg(test)]

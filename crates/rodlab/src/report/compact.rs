@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal};
+use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
 
 /// Digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];
@@ -128,7 +128,7 @@ fn axis(json: &mut String, axis: &Axis) {
     json.push_str("{\"l\":");
     text(json, &axis.label);
     json.push_str(",\"u\":");
-    text(json, &axis.unit);
+    text(json, &unit_as_read(&axis.unit));
     _ = write!(
         json,
         ",\"s\":{}",

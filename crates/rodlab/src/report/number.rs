@@ -16,7 +16,7 @@ pub(super) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     // rounding may carry into the next power: 0.0996 is 0.10
     let last = exponent(rounded(error, exponent(error) - 1.0)) - 1.0;
     let leading = exponent(value.abs().max(error));
-    let power = if (-4.0..6.0).contains(&leading) && last <= 0.0 {
+    let power = if (-3.0..6.0).contains(&leading) && (-7.0..=1.0).contains(&last) {
         0.0
     } else {
         leading
@@ -147,6 +147,8 @@ mod tests {
             (2.61234e9, 1.412e7),
             (-1.5e-7, 2.3e-9),
             (799.0, 0.3),
+            (411.0, 160.0),
+            (7.264_74e-4, 8.6e-8),
             (123_456.0, 21.0),
             (123_456.0, 2100.0),
             (0.0, 0.02),
@@ -161,6 +163,8 @@ mod tests {
         (2.612 ± 0.014)×10⁹
         (−1.500 ± 0.023)×10⁻⁷
         799.00 ± 0.30
+        410 ± 160
+        (7.26474 ± 0.00086)×10⁻⁴
         123456 ± 21
         (1.235 ± 0.021)×10⁵
         0.000 ± 0.020

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::number::{in_line, with_error};
+use crate::figure::unit_as_read;
 use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows that are seen at once.
@@ -15,7 +16,7 @@ const IN_ALL: usize = 400;
 pub(super) struct QuantityRow<'a> {
     name: &'a str,
     value: String,
-    unit: &'a str,
+    unit: String,
     valid: bool,
     verdict: &'a str,
 }
@@ -25,7 +26,7 @@ impl<'a> QuantityRow<'a> {
         Self {
             name: &quantity.name,
             value: with_error(quantity.value, quantity.standard_error),
-            unit: &quantity.unit,
+            unit: unit_as_read(&quantity.unit),
             valid: quantity.valid,
             verdict: &quantity.verdict,
         }
@@ -48,7 +49,7 @@ pub(super) struct TableRows<'a> {
 #[derive(Serialize)]
 struct Heading<'a> {
     name: &'a str,
-    unit: &'a str,
+    unit: String,
     numeric: bool,
 }
 
@@ -92,7 +93,7 @@ impl<'a> TableRows<'a> {
                 .iter()
                 .map(|column| Heading {
                     name: &column.name,
-                    unit: &column.unit,
+                    unit: unit_as_read(&column.unit),
                     numeric: matches!(column.cells, Cells::Numbers(_)),
                 })
                 .collect(),

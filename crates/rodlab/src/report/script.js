@@ -23,7 +23,7 @@ function ticks(log, [from, to], wanted, unit) {
   const major = [], minor = [], decades = log ? lg(to / from) : 0;
   if (decades < 1) {
     const least = (to - from) / wanted, ten = 10 ** Math.floor(lg(least));
-    const step = (unit === "°" && to - from > 60 && [15, 30, 45, 90, 180, 360].find((s) => s >= least)) || ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
+    const step = (/^(°|deg)$/.test(unit) && to - from > 60 && [15, 30, 45, 90, 180, 360].find((s) => s >= least)) || ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
     for (let n = Math.ceil(from / step - 1e-9); n * step <= to + 1e-9 * step; n++) major.push([n * step, label(n * step, step)]);
     return { major, minor };
   }
@@ -157,7 +157,13 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
-      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
+      const label = title(p.y).split(" ").reduce((lines, word) => {
+        const last = lines.at(-1);
+        if (last && 6.4 * (last + word).length < high) lines.push(`${lines.pop()} ${word}`);
+        else lines.push(word);
+        return lines;
+      }, []);
+      left = 22 + 14 * label.length + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
       if (p.e && !view.log && !own.log) {
         const k = Math.max((rx[1] - rx[0]) / (right - left), (ry[1] - ry[0]) / high);
         const wide = (r, n) => [(r[0] + r[1] - k * n) / 2, (r[0] + r[1] + k * n) / 2];
@@ -186,7 +192,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
 ${p.g.map((g) => `<path class="g" d="M${end(g[0], left)} ${top}H${end(g[1], right)}V${bottom}H${end(g[0], left)}z"/>`).join("")}<path class="grid" d="${grid}"/>
 ${lines.map((l) => `<path class="at" d="M${l.v} ${top}V${bottom}"/>`).join("")}${curves.filter((m) => !hidden.has(m.n)).map(path).join("")}<g class="cursor"></g></g>
 ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><text x="${l.x}" y="${top - 4 - 14 * l.row}">${esc(l.n)}</text>`).join("")}<path class="axis" d="${frame}"/>${text}${own.empty ? `<text x="${(left + right) / 2}" y="${(top + bottom) / 2}" text-anchor="middle">no data to show</text>` : ""}
-<text x="${(left + right) / 2}" y="${bottom + 36}" text-anchor="middle">${esc(title(p.x))}</text><text transform="translate(14 ${(top + bottom) / 2})rotate(-90)" text-anchor="middle">${esc(title(p.y))}</text>`;
+<text x="${(left + right) / 2}" y="${bottom + 36}" text-anchor="middle">${esc(title(p.x))}</text>${label.map((l, i) => `<text transform="translate(${14 + 14 * i} ${(top + bottom) / 2})rotate(-90)" text-anchor="middle">${esc(l)}</text>`).join("")}`;
       tools[3].setAttribute("aria-pressed", !!view.log);
       tools[4].setAttribute("aria-pressed", !!own.log);
       cursor = null;

@@ -47,7 +47,7 @@ pub(crate) fn histories() -> Figure {
     };
     let near = panel(
         Axis::linear("time", "ms"),
-        Axis::linear("acceleration", "m/s²"),
+        Axis::linear("acceleration", "m/s^2"),
         vec![
             line("impacted end", Role::First, &time, |t| {
                 900.0 * (hit(t, 200.0) + hit(t, 760.0)) + 8.0 * rough(t)
@@ -138,7 +138,11 @@ pub(crate) fn response() -> Figure {
             ),
             panel(
                 axis(),
-                Axis::linear("phase", "°").within([-180.0, 180.0]),
+                Axis::linear(
+                    "phase of the velocity of the face relative to the force of the hammer",
+                    "deg",
+                )
+                .within([-180.0, 180.0]),
                 vec![line("measured", Role::First, &frequency, |f| {
                     let (real, imaginary) = resonators(f);
                     imaginary.atan2(real).to_degrees()

@@ -12,13 +12,15 @@ use super::text;
 use super::vertical_lines::vertical_lines;
 use crate::figure::span::{shows_anything, spans};
 use crate::figure::ticks::{Ticks, ticks};
-use crate::figure::{Axis, Panel, Scale};
+use crate::figure::{Axis, Panel, Scale, unit_as_read};
 
 /// Colour of ranges where the result does not hold.
 pub(super) const GREY: &str = "#808080";
 pub(super) const GREY_OPACITY: f64 = 0.2;
 /// Size of the labels of axes.
 const LABEL: u32 = 12;
+/// Distance of their lines.
+const LABEL_LINE: f64 = 14.0;
 /// Height of the axes.
 const HEIGHT: f64 = 230.0;
 /// Height of axes on which a unit is as long in both directions.
@@ -72,7 +74,12 @@ impl<'a> Arranged<'a> {
             .iter()
             .map(|(_, label)| text::width(label, f64::from(SMALL)))
             .fold(0.0, f64::max);
-        widest + 8.0 + 22.0
+        widest + 8.0 + 8.0 + self.y_label().iter().map(|_| LABEL_LINE).sum::<f64>()
+    }
+
+    /// The label of the vertical axis, in lines that are no longer than the axis.
+    fn y_label(&self) -> Vec<String> {
+        text::lines(&title(&self.panel.y), f64::from(LABEL), self.height())
     }
 
     /// Draws the panel and returns where it ends.
@@ -193,14 +200,18 @@ impl<'a> Arranged<'a> {
             TextAnchor::Middle,
             None,
         ));
-        elements.push(words(
-            &title(&self.panel.y),
-            super::EDGE + 11.0,
-            0.5 * (frame.top + frame.bottom),
-            LABEL,
-            TextAnchor::Middle,
-            Some(-90.0),
-        ));
+        let mut x = super::EDGE + 11.0;
+        for line in self.y_label() {
+            elements.push(words(
+                &line,
+                x,
+                0.5 * (frame.top + frame.bottom),
+                LABEL,
+                TextAnchor::Middle,
+                Some(-90.0),
+            ));
+            x += LABEL_LINE;
+        }
     }
 
     /// The ranges; with equal axes the shorter one is widened on both sides.
@@ -225,6 +236,6 @@ fn title(axis: &Axis) -> String {
     if axis.unit.is_empty() {
         axis.label.clone()
     } else {
-        format!("{}, {}", axis.label, axis.unit)
+        format!("{}, {}", axis.label, unit_as_read(&axis.unit))
     }
 }
