@@ -8,8 +8,8 @@ mod compact;
 mod number;
 mod rows;
 
-use minijinja::Environment;
 use minijinja::value::Serde;
+use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
 use crate::RodlabError;
@@ -105,6 +105,8 @@ pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError
         script: &bare(SCRIPT),
     };
     let mut environment = Environment::new();
+    // a name that the page does not have is a mistake, not nothing
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
         .add_template("report.html", TEMPLATE)
         .map_err(refused)?;

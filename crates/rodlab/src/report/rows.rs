@@ -11,6 +11,9 @@ const FIRST: usize = 12;
 /// Rows of the page in all; the file has the rest.
 const IN_ALL: usize = 400;
 
+/// Characters of words that are not broken.
+const SHORT: usize = 24;
+
 /// A quantity.
 #[derive(Serialize)]
 pub(super) struct QuantityRow<'a> {
@@ -50,13 +53,22 @@ pub(super) struct TableRows<'a> {
 struct Heading<'a> {
     name: &'a str,
     unit: String,
-    numeric: bool,
+    class: &'static str,
 }
 
 #[derive(Serialize)]
 struct Cell {
     text: String,
-    numeric: bool,
+    class: &'static str,
+}
+
+/// How a column stands in the page: numbers to the right, words that are short in one line.
+fn class_of(cells: &Cells) -> &'static str {
+    match cells {
+        Cells::Numbers(_) => "n",
+        Cells::Words(words) if words.iter().all(|word| word.chars().count() <= SHORT) => "short",
+        Cells::Words(_) => "words",
+    }
 }
 
 impl<'a> TableRows<'a> {
@@ -81,7 +93,7 @@ impl<'a> TableRows<'a> {
         let row = |row: usize| -> Vec<Cell> {
             let cell = |(column, texts): (&Column, &Vec<String>)| Cell {
                 text: texts.get(row).cloned().unwrap_or_default(),
-                numeric: matches!(column.cells, Cells::Numbers(_)),
+                class: class_of(&column.cells),
             };
             table.columns.iter().zip(&texts).map(cell).collect()
         };
@@ -94,7 +106,7 @@ impl<'a> TableRows<'a> {
                 .map(|column| Heading {
                     name: &column.name,
                     unit: unit_as_read(&column.unit),
-                    numeric: matches!(column.cells, Cells::Numbers(_)),
+                    class: class_of(&column.cells),
                 })
                 .collect(),
             rows: (0..first).map(row).collect(),

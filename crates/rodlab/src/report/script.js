@@ -44,6 +44,11 @@ function widened([a, b], log, margin) {
   const free = b - a <= 1e-12 * Math.max(abs(a), abs(b)) ? 0.1 * abs(b) || 1 : margin * (b - a);
   return [a - free, b + free];
 }
+const inLines = (axis, most) => title(axis).split(" ").reduce((lines, word) => {
+  if (lines.length && 6.4 * (lines.at(-1) + word).length < most) lines.push(`${lines.pop()} ${word}`);
+  else lines.push(word);
+  return lines;
+}, []);
 const MARKERS = ["m-2.8 0a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0-5.6 0z", "m-2.6-2.6h5.2v5.2h-5.2z", "m0-3.6l3.2 5.8h-6.4z", "m0-3.7l3.7 3.7-3.7 3.7-3.7-3.7z",
   "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"];
 let clips = 0;
@@ -157,13 +162,8 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
-      const label = title(p.y).split(" ").reduce((lines, word) => {
-        const last = lines.at(-1);
-        if (last && 6.4 * (last + word).length < high) lines.push(`${lines.pop()} ${word}`);
-        else lines.push(word);
-        return lines;
-      }, []);
-      left = 22 + 14 * label.length + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
+      const label = inLines(p.y, high);
+      left = 22 + 14 * Math.max(...data.p.map((q) => inLines(q.y, high).length)) + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
       if (p.e && !view.log && !own.log) {
         const k = Math.max((rx[1] - rx[0]) / (right - left), (ry[1] - ry[0]) / high);
         const wide = (r, n) => [(r[0] + r[1] - k * n) / 2, (r[0] + r[1] + k * n) / 2];
