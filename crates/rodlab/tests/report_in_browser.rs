@@ -9,6 +9,7 @@
 )]
 
 mod rich;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 use std::{env, fs};
@@ -126,7 +127,9 @@ fn number(words: &str, name: &str) -> f64 {
 #[test]
 fn a_person_reads_zooms_and_finds_nothing_broken() {
     let Some(browser) = browser() else {
-        println!("skipped: no browser (chromium or google-chrome on PATH, or RODLAB_BROWSER)");
+        // past the capture of the test harness, so that it is read
+        let said = "skipped: no browser (chromium or google-chrome on PATH, or RODLAB_BROWSER)";
+        writeln!(std::io::stderr(), "{said}").unwrap();
         return;
     };
     for (width, dark) in [(1280, false), (360, true)] {
