@@ -3,16 +3,20 @@
 //! A job says which curves belong together on which axes. Files of scalable graphics and the interactive figures of the report are
 //! both drawn from this. Numbers are in the unit of the axis.
 
+mod decimal;
 mod draw;
 mod palette;
 mod span;
 mod thinning;
 mod ticks;
+mod unit;
 
-pub use draw::svg_of;
-pub(crate) use draw::{svg_of_thinned, svg_without_title};
+pub(crate) use decimal::push_decimal;
+pub use draw::{Drawn, svg_of};
+pub(crate) use thinning::FEW;
 pub use thinning::thinned;
 pub(crate) use ticks::superscript;
+pub(crate) use unit::unit_as_read;
 
 use serde::Serialize;
 

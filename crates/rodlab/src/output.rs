@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
 use crate::RodlabError;
-use crate::figure::{Figure, svg_of_thinned, thinned};
+use crate::figure::Drawn;
 use crate::outcome::{Cells, Outcome, Table};
 use crate::report::html_of;
 
@@ -44,7 +44,8 @@ pub const REPORT: &str = "report.html";
 
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
 ///
-/// Each file appears whole; `result.json` is the last.
+/// Each file appears whole. The `result.json` of an earlier run goes first and the new one comes last: where it is, all files are of
+/// one run.
 ///
 /// # Errors
 ///
@@ -61,20 +62,32 @@ pub fn write(
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
-    let figures: Vec<Figure> = outcome.figures.iter().map(thinned).collect();
-    for figure in &figures {
-        files.push((
-            format!("{}.svg", figure.name),
-            svg_of_thinned(figure).into_bytes(),
-        ));
+    let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
+    for drawn in &drawn {
+        let name = format!("{}.svg", drawn.figure.name);
+        files.push((name, drawn.svg.clone().into_bytes()));
     }
-    files.push((REPORT.to_owned(), html_of(outcome, &figures)?.into_bytes()));
+    files.push((REPORT.to_owned(), html_of(outcome, &drawn)?.into_bytes()));
     files.push((RESULT.to_owned(), json_of(outcome, sheet)?.into_bytes()));
+    let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let error = io::Error::other(format!("two of them are called {}", twice[0]));
+        return Err(RodlabError::step("writing the files of the result", error));
+    }
     // all of them are on the disk before the first takes its name: a disk that becomes full leaves what was there
     let staged = files
         .iter()
         .map(|(name, bytes)| staged(&folder.join(name), bytes))
         .collect::<Result<Vec<_>, _>>()?;
+    // of an earlier result; from here on the folder is not complete
+    let result = folder.join(RESULT);
+    match fs::remove_file(&result) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            return Err(refusal(&result, source));
+        }
+        _ => {}
+    }
     let mut paths = Vec::with_capacity(files.len());
     for ((name, _), file) in files.iter().zip(staged) {
         let path = folder.join(name);

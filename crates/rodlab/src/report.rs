@@ -8,12 +8,12 @@ mod compact;
 mod number;
 mod rows;
 
-use minijinja::Environment;
 use minijinja::value::Serde;
+use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
 use crate::RodlabError;
-use crate::figure::{Figure, Mark, svg_without_title};
+use crate::figure::{Drawn, Figure, Mark};
 use crate::outcome::{Outcome, Verdict};
 use rows::{QuantityRow, TableRows};
 
@@ -31,7 +31,7 @@ struct Page<'a> {
     summary: &'a [String],
     warnings: &'a [String],
     quantities: Vec<QuantityRow<'a>>,
-    figures: Vec<Drawn<'a>>,
+    figures: Vec<FigurePart<'a>>,
     tables: Vec<TableRows<'a>>,
     log: &'a [crate::outcome::LogEntry],
     log_summary: String,
@@ -44,21 +44,22 @@ struct Page<'a> {
 
 /// A figure, for readers with scripts and without.
 #[derive(Serialize)]
-struct Drawn<'a> {
+struct FigurePart<'a> {
     name: &'a str,
     title: &'a str,
     caption: &'a str,
     thinned: Option<String>,
     data: String,
-    drawing: String,
+    drawing: &'a str,
+    panels: usize,
 }
 
-/// The page for `outcome`, whose figures are drawn from `figures`: the same figures [thinned](crate::figure::thinned).
+/// The page for `outcome`, whose figures are `drawn`, in their order.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] if the page cannot be put together.
-pub fn html_of(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabError> {
+pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError> {
     let refused = |error| RodlabError::step("writing report.html", error);
     let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
     let page = Page {
@@ -75,14 +76,15 @@ pub fn html_of(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabEr
         figures: outcome
             .figures
             .iter()
-            .zip(figures)
-            .map(|(whole, figure)| Drawn {
-                name: &figure.name,
-                title: &figure.title,
-                caption: &figure.caption,
-                thinned: thinning(whole, figure),
-                data: compact::json_of(figure),
-                drawing: svg_without_title(figure),
+            .zip(drawn)
+            .map(|(whole, drawn)| FigurePart {
+                name: &whole.name,
+                title: &whole.title,
+                caption: &whole.caption,
+                thinned: thinning(whole, &drawn.figure),
+                data: compact::json_of(&drawn.figure),
+                drawing: &drawn.svg,
+                panels: whole.panels.len(),
             })
             .collect(),
         tables: outcome.tables.iter().map(TableRows::of).collect(),
@@ -99,10 +101,12 @@ pub fn html_of(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabEr
             .iter()
             .map(|a| a.name.as_str())
             .collect(),
-        style: STYLE,
-        script: SCRIPT,
+        style: &bare(STYLE),
+        script: &bare(SCRIPT),
     };
     let mut environment = Environment::new();
+    // a name that the page does not have is a mistake, not nothing
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
         .add_template("report.html", TEMPLATE)
         .map_err(refused)?;
@@ -110,6 +114,18 @@ pub fn html_of(outcome: &Outcome, figures: &[Figure]) -> Result<String, RodlabEr
         .get_template("report.html")
         .and_then(|template| template.render(Serde(&page)))
         .map_err(refused)
+}
+
+/// A text of ours without the indentation and the remarks, which are for its writers.
+fn bare(text: &str) -> String {
+    let mut bare = String::with_capacity(text.len());
+    for line in text.lines().map(str::trim_start) {
+        if !line.is_empty() && !line.starts_with("//") {
+            bare.push_str(line);
+            bare.push('\n');
+        }
+    }
+    bare
 }
 
 /// Says of the longest curve how much of it is drawn, if not all.
@@ -128,10 +144,12 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     samples(whole)
         .into_iter()
         .zip(samples(drawn))
-        .filter(|(all, drawn)| drawn < all)
+        .filter(|(all, drawn)| drawn < all && *all > crate::figure::FEW)
         .max()
         .map(|(all, drawn)| {
-            format!("Curves of many samples are drawn by their extremes: the longest by {drawn} of {all}.")
+            format!(
+                "Curves of many samples are drawn by their extremes, the longest by {drawn} of {all} samples; zoomed far in, samples are missing."
+            )
         })
 }
 

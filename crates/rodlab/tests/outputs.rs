@@ -5,7 +5,7 @@
     reason = "a failing test should say so at once"
 )]
 
-#[expect(dead_code, reason = "the browser needs more of it")]
+#[allow(dead_code, reason = "the browser needs more of it")]
 mod rich;
 
 use std::collections::BTreeSet;
@@ -30,11 +30,46 @@ fn every_part_has_its_file_and_the_result_is_the_last() {
     response.svg
     modulus.svg
     cole-cole.svg
+    hardly anything.svg
     report.html
     result.json
     ");
     let on_disk = fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(on_disk, names.len(), "nothing else is left in the folder");
+}
+
+#[test]
+fn a_run_that_stops_half_way_leaves_no_result_of_an_earlier_one() {
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&rich::outcome(), folder.path()).unwrap();
+    let mut outcome = rich::outcome();
+    // where a file should come there is a folder
+    outcome.attachments[0].name = "in the way".into();
+    fs::create_dir(folder.path().join("in the way")).unwrap();
+    fs::write(folder.path().join("in the way/x"), "x").unwrap();
+    let error = output::write(&outcome, folder.path())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("cannot write ") && error.contains("in the way"),
+        "{error}"
+    );
+    assert!(!folder.path().join(output::RESULT).exists());
+}
+
+#[test]
+fn no_file_takes_the_place_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut outcome = rich::outcome();
+    outcome.figures[0].name = "modulus".into();
+    let error = output::write(&outcome, folder.path())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "writing the files of the result: two of them are called modulus.svg"
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]

@@ -4,9 +4,14 @@
 //! axis goes down to any positive value and does not end at full decades; the names of clipping paths do not depend on what else
 //! was drawn in the same process.
 
+mod frame;
+mod ink;
 mod legend;
+mod mapping;
+mod marks;
 mod panel;
 mod text;
+mod vertical_lines;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
@@ -24,45 +29,52 @@ const TITLE: u32 = 15;
 /// Free space between panels.
 const BETWEEN: f64 = 14.0;
 
+/// A figure that is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// What is drawn: the figure with its series [thinned].
+    pub figure: Figure,
+    /// The file of scalable graphics.
+    pub svg: String,
+}
+
+impl Drawn {
+    /// Draws `figure`.
+    #[must_use]
+    pub fn of(figure: &Figure) -> Self {
+        let figure = thinned(figure);
+        let svg = svg(&figure);
+        Self { figure, svg }
+    }
+}
+
 /// `figure` as a file of scalable graphics: its title, and its panels one above the other, on white.
 ///
-/// Series of many samples are [`thinned`]. Text is text. The same figure gives the same bytes.
+/// Series of many samples are [thinned]. Text is text. The same figure gives the same bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
-    svg_of_thinned(&thinned(figure))
+    svg(&thinned(figure))
 }
 
-/// The same of a figure that is thinned already.
-pub(crate) fn svg_of_thinned(figure: &Figure) -> String {
-    svg(figure, true)
-}
-
-/// The same of a thinned figure, for a page that has the title in its own type.
-pub(crate) fn svg_without_title(figure: &Figure) -> String {
-    svg(figure, false)
-}
-
-fn svg(figure: &Figure, titled: bool) -> String {
+fn svg(figure: &Figure) -> String {
     let mut elements = Vec::new();
     let mut top = EDGE;
-    if titled {
-        let line = f64::from(TITLE) * 1.3;
-        for words in text::lines(&figure.title, f64::from(TITLE), WIDTH - 2.0 * EDGE) {
-            top += line;
-            elements.push(Primitive::Text {
-                x: EDGE,
-                y: top - 0.3 * line,
-                content: words,
-                size: TITLE,
-                anchor: TextAnchor::Start,
-                rotate: None,
-                bold: true,
-                color: Some(Color::from(panel::INK)),
-            });
-        }
-        top += 6.0;
+    let line = f64::from(TITLE) * 1.3;
+    for words in text::lines(&figure.title, f64::from(TITLE), WIDTH - 2.0 * EDGE) {
+        top += line;
+        elements.push(Primitive::Text {
+            x: EDGE,
+            y: top - 0.3 * line,
+            content: words,
+            size: TITLE,
+            anchor: TextAnchor::Start,
+            rotate: None,
+            bold: true,
+            color: Some(Color::from(ink::INK)),
+        });
     }
-    let arranged: Vec<Arranged<'_>> = figure.panels.iter().map(Arranged::of).collect();
+    top += 6.0;
+    let arranged = Arranged::all_of(&figure.panels);
     // axes of all panels are in line
     let left = arranged
         .iter()

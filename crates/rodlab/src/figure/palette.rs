@@ -62,3 +62,118 @@ pub(super) fn look(role: Role) -> Look {
         marker,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TOLD_APART: [Role; 6] = [
+        Role::First,
+        Role::Second,
+        Role::Third,
+        Role::Fourth,
+        Role::Fifth,
+        Role::Reference,
+    ];
+
+    fn linear(color: &str) -> [f64; 3] {
+        [1, 3, 5].map(|at| {
+            let part = u8::from_str_radix(&color[at..at + 2], 16).unwrap();
+            let part = f64::from(part) / 255.0;
+            if part <= 0.04045 {
+                part / 12.92
+            } else {
+                ((part + 0.055) / 1.055).powf(2.4)
+            }
+        })
+    }
+
+    /// CIE 1976 L*, a*, b* under D65.
+    fn lab([r, g, b]: [f64; 3]) -> [f64; 3] {
+        let f = |t: f64| {
+            if t > 0.008856 {
+                t.cbrt()
+            } else {
+                7.787 * t + 16.0 / 116.0
+            }
+        };
+        let x = f((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505);
+        let y = f(0.2126 * r + 0.7152 * g + 0.0722 * b);
+        let z = f((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089);
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    #[test]
+    fn colours_are_told_apart_without_red_and_without_green_receptors() {
+        // Viénot, Brettel and Mollon (1999), as matrices for linear RGB
+        let eyes = [
+            (
+                "all receptors",
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            ),
+            (
+                "no red",
+                [
+                    [0.11238, 0.88762, 0.0],
+                    [0.11238, 0.88762, 0.0],
+                    [0.00401, -0.00401, 1.0],
+                ],
+            ),
+            (
+                "no green",
+                [
+                    [0.29275, 0.70725, 0.0],
+                    [0.29275, 0.70725, 0.0],
+                    [-0.02234, 0.02234, 1.0],
+                ],
+            ),
+        ];
+        for (eye, matrix) in eyes {
+            let seen = |role: Role| {
+                let color = linear(look(role).color);
+                lab(matrix.map(|row| row.iter().zip(color).map(|(m, c)| m * c).sum()))
+            };
+            for (index, one) in TOLD_APART.into_iter().enumerate() {
+                for other in &TOLD_APART[index + 1..] {
+                    let (one_seen, other_seen) = (seen(one), seen(*other));
+                    let square = |index: usize| (one_seen[index] - other_seen[index]).powi(2);
+                    let distance = (square(0) + square(1) + square(2)).sqrt();
+                    // 2.3 is just noticed side by side; thin lines apart from each other need several times that
+                    assert!(
+                        distance > 12.0,
+                        "{eye}: {one:?} and {other:?} are {distance:.1} apart"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_two_roles_share_dashes_and_marker() {
+        for (index, one) in TOLD_APART.into_iter().enumerate() {
+            for other in &TOLD_APART[index + 1..] {
+                assert_ne!(look(one).dash, look(*other).dash, "{one:?} and {other:?}");
+                assert_ne!(
+                    look(one).marker,
+                    look(*other).marker,
+                    "{one:?} and {other:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_page_has_the_colours_and_dashes_of_the_files() {
+        let style = include_str!("../report/style.css");
+        for (index, role) in TOLD_APART.into_iter().enumerate() {
+            let look = look(role);
+            let color = format!("--s{index}: {};", look.color);
+            // on screens and on paper
+            assert_eq!(style.matches(&color).count(), 2, "{color}");
+            if let Some(dash) = look.dash {
+                let dash = format!(".l.s{index} {{ stroke-dasharray: {dash};");
+                assert!(style.contains(&dash), "{dash}");
+            }
+        }
+    }
+}

@@ -8,27 +8,53 @@ const MARGIN: f64 = 0.05;
 /// is many times the value must not flatten the curve.
 const REACH: f64 = 0.6;
 
-/// Ranges of both axes.
-pub(super) fn spans(panel: &Panel) -> [[f64; 2]; 2] {
-    let x = panel.x.range.unwrap_or_else(|| {
-        let (seen, points) = abscissae(panel);
-        let margin = if points || panel.equal_axes {
-            MARGIN
-        } else {
-            0.0
-        };
-        widened(seen, &panel.x, margin)
-    });
-    let y = panel
-        .y
-        .range
-        .unwrap_or_else(|| widened(ordinates(panel, x), &panel.y, MARGIN));
-    [x, y]
+/// Ranges of both axes of every panel.
+///
+/// Panels with the same horizontal axis have one range: the first that is asked for, or one that shows what is drawn on any of them.
+pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
+    let same = |one: &Axis, other: &Axis| {
+        one.label == other.label && one.unit == other.unit && one.scale == other.scale
+    };
+    panels
+        .iter()
+        .map(|panel| {
+            let together = || panels.iter().filter(|other| same(&other.x, &panel.x));
+            let x = asked(&panel.x)
+                .or_else(|| together().find_map(|other| asked(&other.x)))
+                .unwrap_or_else(|| {
+                    let mut seen = NOTHING;
+                    let mut margin = 0.0_f64;
+                    for other in together() {
+                        let (here, points) = abscissae(other);
+                        seen = [seen[0].min(here[0]), seen[1].max(here[1])];
+                        if points || other.equal_axes {
+                            margin = MARGIN;
+                        }
+                    }
+                    widened(seen, &panel.x, margin)
+                });
+            let y =
+                asked(&panel.y).unwrap_or_else(|| widened(ordinates(panel, x), &panel.y, MARGIN));
+            [x, y]
+        })
+        .collect()
+}
+
+/// The range that is asked for, if it is one.
+fn asked(axis: &Axis) -> Option<[f64; 2]> {
+    axis.range
+        .filter(|range| range[0] < range[1] && range.iter().all(|end| on(axis, *end)))
 }
 
 /// Whether an axis can show `value`.
 pub(super) fn on(axis: &Axis, value: f64) -> bool {
     value.is_finite() && (axis.scale == Scale::Linear || value > 0.0)
+}
+
+/// Whether there is anything to see on axes with these ranges.
+pub(super) fn shows_anything(panel: &Panel, [x, _]: [[f64; 2]; 2]) -> bool {
+    let seen = ordinates(panel, x);
+    seen[0] <= seen[1]
 }
 
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
@@ -94,10 +120,13 @@ fn ordinates(panel: &Panel, shown: [f64; 2]) -> [f64; 2] {
         return core;
     }
     let logarithmic = panel.y.scale == Scale::Logarithmic;
-    let (to, back): (fn(f64) -> f64, fn(f64) -> f64) = if logarithmic {
-        (f64::log10, |power| 10_f64.powf(power))
-    } else {
-        (|value| value, |value| value)
+    let to = |value: f64| if logarithmic { value.log10() } else { value };
+    let back = |place: f64| {
+        if logarithmic {
+            10_f64.powf(place)
+        } else {
+            place
+        }
     };
     let span = to(core[1]) - to(core[0]);
     if span <= 0.0 {
@@ -149,6 +178,10 @@ mod tests {
         }
     }
 
+    fn one(panel: Panel) -> [[f64; 2]; 2] {
+        spans(&[panel]).remove(0)
+    }
+
     fn line(x: Vec<f64>, y: Vec<f64>) -> Mark {
         Mark::Line {
             name: String::new(),
@@ -167,7 +200,7 @@ mod tests {
             lower: vec![1.9, -300.0],
             upper: vec![2.1, 300.0],
         };
-        let [_, [from, to]] = spans(&panel(
+        let [_, [from, to]] = one(panel(
             Axis::linear("E'", "GPa"),
             vec![band, line(vec![0.0, 1.0], vec![2.0, 3.0])],
         ));
@@ -182,12 +215,12 @@ mod tests {
             vec![line(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 1000.0])],
         );
         panel.x = panel.x.within([0.0, 1.5]);
-        assert!(spans(&panel)[1][1] < 2.2, "{:?}", spans(&panel));
+        assert!(one(panel.clone())[1][1] < 2.2, "{:?}", one(panel));
     }
 
     #[test]
     fn zero_is_not_on_a_logarithmic_axis() {
-        let [_, [from, to]] = spans(&panel(
+        let [_, [from, to]] = one(panel(
             Axis::logarithmic("mobility", "m/s/N"),
             vec![line(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, -1.0, 1e-13, 1e-9])],
         ));
@@ -197,10 +230,30 @@ mod tests {
 
     #[test]
     fn nothing_and_a_constant_have_a_range_too() {
-        let empty = spans(&panel(Axis::linear("y", ""), vec![]));
+        let empty = one(panel(Axis::linear("y", ""), vec![]));
         assert!(empty.iter().all(|[from, to]| from < to), "{empty:?}");
         let flat = line(vec![0.0, 1.0], vec![5.0, 5.0]);
-        let [_, [from, to]] = spans(&panel(Axis::linear("y", ""), vec![flat]));
+        let [_, [from, to]] = one(panel(Axis::linear("y", ""), vec![flat]));
         assert!(from < 5.0 && to > 5.0, "{from} to {to}");
+    }
+
+    #[test]
+    fn panels_of_one_axis_have_one_range() {
+        let at = |x: Vec<f64>| {
+            let y = vec![1.0; x.len()];
+            panel(Axis::linear("y", ""), vec![line(x, y)])
+        };
+        let mut other = at(vec![100.0, 200.0]);
+        other.x.unit = "Hz".into();
+        let ranges: Vec<[f64; 2]> = spans(&[at(vec![1.0, 4.0]), at(vec![2.0, 9.0]), other])
+            .into_iter()
+            .map(|[x, _]| x)
+            .collect();
+        assert_eq!(ranges, [[1.0, 9.0], [1.0, 9.0], [100.0, 200.0]]);
+
+        let mut asked = at(vec![1.0, 4.0]);
+        asked.x = asked.x.within([0.0, 5.0]);
+        let ranges = spans(&[at(vec![2.0, 9.0]), asked]);
+        assert_eq!([ranges[0][0], ranges[1][0]], [[0.0, 5.0]; 2]);
     }
 }

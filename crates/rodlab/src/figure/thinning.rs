@@ -4,18 +4,19 @@
 //! of pixels the first, the least, the greatest and the last are kept, so that no peak is lost and a curve looks the same. A curve
 //! that runs back and forth, as in a Nyquist plot, is followed in steps of a fraction of a pixel.
 
+use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
 
 /// Columns of the range that is shown, and of everything outside it.
 const COLUMNS: f64 = 500.0;
 /// Samples that nobody needs to thin.
-const FEW: usize = 1200;
+pub(crate) const FEW: usize = 2000;
 /// Samples that a curve running back and forth is followed by at most.
 const MOST: usize = 3000;
 
 /// The figure as it is drawn: series of many samples by their extremes over 1/500 of the horizontal axis.
 ///
-/// Series of up to 1200 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
+/// Series of up to 2000 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
 /// of 500 columns of the range that is shown, and as many of what lies outside it; the least and the greatest sample are among them.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
@@ -114,65 +115,86 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     if samples <= FEW {
         return (0..samples).collect();
     }
-    let logarithmic = axis.scale == Scale::Logarithmic;
-    let place = |x: f64| if logarithmic { x.log10() } else { x };
-    let along: Vec<f64> = x[..samples]
-        .iter()
-        .map(|&x| Some(place(x)).filter(|p| p.is_finite()).unwrap_or(f64::NAN))
-        .collect();
-    let there = |index: usize| {
-        along[index].is_finite() && low[index].is_finite() && high[index].is_finite()
-    };
-    let all = extent(along.iter().copied());
-    let backwards = along
-        .iter()
-        .filter(|place| place.is_finite())
-        .try_fold(f64::NEG_INFINITY, |last, &place| {
-            (place >= last).then_some(place)
-        })
-        .is_none();
-    if backwards {
-        return followed(&along, low, samples, &there);
+    let (x, low, high) = (&x[..samples], &low[..samples], &high[..samples]);
+    let there =
+        |index: usize| on(axis, x[index]) && low[index].is_finite() && high[index].is_finite();
+    let mut all = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut forwards = true;
+    for &x in x.iter().filter(|&&x| on(axis, x)) {
+        forwards &= x >= all[1];
+        all = [all[0].min(x), all[1].max(x)];
+    }
+    if !forwards {
+        return followed(axis, x, low, there);
     }
     let shown = axis
         .range
-        .map(|range| range.map(place))
-        .filter(|range| range[0].is_finite() && range[1] > range[0])
+        .filter(|range| on(axis, range[0]) && range[1] > range[0])
         .unwrap_or(all);
-    by_columns(low, high, samples, &there, &|index| {
-        column(along[index], shown, all)
-    })
+    by_columns(Columns::new(axis, shown, all), x, low, high, there)
 }
 
-/// Number of the column, below -1 outside the range that is shown.
-fn column(place: f64, shown: [f64; 2], all: [f64; 2]) -> f64 {
-    let part = |range: [f64; 2]| (place - range[0]) / (range[1] - range[0]);
-    if (shown[0]..=shown[1]).contains(&place) {
-        (part(shown) * COLUMNS).floor()
-    } else {
-        (part(all) * COLUMNS).floor() - 2.0 * COLUMNS
+/// Columns of pixels along an axis: 500 of what is shown, and 500 of everything for what lies outside.
+struct Columns {
+    logarithmic: bool,
+    shown: [f64; 2],
+    all: [f64; 2],
+}
+
+impl Columns {
+    fn new(axis: &Axis, shown: [f64; 2], all: [f64; 2]) -> Self {
+        let logarithmic = axis.scale == Scale::Logarithmic;
+        let place = |range: [f64; 2]| {
+            if logarithmic {
+                range.map(f64::log10)
+            } else {
+                range
+            }
+        };
+        Self {
+            logarithmic,
+            shown: place(shown),
+            all: place(all),
+        }
     }
-}
 
-fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.filter(|value| value.is_finite()).fold(
-        [f64::INFINITY, f64::NEG_INFINITY],
-        |[least, greatest], value| [least.min(value), greatest.max(value)],
-    )
+    /// Where the column of `x` ends.
+    fn end(&self, x: f64) -> f64 {
+        let place = if self.logarithmic { x.log10() } else { x };
+        let within = |range: [f64; 2]| {
+            let width = (range[1] - range[0]) / COLUMNS;
+            let end = range[0] + (((place - range[0]) / width).floor() + 1.0) * width;
+            // a column has a width even where rounding says it has none
+            if end > place { end } else { place + width }
+        };
+        let end = if (self.shown[0]..=self.shown[1]).contains(&place) {
+            within(self.shown)
+        } else if place < self.shown[0] {
+            within(self.all).min(self.shown[0])
+        } else {
+            within(self.all)
+        };
+        if self.logarithmic {
+            10_f64.powf(end)
+        } else {
+            end
+        }
+    }
 }
 
 /// First, least, greatest and last sample of each column, and one sample that is none where there is a gap between columns.
 fn by_columns(
+    columns: Columns,
+    x: &[f64],
     low: &[f64],
     high: &[f64],
-    samples: usize,
-    there: &dyn Fn(usize) -> bool,
-    column: &dyn Fn(usize) -> f64,
+    there: impl Fn(usize) -> bool,
 ) -> Vec<usize> {
-    let mut kept = Vec::new();
+    let mut kept: Vec<usize> = Vec::new();
     let mut gap = None;
-    let mut run: Option<(f64, [usize; 4])> = None;
-    let end = |kept: &mut Vec<usize>, mut run: [usize; 4]| {
+    let mut run: Option<[usize; 4]> = None;
+    let mut end = f64::NEG_INFINITY;
+    let close = |kept: &mut Vec<usize>, mut run: [usize; 4]| {
         run.sort_unstable();
         for index in run {
             if kept.last() != Some(&index) {
@@ -180,14 +202,13 @@ fn by_columns(
             }
         }
     };
-    for index in 0..samples {
+    for index in 0..x.len() {
         if !there(index) {
             gap = gap.or(Some(index));
             continue;
         }
-        let here = column(index);
         match &mut run {
-            Some((column, [_, least, greatest, last])) if here.total_cmp(column).is_eq() => {
+            Some([_, least, greatest, last]) if x[index] < end => {
                 if low[index] < low[*least] {
                     *least = index;
                 }
@@ -197,49 +218,53 @@ fn by_columns(
                 *last = index;
             }
             _ => {
-                if let Some((_, run)) = run {
-                    end(&mut kept, run);
+                if let Some(run) = run {
+                    close(&mut kept, run);
                     kept.extend(gap);
                 }
-                run = Some((here, [index; 4]));
+                run = Some([index; 4]);
+                end = columns.end(x[index]);
             }
         }
         // within one column a gap cannot be seen
         gap = None;
     }
-    if let Some((_, run)) = run {
-        end(&mut kept, run);
+    if let Some(run) = run {
+        close(&mut kept, run);
     }
     kept
 }
 
 /// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that leaves too many samples.
-fn followed(
-    along: &[f64],
-    across: &[f64],
-    samples: usize,
-    there: &dyn Fn(usize) -> bool,
-) -> Vec<usize> {
+fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) -> Vec<usize> {
+    let along: Vec<f64> = if axis.scale == Scale::Logarithmic {
+        x.iter().map(|x| x.log10()).collect()
+    } else {
+        x.to_vec()
+    };
     let step = |values: &[f64]| {
-        let [least, greatest] = extent(values.iter().copied());
+        let [least, greatest] = values.iter().filter(|value| value.is_finite()).fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[least, greatest], &value| [least.min(value), greatest.max(value)],
+        );
         ((greatest - least) / COLUMNS).max(f64::MIN_POSITIVE)
     };
-    let (along_step, across_step) = (step(along), step(across));
+    let steps = [step(&along), step(y)];
     let mut tolerance = 0.25;
     loop {
         let mut kept: Vec<usize> = Vec::new();
         let mut last: Option<usize> = None;
         let mut gap = None;
-        for index in 0..samples {
+        for index in 0..x.len() {
             if !there(index) {
                 gap = gap.or(Some(index));
                 continue;
             }
             let far = last.is_none_or(|last| {
                 let moved = |values: &[f64], step: f64| (values[index] - values[last]).abs() / step;
-                moved(along, along_step).max(moved(across, across_step)) >= tolerance
+                moved(&along, steps[0]).max(moved(y, steps[1])) >= tolerance
             });
-            if far || gap.is_some() || index + 1 == samples {
+            if far || gap.is_some() || index + 1 == x.len() {
                 if last.is_some() {
                     kept.extend(gap);
                 }
@@ -306,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_short_series_is_untouched() {
-        let x = time(1200);
+        let x = time(2000);
         let y: Vec<f64> = x.iter().map(|x| (1e4 * x).sin()).collect();
         assert_eq!(line(x.clone(), y.clone(), Axis::linear("t", "s")), (x, y));
     }

@@ -1,6 +1,7 @@
 //! Where the ticks of an axis are and what is written at them. `report/script.js` does the same.
 
-use super::Scale;
+use super::unit::raised;
+use super::{Axis, Scale};
 
 /// The ticks of an axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,11 +12,20 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// About `wanted` labelled ticks between `from` and `to`, at multiples of 1, 2 or 5 of a power of ten, or at the decades.
-pub(super) fn ticks(scale: Scale, [from, to]: [f64; 2], wanted: f64) -> Ticks {
-    match scale {
-        Scale::Linear => linear([from, to], wanted),
-        Scale::Logarithmic => logarithmic([from, to], wanted),
+/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of ten, at the decades, or at parts of
+/// a turn.
+pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
+    let least = (range[1] - range[0]) / wanted;
+    match axis.scale {
+        Scale::Linear
+            if matches!(axis.unit.as_str(), "°" | "deg") && range[1] - range[0] > 60.0 =>
+        {
+            let turns = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
+            let part = turns.into_iter().find(|part| *part >= least);
+            linear(range, part.unwrap_or_else(|| round_step(least)))
+        }
+        Scale::Linear => linear(range, round_step(least)),
+        Scale::Logarithmic => logarithmic(range, wanted),
     }
 }
 
@@ -28,8 +38,7 @@ fn round_step(least: f64) -> f64 {
     step.unwrap_or(10.0) * power
 }
 
-fn linear([from, to]: [f64; 2], wanted: f64) -> Ticks {
-    let step = round_step((to - from) / wanted);
+fn linear([from, to]: [f64; 2], step: f64) -> Ticks {
     let mut major = Vec::new();
     let mut count = (from / step - 1e-9).ceil();
     while count * step <= to + 1e-9 * step {
@@ -46,7 +55,7 @@ fn linear([from, to]: [f64; 2], wanted: f64) -> Ticks {
 fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
     let decades = (to / from).log10();
     if decades < 1.0 {
-        return linear([from, to], wanted);
+        return linear([from, to], round_step((to - from) / wanted));
     }
     let inside = |value: &f64| (from * (1.0 - 1e-9)..=to * (1.0 + 1e-9)).contains(value);
     let every = (decades / wanted).ceil().max(1.0);
@@ -109,30 +118,22 @@ fn places(count: f64) -> usize {
 
 /// A power of ten as it stands above the line.
 pub(crate) fn superscript(power: f64) -> String {
-    format!("{power:.0}")
-        .chars()
-        .map(|c| match c {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            '9' => '⁹',
-            _ => '⁰',
-        })
-        .collect()
+    format!("{power:.0}").chars().map(raised).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn axis(scale: Scale, unit: &str) -> Axis {
+        Axis {
+            scale,
+            ..Axis::linear("x", unit)
+        }
+    }
+
     fn labels(scale: Scale, range: [f64; 2], wanted: f64) -> String {
-        let ticks = ticks(scale, range, wanted);
+        let ticks = ticks(&axis(scale, ""), range, wanted);
         let labels: Vec<String> = ticks.major.into_iter().map(|(_, label)| label).collect();
         labels.join(" ")
     }
@@ -172,8 +173,15 @@ mod tests {
 
     #[test]
     fn a_decade_has_eight_ticks_without_labels() {
-        let ticks = ticks(Scale::Logarithmic, [1.0, 1000.0], 6.0);
+        let ticks = ticks(&axis(Scale::Logarithmic, ""), [1.0, 1000.0], 6.0);
         assert_eq!(ticks.major.len(), 4);
         assert_eq!(ticks.minor.len(), 3 * 8);
+    }
+
+    #[test]
+    fn a_turn_is_divided_as_turns_are() {
+        let ticks = ticks(&axis(Scale::Linear, "°"), [-180.0, 180.0], 5.0);
+        let places: Vec<f64> = ticks.major.iter().map(|(place, _)| *place).collect();
+        assert_eq!(places, [-180.0, -90.0, 0.0, 90.0, 180.0]);
     }
 }

@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale};
+use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
 
 /// Digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];
@@ -128,7 +128,7 @@ fn axis(json: &mut String, axis: &Axis) {
     json.push_str("{\"l\":");
     text(json, &axis.label);
     json.push_str(",\"u\":");
-    text(json, &axis.unit);
+    text(json, &unit_as_read(&axis.unit));
     _ = write!(
         json,
         ",\"s\":{}",
@@ -151,42 +151,37 @@ fn numbers(json: &mut String, values: &[f64], digits: i32) {
 }
 
 /// `value` to so many digits, in as few characters as they take; what is not finite is null.
-fn number(json: &mut String, value: f64, digits: i32) {
-    let value = rounded(value, digits);
-    if value.is_finite() {
-        let exponential = value.abs() < 1e-3 || value.abs() >= 1e9;
-        _ = if value.abs() <= 0.0 {
-            write!(json, "0")
-        } else if exponential {
-            write!(json, "{value:e}")
-        } else {
-            write!(json, "{value}")
-        };
-    } else {
-        json.push_str("null");
-    }
-}
-
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "the power of ten of a number lies between -324 and 308"
+    reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"
 )]
-fn rounded(value: f64, digits: i32) -> f64 {
-    if !value.is_finite() || value.abs() <= 0.0 {
-        return value;
+fn number(json: &mut String, value: f64, digits: i32) {
+    if !value.is_finite() {
+        json.push_str("null");
+        return;
+    }
+    if value.abs() < 1e-290 {
+        json.push('0');
+        return;
     }
     let places = digits - 1 - value.abs().log10().floor() as i32;
-    // powers of ten are exact up to 22: then the quotient is the number nearest to the digits, and is written by them alone
-    match places {
-        0..=22 => {
-            let scale = 10_f64.powi(places);
-            (value * scale).round() / scale
+    let mantissa = if places < 0 {
+        value / 10_f64.powi(-places)
+    } else {
+        value * 10_f64.powi(places)
+    };
+    let mantissa = mantissa.round() as i64;
+    match u32::try_from(places) {
+        Ok(few @ 0..=9) => push_decimal(json, mantissa, few),
+        _ => {
+            let (mut mantissa, mut power) = (mantissa, -places);
+            while mantissa % 10 == 0 {
+                mantissa /= 10;
+                power += 1;
+            }
+            push_decimal(json, mantissa, 0);
+            _ = write!(json, "e{power}");
         }
-        -22..0 => {
-            let scale = 10_f64.powi(-places);
-            (value / scale).round() * scale
-        }
-        _ => value,
     }
 }
 
@@ -197,10 +192,9 @@ fn text(json: &mut String, text: &str) {
             '"' => json.push_str("\\\""),
             '\\' => json.push_str("\\\\"),
             // `</script>` and `<!--` end or change a script whatever its type is
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                _ = write!(json, "\\u{:04x}", u32::from(c))
+            '<' | '>' | '&' | '\0'..='\u{1f}' => {
+                _ = write!(json, "\\u{:04x}", u32::from(c));
             }
-            c if u32::from(c) < 0x20 => _ = write!(json, "\\u{:04x}", u32::from(c)),
             c => json.push(c),
         }
     }
@@ -242,7 +236,7 @@ mod tests {
         .join(" ");
         assert_eq!(
             shown,
-            "0.333333 666667000 3.33333e-10 -51200.1 0.3 1.5e-40 2.5e300 0 0 null null"
+            "0.333333 666667e3 333333e-15 -51200.1 0.3 15e-41 25e299 0 0 null null"
         );
     }
 

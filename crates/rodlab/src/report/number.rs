@@ -16,7 +16,7 @@ pub(super) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     // rounding may carry into the next power: 0.0996 is 0.10
     let last = exponent(rounded(error, exponent(error) - 1.0)) - 1.0;
     let leading = exponent(value.abs().max(error));
-    let power = if (-4.0..6.0).contains(&leading) && last <= 0.0 {
+    let power = if (-3.0..6.0).contains(&leading) && (-7.0..=1.0).contains(&last) {
         0.0
     } else {
         leading
@@ -54,6 +54,49 @@ pub(super) fn alone(value: f64) -> String {
         trimmed(&mantissa),
         superscript(leading)
     ))
+}
+
+/// Numbers of one column, with their decimal points in line where their sizes allow it: the greatest has five digits, six from a
+/// thousand on. What is not finite is empty.
+pub(super) fn in_line(values: &[f64]) -> Vec<String> {
+    let sizes = || {
+        values
+            .iter()
+            .map(|value| value.abs())
+            .filter(|size| size.is_finite() && *size > 0.0)
+    };
+    let (least, greatest) = (
+        sizes().fold(f64::INFINITY, f64::min),
+        sizes().fold(0.0, f64::max),
+    );
+    let leading = exponent(greatest);
+    if !(1e-3..1e7).contains(&greatest) || greatest > 1e3 * least {
+        return values.iter().copied().map(alone).collect();
+    }
+    let most = places(if leading >= 3.0 { 5.0 } else { 4.0 } - leading);
+    let written = |digits: usize| -> Vec<String> {
+        values
+            .iter()
+            .map(|value| {
+                if value.is_finite() {
+                    minus(&format!(
+                        "{:.digits$}",
+                        if value.abs() > 0.0 { *value } else { 0.0 }
+                    ))
+                } else {
+                    String::new()
+                }
+            })
+            .collect()
+    };
+    // digits that are zero in all of them say nothing
+    let full = written(most);
+    let needed = full
+        .iter()
+        .filter_map(|text| trimmed(text).split_once('.'))
+        .map(|(_, decimals)| decimals.len())
+        .max();
+    written(needed.unwrap_or(0))
 }
 
 fn trimmed(text: &str) -> &str {
@@ -104,6 +147,8 @@ mod tests {
             (2.61234e9, 1.412e7),
             (-1.5e-7, 2.3e-9),
             (799.0, 0.3),
+            (411.0, 160.0),
+            (7.264_74e-4, 8.6e-8),
             (123_456.0, 21.0),
             (123_456.0, 2100.0),
             (0.0, 0.02),
@@ -118,10 +163,23 @@ mod tests {
         (2.612 ± 0.014)×10⁹
         (−1.500 ± 0.023)×10⁻⁷
         799.00 ± 0.30
+        410 ± 160
+        (7.26474 ± 0.00086)×10⁻⁴
         123456 ± 21
         (1.235 ± 0.021)×10⁵
         0.000 ± 0.020
         ");
+    }
+
+    #[test]
+    fn the_points_of_a_column_are_in_line() {
+        let shown = |values: &[f64]| in_line(values).join(" ");
+        assert_eq!(shown(&[2.643_04, -2.66119, f64::NAN]), "2.6430 −2.6612 ");
+        assert_eq!(shown(&[250.0, 373.418, 10_000.0]), "250.0 373.4 10000.0");
+        assert_eq!(shown(&[125.0, 250.0, 375.0]), "125 250 375");
+        assert_eq!(shown(&[1e-9, 2.0]), "1×10⁻⁹ 2");
+        assert_eq!(shown(&[0.0, 0.5]), "0.0 0.5");
+        assert_eq!(shown(&[]), "");
     }
 
     #[test]

@@ -2,20 +2,24 @@
 
 use serde::Serialize;
 
-use super::number::{alone, with_error};
-use crate::outcome::{Cells, Quantity, Table};
+use super::number::{in_line, with_error};
+use crate::figure::unit_as_read;
+use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows that are seen at once.
 const FIRST: usize = 12;
 /// Rows of the page in all; the file has the rest.
 const IN_ALL: usize = 400;
 
+/// Characters of words that are not broken.
+const SHORT: usize = 24;
+
 /// A quantity.
 #[derive(Serialize)]
 pub(super) struct QuantityRow<'a> {
     name: &'a str,
     value: String,
-    unit: &'a str,
+    unit: String,
     valid: bool,
     verdict: &'a str,
 }
@@ -25,7 +29,7 @@ impl<'a> QuantityRow<'a> {
         Self {
             name: &quantity.name,
             value: with_error(quantity.value, quantity.standard_error),
-            unit: &quantity.unit,
+            unit: unit_as_read(&quantity.unit),
             valid: quantity.valid,
             verdict: &quantity.verdict,
         }
@@ -48,14 +52,23 @@ pub(super) struct TableRows<'a> {
 #[derive(Serialize)]
 struct Heading<'a> {
     name: &'a str,
-    unit: &'a str,
-    numeric: bool,
+    unit: String,
+    class: &'static str,
 }
 
 #[derive(Serialize)]
 struct Cell {
     text: String,
-    numeric: bool,
+    class: &'static str,
+}
+
+/// How a column stands in the page: numbers to the right, words that are short in one line.
+fn class_of(cells: &Cells) -> &'static str {
+    match cells {
+        Cells::Numbers(_) => "n",
+        Cells::Words(words) if words.iter().all(|word| word.chars().count() <= SHORT) => "short",
+        Cells::Words(_) => "words",
+    }
 }
 
 impl<'a> TableRows<'a> {
@@ -69,18 +82,20 @@ impl<'a> TableRows<'a> {
         // a few rows more are not worth folding
         let first = if total <= FIRST + 4 { total } else { FIRST };
         let shown = total.min(IN_ALL);
+        let texts: Vec<Vec<String>> = table
+            .columns
+            .iter()
+            .map(|column| match &column.cells {
+                Cells::Numbers(values) => in_line(&values[..values.len().min(shown)]),
+                Cells::Words(words) => words.iter().take(shown).cloned().collect(),
+            })
+            .collect();
         let row = |row: usize| -> Vec<Cell> {
-            let cell = |cells: &Cells| match cells {
-                Cells::Numbers(values) => Cell {
-                    text: values.get(row).copied().map(alone).unwrap_or_default(),
-                    numeric: true,
-                },
-                Cells::Words(words) => Cell {
-                    text: words.get(row).cloned().unwrap_or_default(),
-                    numeric: false,
-                },
+            let cell = |(column, texts): (&Column, &Vec<String>)| Cell {
+                text: texts.get(row).cloned().unwrap_or_default(),
+                class: class_of(&column.cells),
             };
-            table.columns.iter().map(|c| cell(&c.cells)).collect()
+            table.columns.iter().zip(&texts).map(cell).collect()
         };
         Self {
             title: &table.title,
@@ -90,8 +105,8 @@ impl<'a> TableRows<'a> {
                 .iter()
                 .map(|column| Heading {
                     name: &column.name,
-                    unit: &column.unit,
-                    numeric: matches!(column.cells, Cells::Numbers(_)),
+                    unit: unit_as_read(&column.unit),
+                    class: class_of(&column.cells),
                 })
                 .collect(),
             rows: (0..first).map(row).collect(),

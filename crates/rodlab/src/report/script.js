@@ -19,11 +19,11 @@ function value(v) {
   const p = v && power(v);
   return p < -3 || p > 5 ? `${+(v / 10 ** p).toPrecision(5)}×10${sup(p)}` : String(+v.toPrecision(5));
 }
-function ticks(log, [from, to], wanted) {
+function ticks(log, [from, to], wanted, unit) {
   const major = [], minor = [], decades = log ? lg(to / from) : 0;
   if (decades < 1) {
     const least = (to - from) / wanted, ten = 10 ** Math.floor(lg(least));
-    const step = ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
+    const step = (/^(°|deg)$/.test(unit) && to - from > 60 && [15, 30, 45, 90, 180, 360].find((s) => s >= least)) || ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
     for (let n = Math.ceil(from / step - 1e-9); n * step <= to + 1e-9 * step; n++) major.push([n * step, label(n * step, step)]);
     return { major, minor };
   }
@@ -44,20 +44,30 @@ function widened([a, b], log, margin) {
   const free = b - a <= 1e-12 * Math.max(abs(a), abs(b)) ? 0.1 * abs(b) || 1 : margin * (b - a);
   return [a - free, b + free];
 }
+const inLines = (axis, most) => title(axis).split(" ").reduce((lines, word) => {
+  if (lines.length && 6.4 * (lines.at(-1) + word).length < most) lines.push(`${lines.pop()} ${word}`);
+  else lines.push(word);
+  return lines;
+}, []);
 const MARKERS = ["m-2.8 0a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0-5.6 0z", "m-2.6-2.6h5.2v5.2h-5.2z", "m0-3.6l3.2 5.8h-6.4z", "m0-3.7l3.7 3.7-3.7 3.7-3.7-3.7z",
-  "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-1.6 0a1.6 1.6 0 1 0 3.2 0a1.6 1.6 0 1 0-3.2 0z"];
+  "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"];
 let clips = 0;
 
 function figure(box) {
   const data = JSON.parse(box.querySelector("script").textContent);
-  const views = {}, panels = data.p.map(panel);
   let width = 0;
-  const fit = () => box.clientWidth !== width && ((width = box.clientWidth), panels.forEach((p) => p.draw()));
-  addEventListener("resize", fit);
-  fit();
+  const views = {}, panels = data.p.map(panel);
+  const fit = (wanted) => wanted !== width && ((width = wanted), panels.forEach((p) => p.draw()));
+  const screen = () => fit(Math.max(box.clientWidth, 240));
+  addEventListener("resize", screen);
+  // a page of paper is as wide as this, so that letters have their size
+  addEventListener("beforeprint", () => fit(680));
+  addEventListener("afterprint", screen);
+  screen();
 
   function panel(p) {
-    const view = (views[title(p.x)] ??= { log: p.x.s, zoom: null });
+    const view = (views[title(p.x) + p.x.s] ??= { log: p.x.s, zoom: null, panels: [] });
+    view.panels.push(p);
     const own = { view, log: p.y.s, zoom: null };
     const hidden = new Set(), clip = `c${clips++}`;
     const curves = p.m.filter((m) => m.t !== "a"), at = p.m.filter((m) => m.t === "a");
@@ -75,13 +85,17 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
     function spans() {
       const lx = view.log, ly = own.log, on = (v, log) => is(v) && (!log || v > 0), shown = curves.filter((m) => !hidden.has(m.n));
       const grow = (r, v, log) => on(v, log) && ((r[0] = Math.min(r[0], v)), (r[1] = Math.max(r[1], v)));
-      const fits = (r, log) => r && (!log || r[0] > 0) && r;
-      rx = view.zoom || fits(p.x.r, lx);
+      const fits = (r, log) => r && r[0] < r[1] && (!log || r[0] > 0) && r;
+      rx = view.zoom || [p, ...view.panels].map((q) => fits(q.x.r, lx)).find((r) => r);
       if (!rx) {
         const r = [1 / 0, -1 / 0];
-        curves.forEach((m) => m.x.forEach((v) => grow(r, v, lx)));
-        at.forEach((m) => grow(r, m.v, lx));
-        rx = widened(r, lx, p.e || curves.some((m) => m.t === "p") ? 0.05 : 0);
+        let margin = 0;
+        for (const q of view.panels)
+          for (const m of q.m) {
+            (m.x || [m.v]).forEach((v) => grow(r, v, lx));
+            if (q.e || m.t === "p") margin = 0.05;
+          }
+        rx = widened(r, lx, margin);
       }
       ry = own.zoom || fits(p.y.r, ly);
       if (!ry) {
@@ -92,8 +106,9 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
             if (!on(x, lx) || x < rx[0] || x > rx[1]) return;
             grow(m.t === "b" ? reach : core, m.y[i], ly);
             if (m.t === "b") grow(reach, m.z[i], ly);
-            else if (m.z && m.z[i] !== null) [-1, 1].forEach((s) => grow(reach, m.y[i] + s * m.z[i], ly));
+            else if (m.z && is(m.z[i])) [-1, 1].forEach((s) => grow(reach, m.y[i] + s * m.z[i], ly));
           });
+        own.empty = core[0] > core[1] && reach[0] > reach[1];
         if (core[0] > core[1]) core = reach;
         else if (reach[0] <= reach[1]) {
           const to = ly ? lg : (v) => v, back = ly ? (v) => 10 ** v : (v) => v, span = to(core[1]) - to(core[0]);
@@ -115,7 +130,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
         m.x.forEach((x, i) => is(fx(x)) && is(fy(m.y[i])) && (d += `M${fx(x)} ${fy(m.y[i])}${MARKERS[m.r]}`));
         let bars = "";
         if (m.z) m.x.forEach((x, i) => {
-          if (m.z[i] === null || !is(fx(x)) || !is(fy(m.y[i]))) return;
+          if (!is(m.z[i] + fx(x) + fy(m.y[i]))) return;
           const low = fy(m.y[i] - m.z[i]);
           bars += `M${fx(x)} ${is(low) ? low : 9e3}V${fy(m.y[i] + m.z[i])}m-2.5 0h5${is(low) ? `M${fx(x) - 2.5} ${low}h5` : ""}`;
         });
@@ -143,11 +158,12 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
     };
     function draw() {
       spans();
-      const w = Math.max(box.clientWidth, 240);
+      const w = width;
       right = w - 22;
       let high = p.e ? Math.min(w - 70, 420) : 230;
       const ny = Math.floor(high / 45);
-      left = 36 + 6.3 * Math.max(...ticks(own.log, ry, ny).major.map((t) => t[1].length), 5);
+      const label = inLines(p.y, high);
+      left = 22 + 14 * Math.max(...data.p.map((q) => inLines(q.y, high).length)) + 6.3 * Math.max(...ticks(own.log, ry, ny, p.y.u).major.map((t) => t[1].length), 5);
       if (p.e && !view.log && !own.log) {
         const k = Math.max((rx[1] - rx[0]) / (right - left), (ry[1] - ry[0]) / high);
         const wide = (r, n) => [(r[0] + r[1] - k * n) / 2, (r[0] + r[1] + k * n) / 2];
@@ -156,17 +172,17 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       }
       fx = map(view.log, rx, left, right);
       const lines = at.map((m) => ({ n: m.n, v: fx(m.v), row: 0 })).filter((l) => l.v >= left && l.v <= right).sort((a, b) => a.v - b.v);
-      for (let i = lines.length; i--; ) {
-        const l = lines[i], size = 6.2 * l.n.length;
-        l.x = Math.max(left, Math.min(l.v + 3, right - size));
-        for (const o of lines.slice(i + 1)) if (Math.min(o.v, o.x) < l.x + size + 6) l.row = Math.max(l.row, o.row + 1);
-      }
+      const placed = [];
+      lines.forEach((l) => (l.x = Math.max(left, Math.min(l.v + 3, right - 6.2 * l.n.length)), (l.end = l.x + 6.2 * l.n.length + 6)));
+      const place_above = (l, under) => ((l.row = Math.max(-1, ...placed.filter(under).map((o) => o.row)) + 1), placed.push(l));
+      lines.filter((l) => l.x > l.v).reverse().forEach((l) => place_above(l, (o) => o.v < l.end));
+      lines.filter((l) => l.x <= l.v).forEach((l) => place_above(l, (o) => o.end > l.x && o.v - 6 < l.end));
       top = 8 + 14 * Math.max(0, ...lines.map((l) => l.row + 1));
       bottom = top + high;
       fy = map(own.log, ry, bottom, top);
-      const tx = ticks(view.log, rx, Math.floor((right - left) / 75)), ty = ticks(own.log, ry, ny);
+      const tx = ticks(view.log, rx, Math.floor((right - left) / (view.log ? 55 : 75)), p.x.u), ty = ticks(own.log, ry, ny, p.y.u);
       let grid = "", frame = `M${left} ${top}H${right}V${bottom}H${left}z`, text = "";
-      tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${fx(v)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
+      tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${Math.min(fx(v), w - 3.4 * t.length - 1)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
       ty.major.forEach(([v, t]) => ((grid += `M${left} ${fy(v)}H${right}`), (frame += `M${left} ${fy(v)}h-5`), (text += `<text x="${left - 8}" y="${fy(v) + 4}" text-anchor="end">${t}</text>`)));
       tx.minor.forEach((v) => (frame += `M${fx(v)} ${bottom}v3`));
       ty.minor.forEach((v) => (frame += `M${left} ${fy(v)}h-3`));
@@ -175,8 +191,8 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       svg.innerHTML = `<clipPath id="${clip}"><path d="M${left} ${top}H${right}V${bottom}H${left}z"/></clipPath><g clip-path="url(#${clip})">
 ${p.g.map((g) => `<path class="g" d="M${end(g[0], left)} ${top}H${end(g[1], right)}V${bottom}H${end(g[0], left)}z"/>`).join("")}<path class="grid" d="${grid}"/>
 ${lines.map((l) => `<path class="at" d="M${l.v} ${top}V${bottom}"/>`).join("")}${curves.filter((m) => !hidden.has(m.n)).map(path).join("")}<g class="cursor"></g></g>
-${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><text x="${l.x}" y="${top - 4 - 14 * l.row}">${esc(l.n)}</text>`).join("")}<path class="axis" d="${frame}"/>${text}
-<text x="${(left + right) / 2}" y="${bottom + 36}" text-anchor="middle">${esc(title(p.x))}</text><text transform="translate(14 ${(top + bottom) / 2})rotate(-90)" text-anchor="middle">${esc(title(p.y))}</text>`;
+${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><text x="${l.x}" y="${top - 4 - 14 * l.row}">${esc(l.n)}</text>`).join("")}<path class="axis" d="${frame}"/>${text}${own.empty ? `<text x="${(left + right) / 2}" y="${(top + bottom) / 2}" text-anchor="middle">no data to show</text>` : ""}
+<text x="${(left + right) / 2}" y="${bottom + 36}" text-anchor="middle">${esc(title(p.x))}</text>${label.map((l, i) => `<text transform="translate(${14 + 14 * i} ${(top + bottom) / 2})rotate(-90)" text-anchor="middle">${esc(l)}</text>`).join("")}`;
       tools[3].setAttribute("aria-pressed", !!view.log);
       tools[4].setAttribute("aria-pressed", !!own.log);
       cursor = null;
@@ -196,15 +212,17 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
         const [i, d] = near[k];
         if (!is(d) || abs(fx(m.x[i]) - fx(x)) > 6 || (p.e && k !== best)) return;
         if (m.t !== "b") dots += `<circle class="s${m.r}" cx="${fx(m.x[i])}" cy="${fy(m.y[i])}" r="4"/>`;
-        words += `; ${m.n || p.y.l} ${value(m.y[i])}` + (m.t === "b" ? ` to ${value(m.z[i])}` : m.z && m.z[i] !== null ? ` ± ${value(m.z[i])}` : "") + unit(p.y);
+        words += `; ${m.n || p.y.l} ${value(m.y[i])}` + (m.t === "b" ? is(m.z[i]) ? ` to ${value(m.z[i])}` : "" : m.z && is(m.z[i]) ? ` ± ${value(m.z[i])}` : "") + unit(p.y);
       });
       cursor = [shown[best], near[best][0]];
       svg.querySelector(".cursor").innerHTML = dots;
       out.textContent = words;
     }
+    // neither finer than numbers are nor beyond them
+    const to = (state, r) => r.every((v) => abs(v) < 1e99 && (!state.log || v > 1e-99)) && r[1] - r[0] > 1e-9 * Math.max(abs(r[0]), abs(r[1])) && (state.zoom = r);
     const zoom = (by, px = (left + right) / 2) => {
-      view.zoom = [fx.back(px + (left - px) * by), fx.back(px + (right - px) * by)];
-      if (p.e) own.zoom = [fy.back((top + bottom + (bottom - top) * by) / 2), fy.back((top + bottom - (bottom - top) * by) / 2)];
+      to(view, [left, right].map((v) => fx.back(px + (v - px) * by)));
+      if (p.e) to(own, [bottom, top].map((v) => fy.back((top + bottom) / 2 + (v - (top + bottom) / 2) * by)));
       redraw();
     };
     const redraw = () => panels.forEach((o) => o.view === view && o.draw());
@@ -216,6 +234,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       down.set(e.pointerId, place(e));
       from = e.pointerType === "touch" ? null : place(e);
       spread = 0;
+      try { svg.setPointerCapture(e.pointerId); } catch { /* gone already */ }
     };
     svg.onpointermove = (e) => {
       const [x, y] = place(e);
@@ -235,8 +254,8 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       from = null;
       if (!was || abs(x - was[0]) < 8) return;
       const sort = (a, b) => [Math.min(a, b), Math.max(a, b)], inside = (v, a, b) => Math.min(Math.max(v, a), b);
-      if (p.e || abs(y - was[1]) > 40) own.zoom = sort(...[y, was[1]].map((v) => fy.back(inside(v, top, bottom))));
-      view.zoom = sort(...[x, was[0]].map((v) => fx.back(inside(v, left, right))));
+      if (p.e || abs(y - was[1]) > 40) to(own, sort(...[y, was[1]].map((v) => fy.back(inside(v, top, bottom)))));
+      to(view, sort(...[x, was[0]].map((v) => fx.back(inside(v, left, right)))));
       redraw();
     };
     svg.onpointerleave = svg.onpointercancel = (e) => {

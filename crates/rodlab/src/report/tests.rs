@@ -1,7 +1,8 @@
 use super::*;
 
 fn page(outcome: &Outcome) -> String {
-    html_of(outcome, &outcome.figures).unwrap()
+    let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
+    html_of(outcome, &drawn).unwrap()
 }
 
 #[test]

@@ -28,6 +28,15 @@ function hands(found) {
   found.dark = matchMedia("(prefers-color-scheme: dark)").matches;
   found.too_wide = Math.max(0, document.documentElement.scrollWidth - innerWidth);
 
+  // the script and the file have the same numbers at their vertical axes, if the heights are equal
+  found.disagree = [];
+  figures.forEach((figure, i) => {
+    const still = new DOMParser().parseFromString(figure.querySelector("noscript").textContent, "text/html");
+    const numbers = (root) => [...root.querySelectorAll('text[text-anchor="end"]')].map((t) => t.textContent).join(" ");
+    const [here, there] = [panels(figure).map(numbers).join(" "), numbers(still)];
+    if (i !== 3 && (here !== there || !here)) found.disagree.push(`${here} | ${there}`);
+  });
+
   // texts of one drawing neither touch each other nor leave it
   found.overlaps = [];
   found.cut_off = [];
@@ -106,6 +115,26 @@ function hands(found) {
   pointer(one, "up", 0.9, 0.5, touch(3));
   found.pinched = ticks(one);
   press("reset");
+
+  // what a printer gets: letters of their size, and the same on screen afterwards
+  const wide = () => svg(one).viewBox.baseVal.width;
+  const screen = wide();
+  dispatchEvent(new Event("beforeprint"));
+  found.paper = wide();
+  dispatchEvent(new Event("afterprint"));
+  if (wide() !== screen) heard.push(`${screen} pixels before printing, ${wide()} afterwards`);
+
+  // as far as one can go, with what is hard to draw
+  [...panels(figures[2]).slice(0, 1), ...panels(figures[4])].forEach((panel) => {
+    [0.2, 0.5, 0.8].forEach((x) => pointer(panel, "move", x, 0.5));
+    const buttons = [...panel.querySelectorAll(".tools button")];
+    for (let i = 0; i < 110; i++) buttons[0].click();
+    for (let i = 0; i < 130; i++) buttons[1].click();
+    buttons.slice(2).forEach((b) => b.click());
+    for (let i = 0; i < 130; i++) buttons[1].click();
+    buttons.slice(2).forEach((b) => b.click());
+    if (/NaN|Infinity|undefined/.test(panel.innerHTML)) heard.push("no number in " + panel.querySelector("svg[aria-label]").getAttribute("aria-label"));
+  });
 
   const [round] = panels(figures[3]);
   pointer(round, "move", 0.5, 0.3);

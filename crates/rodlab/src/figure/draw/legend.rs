@@ -3,7 +3,9 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
 
-use super::panel::{GREY, GREY_OPACITY, INK, marker, outlined, stroke};
+use super::ink::{INK, stroke};
+use super::marks::{marker, outlined};
+use super::panel::{GREY, GREY_OPACITY};
 use super::text;
 use crate::figure::palette::look;
 use crate::figure::{Mark, Panel, Role};

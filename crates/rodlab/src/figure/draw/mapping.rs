@@ -1,0 +1,52 @@
+//! Values to pixels.
+
+use crate::figure::{Axis, Scale};
+
+/// Values to pixels.
+pub(super) struct Mapping {
+    logarithmic: bool,
+    from: f64,
+    per_unit: f64,
+    start: f64,
+}
+
+impl Mapping {
+    pub(super) fn new(axis: &Axis, range: [f64; 2], start: f64, end: f64) -> Self {
+        let logarithmic = axis.scale == Scale::Logarithmic;
+        let [from, to] = if logarithmic {
+            range.map(f64::log10)
+        } else {
+            range
+        };
+        Self {
+            logarithmic,
+            from,
+            per_unit: (end - start) / (to - from),
+            start,
+        }
+    }
+
+    /// Pixel of `value`; far outside stays near enough for every viewer, and what the axis cannot show is NaN.
+    pub(super) fn at(&self, value: f64) -> f64 {
+        let place = if self.logarithmic {
+            value.log10()
+        } else {
+            value
+        };
+        if place.is_nan() || self.logarithmic && value <= 0.0 {
+            return f64::NAN;
+        }
+        // tenths of pixels: nobody sees more, and they are shorter
+        let pixel = self.start + (place - self.from) * self.per_unit;
+        (pixel.clamp(-5000.0, 9000.0) * 10.0).round() / 10.0
+    }
+
+    /// The same; what lies below all that a logarithmic axis can show is below its lower end.
+    pub(super) fn at_or_below(&self, value: f64) -> f64 {
+        if self.logarithmic && value <= 0.0 {
+            9000.0
+        } else {
+            self.at(value)
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Vertical lines and their names above the axes.
+
+use super::ink::SMALL;
+use super::mapping::Mapping;
+use super::text;
+use crate::figure::Mark;
+
+/// A vertical line and where its name stands.
+pub(super) struct VerticalLine<'a> {
+    pub(super) name: &'a str,
+    pub(super) pixel: f64,
+    pub(super) text_from: f64,
+    pub(super) row: usize,
+}
+
+/// Vertical lines with the rows of their names. A name begins at its line and stands above every line that it reaches to, so
+/// that no line runs through a name.
+pub(super) fn vertical_lines<'a>(
+    marks: &'a [Mark],
+    x: &Mapping,
+    left: f64,
+    right: f64,
+) -> Vec<VerticalLine<'a>> {
+    let mut lines: Vec<VerticalLine<'a>> = Vec::new();
+    for mark in marks {
+        let Mark::At { name, x: value } = mark else {
+            continue;
+        };
+        let pixel = x.at(*value);
+        if (left..=right).contains(&pixel) {
+            let length = text::width(name, f64::from(SMALL));
+            lines.push(VerticalLine {
+                name,
+                pixel,
+                text_from: (pixel + 3.0).min(right - length).max(left),
+                row: 0,
+            });
+        }
+    }
+    lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
+    let end =
+        |line: &VerticalLine<'_>| line.text_from + text::width(line.name, f64::from(SMALL)) + 6.0;
+    // names that the right end of the axes pushes to the left of their lines stand above what they come to lie on
+    let (pushed, mut placed): (Vec<_>, Vec<_>) = lines
+        .into_iter()
+        .partition(|line: &VerticalLine<'_>| line.text_from < line.pixel);
+    for index in (0..placed.len()).rev() {
+        let reaches = end(&placed[index]);
+        let above = placed[index + 1..]
+            .iter()
+            .filter(|line| line.pixel < reaches)
+            .map(|line| line.row + 1);
+        placed[index].row = above.max().unwrap_or(0);
+    }
+    for mut line in pushed {
+        let above = placed
+            .iter()
+            .filter(|other| end(other) > line.text_from && other.pixel - 6.0 < end(&line))
+            .map(|other| other.row + 1);
+        line.row = above.max().unwrap_or(0);
+        placed.push(line);
+    }
+    placed
+}
