@@ -242,7 +242,7 @@ fn report(
     let outputs: Vec<String> = estimated.iter().map(|(output, _)| output.clone()).collect();
     let files = words::file_names(&outputs);
     let input = sheet.input.as_str();
-    let mut none_valid = true;
+    let mut only_chance = true;
     for ((output, one), file) in estimated.iter().zip(&files) {
         outcome
             .tables
@@ -257,10 +257,15 @@ fn report(
             .figures
             .extend(response_figures::merge(one, output, file, band, greyed));
         let merit = tables::merit(one, output, input, band);
-        none_valid &= merit.n_valid == 0;
+        let holds = one.is_more_than_chance(merit.n_valid, merit.n_lines);
+        only_chance &= !holds;
         outcome.quantities.extend(merit.quantities);
         outcome.summary.push(merit.sentence);
-        if merit.n_valid < merit.n_lines {
+        if !holds {
+            outcome.warnings.push(format!(
+                "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would be."
+            ));
+        } else if merit.n_valid < merit.n_lines {
             outcome.warnings.push(format!(
                 "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
                 merit.n_lines - merit.n_valid,
@@ -268,14 +273,16 @@ fn report(
             ));
         }
     }
-    if none_valid {
-        outcome.verdict = Verdict::NotAllowed {
-            reason: format!(
-                "no line between {} and {} has a coherence above that of chance",
-                hertz(band.from_hz),
-                hertz(band.to_hz)
-            ),
-        };
+    if only_chance {
+        let reason = format!(
+            "no more lines between {} and {} are coherent with `{input}` than noise alone would be",
+            hertz(band.from_hz),
+            hertz(band.to_hz)
+        );
+        outcome
+            .summary
+            .insert(0, format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
     }
 }
 
