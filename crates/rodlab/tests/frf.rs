@@ -674,7 +674,11 @@ fn noise_alone_has_no_response() {
     let (valid, _) = quantity(&outcome, "valid lines, struck end");
     // chance passes one in twenty: 590 lines, standard error 0.9 %
     assert!((valid - 5.0).abs() < 3.6, "{valid}");
-    assert!(outcome.warnings.iter().any(|w| w.contains("do not hold")));
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        panic!("{:?}", outcome.verdict);
+    };
+    insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would be");
+    assert!(outcome.summary[0].contains(reason));
 }
 
 #[test]

@@ -7,6 +7,8 @@
 mod estimate;
 mod input_spectra;
 mod response_figures;
+mod scope;
+mod settings;
 mod sheet;
 mod tables;
 mod thin;
@@ -22,27 +24,16 @@ pub use sheet::{
 use labio::{AveragedSpectra, Record};
 
 use self::estimate::Estimated;
+use self::scope::{Band, band_of, outputs_of, outside_of};
+use self::settings::settings;
 use self::words::capital;
 use super::Surroundings;
 use crate::figure::Greyed;
 use crate::hits::{FoundHits, HitsSheet};
-use crate::outcome::{Quantity, Setting, Verdict};
+use crate::outcome::{Quantity, Verdict};
 use crate::records::Records;
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
-
-/// The frequencies that the result is for.
-#[derive(Debug, Clone, Copy)]
-struct Band {
-    from_hz: f64,
-    to_hz: f64,
-}
-
-impl Band {
-    fn holds(self, frequency_hz: f64) -> bool {
-        (self.from_hz..=self.to_hz).contains(&frequency_hz)
-    }
-}
 
 pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("frf", sheet.title.as_str());
@@ -103,58 +94,6 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     }
     warn(sheet, &spectra, &estimated, &mut outcome);
     Ok(outcome)
-}
-
-/// The channels that are divided, which are there and not the input.
-fn outputs_of(
-    sheet: &FrfSheet,
-    records: &Records,
-    place: &str,
-) -> Result<Vec<String>, RodlabError> {
-    let names: Vec<&str> = records.channels.iter().map(|c| c.name.as_str()).collect();
-    let expected = || {
-        let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        format!("one of {place}records.channels: {}", quoted.join(", "))
-    };
-    if !names.contains(&sheet.input.as_str()) {
-        return Err(RodlabError::request(
-            "input",
-            format!("`{}`", sheet.input),
-            expected(),
-        ));
-    }
-    let outputs = match &sheet.outputs {
-        None => names
-            .iter()
-            .filter(|name| **name != sheet.input)
-            .map(|name| (*name).to_owned())
-            .collect(),
-        Some(outputs) => {
-            for (at, output) in outputs.iter().enumerate() {
-                let wrong = |expected: String| {
-                    RodlabError::request(format!("outputs[{at}]"), format!("`{output}`"), expected)
-                };
-                if !names.contains(&output.as_str()) {
-                    return Err(wrong(expected()));
-                }
-                if *output == sheet.input {
-                    return Err(wrong("another channel than the input".to_owned()));
-                }
-                if outputs[..at].contains(output) {
-                    return Err(wrong("every output once".to_owned()));
-                }
-            }
-            outputs.clone()
-        }
-    };
-    if outputs.is_empty() {
-        return Err(RodlabError::request(
-            "outputs",
-            "empty",
-            "at least one channel besides the input",
-        ));
-    }
-    Ok(outputs)
 }
 
 /// Reads the records of one hammer and finds the hits in them.
@@ -233,65 +172,6 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
     None
 }
 
-fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Band, RodlabError> {
-    let frequency = spectra.frequency_hz();
-    let (spacing, last) = (
-        spectra.line_spacing_hz(),
-        frequency.last().copied().unwrap_or(f64::NAN),
-    );
-    let Some(band) = &sheet.band else {
-        return Ok(Band {
-            from_hz: spacing,
-            to_hz: last,
-        });
-    };
-    let stated = Band {
-        from_hz: band.from.si(),
-        to_hz: band.to.si(),
-    };
-    let range = format!(
-        "a band of lines between {} and {}",
-        hertz(spacing),
-        hertz(last)
-    );
-    if stated.from_hz >= stated.to_hz || stated.to_hz > last * (1.0 + 1e-9) {
-        return Err(RodlabError::request(
-            "band",
-            format!("from {} to {}", band.from, band.to),
-            range,
-        ));
-    }
-    if !frequency.iter().any(|f| stated.holds(*f)) {
-        return Err(RodlabError::request(
-            "band",
-            format!("from {} to {}, where no line is", band.from, band.to),
-            format!("{range}, {} apart", hertz(spacing)),
-        ));
-    }
-    Ok(stated)
-}
-
-/// What lies outside of a band that the sheet states.
-fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra) -> Vec<Greyed> {
-    const KHZ: f64 = 1e-3;
-    let last = spectra.frequency_hz().last().copied().unwrap_or(f64::NAN);
-    if sheet.band.is_none() {
-        return Vec::new();
-    }
-    [
-        (spectra.line_spacing_hz(), band.from_hz),
-        (band.to_hz, last),
-    ]
-    .into_iter()
-    .filter(|(from, to)| from < to)
-    .map(|(from, to)| Greyed {
-        from: from * KHZ,
-        to: to * KHZ,
-        because: "outside of the band of the sheet".to_owned(),
-    })
-    .collect()
-}
-
 /// Spectra of the input, and what is true of the whole test.
 fn of_the_test(
     sheet: &FrfSheet,
@@ -362,7 +242,7 @@ fn report(
     let outputs: Vec<String> = estimated.iter().map(|(output, _)| output.clone()).collect();
     let files = words::file_names(&outputs);
     let input = sheet.input.as_str();
-    let mut none_valid = true;
+    let mut only_chance = true;
     for ((output, one), file) in estimated.iter().zip(&files) {
         outcome
             .tables
@@ -377,10 +257,15 @@ fn report(
             .figures
             .extend(response_figures::merge(one, output, file, band, greyed));
         let merit = tables::merit(one, output, input, band);
-        none_valid &= merit.n_valid == 0;
+        let holds = one.is_more_than_chance(merit.n_valid, merit.n_lines);
+        only_chance &= !holds;
         outcome.quantities.extend(merit.quantities);
         outcome.summary.push(merit.sentence);
-        if merit.n_valid < merit.n_lines {
+        if !holds {
+            outcome.warnings.push(format!(
+                "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would be."
+            ));
+        } else if merit.n_valid < merit.n_lines {
             outcome.warnings.push(format!(
                 "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
                 merit.n_lines - merit.n_valid,
@@ -388,14 +273,16 @@ fn report(
             ));
         }
     }
-    if none_valid {
-        outcome.verdict = Verdict::NotAllowed {
-            reason: format!(
-                "no line between {} and {} has a coherence above that of chance",
-                hertz(band.from_hz),
-                hertz(band.to_hz)
-            ),
-        };
+    if only_chance {
+        let reason = format!(
+            "no more lines between {} and {} are coherent with `{input}` than noise alone would be",
+            hertz(band.from_hz),
+            hertz(band.to_hz)
+        );
+        outcome
+            .summary
+            .insert(0, format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
     }
 }
 
@@ -437,98 +324,4 @@ fn warn(
             ));
         }
     }
-}
-
-fn settings(sheet: &FrfSheet) -> Vec<Setting> {
-    let mut settings = Vec::new();
-    let mut say = |name: &str, value: String, by_default: bool| {
-        settings.push(Setting {
-            name: name.to_owned(),
-            value,
-            by_default,
-        });
-    };
-    let about = [
-        ("about.laboratory", &sheet.about.laboratory),
-        ("about.operator", &sheet.about.operator),
-        ("about.date", &sheet.about.date),
-        ("about.note", &sheet.about.note),
-    ];
-    for (name, text) in about {
-        if let Some(text) = text {
-            say(name, text.clone(), false);
-        }
-    }
-    say("input", sheet.input.clone(), false);
-    let outputs = sheet
-        .outputs
-        .as_ref()
-        .map_or("all other channels".to_owned(), |outputs| {
-            outputs.join(", ")
-        });
-    say("outputs", outputs, sheet.outputs.is_none());
-    let estimator = sheet.estimator.unwrap_or_default();
-    say(
-        "estimator",
-        format!("{estimator:?}"),
-        sheet.estimator.is_none(),
-    );
-    let window = match sheet.window.clone().unwrap_or_default() {
-        WindowSheet::Tukey { taper } => format!("Tukey, taper {taper}"),
-        window => format!("{window:?}"),
-    };
-    say("window", window, sheet.window.is_none());
-    let force_window = sheet.force_window.as_ref().map_or("none".to_owned(), |w| {
-        format!("from {} to {}, edges of {}", w.start, w.end, w.taper)
-    });
-    say("force_window", force_window, sheet.force_window.is_none());
-    let exponential = match &sheet.exponential_window {
-        None => "none".to_owned(),
-        Some(ExponentialWindowSheet::EndWeight { weight }) => {
-            format!("{weight} on the last sample")
-        }
-        Some(ExponentialWindowSheet::TimeConstant { time }) => format!("time constant {time}"),
-    };
-    say(
-        "exponential_window",
-        exponential,
-        sheet.exponential_window.is_none(),
-    );
-    let detrend = sheet.detrend.unwrap_or_default();
-    say(
-        "detrend",
-        format!("{detrend:?}").to_lowercase(),
-        sheet.detrend.is_none(),
-    );
-    let band = sheet
-        .band
-        .as_ref()
-        .map_or("all lines above 0 Hz".to_owned(), |b| {
-            format!("from {} to {}", b.from, b.to)
-        });
-    say("band", band, sheet.band.is_none());
-    let kind = sheet.kind.unwrap_or_default();
-    let kind_text = kind
-        .kind()
-        .map_or("as measured".to_owned(), |kind| kind.to_string());
-    say("kind", kind_text, sheet.kind.is_none());
-    if let Some(second) = &sheet.second_hammer {
-        let merge = match second.merge.unwrap_or_default() {
-            MergeSheet::InverseVariance => "by inverse variance",
-            MergeSheet::LargerInput => "by the larger input",
-        };
-        say(
-            "second_hammer.merge",
-            merge.to_owned(),
-            second.merge.is_none(),
-        );
-    }
-    if let Some(weighed) = &sheet.weighed_mass {
-        let value = format!(
-            "{} below {}, elastic term from the lines up to {}",
-            weighed.mass, weighed.below, weighed.fitted_to
-        );
-        say("weighed_mass", value, false);
-    }
-    settings
 }

@@ -29,7 +29,22 @@ pub(super) struct Estimated {
     pub(super) calibration: f64,
 }
 
+/// Standard deviations of the number of lines that chance passes, by which more must hold.
+const BEYOND_CHANCE: f64 = 4.0;
+
 impl Estimated {
+    /// Whether more of `n_lines` lines hold than noise alone would let pass: each does with the probability that one of the tests
+    /// reaches the level of chance, and independently of the others.
+    pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
+        if self.coherences.is_empty() {
+            return n_valid > 0;
+        }
+        let tests = i32::try_from(self.coherences.len()).unwrap_or(i32::MAX);
+        let passes = 1.0 - (1.0 - CHANCE).powi(tests);
+        let expected = passes * n_lines as f64;
+        n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
+    }
+
     /// Whether the line may be believed.
     pub(super) fn is_valid(&self, line: usize) -> bool {
         self.objections[line].is_none()

@@ -1,8 +1,9 @@
 //! Figures of a response: magnitude, phase and coherence; the Nyquist plot; what two hammers share.
 
 use super::estimate::Estimated;
+use super::scope::Band;
+use super::thin;
 use super::words::{capital, name_of, unit_of};
-use super::{Band, thin};
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 const N_BUCKETS: usize = 400;

@@ -1,7 +1,7 @@
 //! The lines of a response as a table, and its figures of merit as quantities.
 
-use super::Band;
 use super::estimate::Estimated;
+use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
 use crate::outcome::{Column, Quantity, Table};
 use crate::rounded::{hertz, short};
