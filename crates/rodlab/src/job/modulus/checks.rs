@@ -275,8 +275,12 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         _ => "what must hold for any material does not",
     };
     format!(
-        "The check of {} fails{at}: {cause} (p = {}).",
+        "The check of {} fails{at}: {cause} ({}).",
         made.check,
-        significant(made.p_value, 2)
+        if made.p_value < 1e-6 {
+            "p below 1e-6".to_owned()
+        } else {
+            format!("p = {}", significant(made.p_value, 2))
+        }
     )
 }

@@ -337,8 +337,13 @@ fn coherence(found: &Found<'_>) -> Option<Figure> {
         ],
     )];
     if let Some(coherence) = &ratio.coherence {
+        let least = coherence
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold(0.99_f64, |least, value| least.min(*value));
+        let room = 0.05 * (1.0 - least);
         panels.push(panel(
-            Axis::linear("coherence", "").within([0.0, 1.05]),
+            Axis::linear("coherence", "").within([least - room, 1.0 + room]),
             vec![line(picked(coherence))],
         ));
     }

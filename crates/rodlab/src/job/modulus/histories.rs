@@ -10,6 +10,9 @@ const HITS_DRAWN: usize = 3;
 /// Stretches of a history of each of which the least and the greatest sample are drawn: what a figure can show.
 const STRETCHES: usize = 600;
 
+/// A hit is drawn until all channels have decayed to this part of their peaks.
+const DECAYED: f64 = 0.005;
+
 /// One panel a channel: the first accepted hits, and rejected ones faintly.
 pub(super) fn figures(
     found: &FoundHits,
@@ -17,8 +20,13 @@ pub(super) fn figures(
     silent: Option<usize>,
 ) -> Vec<Figure> {
     let mut panels = Vec::new();
+    let shown = channels
+        .iter()
+        .map(|taken| alive(found, taken.channel))
+        .max()
+        .unwrap_or(0);
     for taken in channels {
-        if let Some(panel) = panel(found, taken.channel, silent) {
+        if let Some(panel) = panel(found, taken.channel, shown, silent) {
             panels.push(panel);
         }
     }
@@ -35,14 +43,26 @@ pub(super) fn figures(
         name: "hits".to_owned(),
         title: "Time histories of the hits".to_owned(),
         caption: format!(
-            "{drawn}, and the first rejected one faintly. Of long histories the least and the greatest samples of short stretches \
-             are drawn."
+            "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks. Of long histories the least and the greatest samples of short stretches \
+             are drawn.",
+            100.0 * DECAYED
         ),
         panels,
     }]
 }
 
-fn panel(found: &FoundHits, channel: &str, silent: Option<usize>) -> Option<Panel> {
+/// Number of samples until the first accepted hit has decayed in a channel, and a tenth more.
+fn alive(found: &FoundHits, channel: &str) -> usize {
+    let accepted = found.accepted();
+    let Some(history) = accepted.first().and_then(|hit| hit.channel(channel).ok()) else {
+        return usize::MAX;
+    };
+    let peak = history.iter().fold(0.0_f64, |peak, y| peak.max(y.abs()));
+    let last = history.iter().rposition(|y| y.abs() > DECAYED * peak);
+    last.map_or(usize::MAX, |last| last + last / 10)
+}
+
+fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) -> Option<Panel> {
     let mut marks = Vec::new();
     let mut axis = None;
     let (mut accepted, mut rejected) = (0, 0);
@@ -79,7 +99,8 @@ fn panel(found: &FoundHits, channel: &str, silent: Option<usize>) -> Option<Pane
         }
         let (_, _, scale) = axis.as_ref()?;
         let milliseconds = 1e3 / record.sampling_rate_hz();
-        let (x, y) = drawn(&history.to_vec(), milliseconds, *scale);
+        let history: Vec<f64> = history.iter().take(shown).copied().collect();
+        let (x, y) = drawn(&history, milliseconds, *scale);
         let verb = if is_accepted { "" } else { ", rejected" };
         marks.push(Mark::Line {
             name: format!("hit {}{verb}", hit.number),
