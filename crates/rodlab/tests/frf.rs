@@ -822,8 +822,8 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
 }
 
 /// Of a sheet that is not on disk.
-fn identity() -> rodlab::output::SheetIdentity {
-    rodlab::output::SheetIdentity {
+fn identity() -> output::SheetIdentity {
+    output::SheetIdentity {
         file: "sheet.ron".to_owned(),
         sha256: String::new(),
     }

@@ -599,8 +599,8 @@ fn the_template_is_a_sheet_that_runs() {
 }
 
 /// Of a sheet that is not on disk.
-fn identity() -> rodlab::output::SheetIdentity {
-    rodlab::output::SheetIdentity {
+fn identity() -> output::SheetIdentity {
+    output::SheetIdentity {
         file: "sheet.ron".to_owned(),
         sha256: String::new(),
     }
