@@ -13,6 +13,10 @@ use crate::job::Surroundings;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Force, Ratio, Stated};
 
+/// The last of so many parts of a record shows whether everything has died out.
+const LATE_PART: usize = 16;
+/// Level over the peak at which it has.
+const QUIET: f64 = 5e-4;
 /// Parts by which the strengths of blows differ, unless stated.
 const USUAL_SCATTER: f64 = 0.05;
 
@@ -156,6 +160,28 @@ pub(super) fn peaks(record: &Record) -> Vec<f64> {
         .collect()
 }
 
+/// What is said of a record that ends before everything is at rest; `None` if it does not.
+fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
+    let late = record.n_samples() / LATE_PART;
+    let part = record
+        .part(record.n_samples() - late..record.n_samples())
+        .ok()?;
+    let (channel, level) = record
+        .channels()
+        .iter()
+        .zip(self::peaks(&part))
+        .zip(peaks)
+        .map(|((channel, late), peak)| (channel.name(), late / peak))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (level > QUIET).then(|| {
+        format!(
+            "the records end while `{channel}` still moves by {:.2} % of its largest value: their spectra miss what comes after, and \
+             evaluations show it",
+            100.0 * level
+        )
+    })
+}
+
 /// The records of all hits: `history` is the response to the blow of full strength. Every hit draws from a stream of its own.
 pub(super) fn record(
     blows: &BlowsSheet,
@@ -168,6 +194,7 @@ pub(super) fn record(
     let sampled = instrument.sampled(history)?;
     let peaks = peaks(&sampled);
     let mut recorded = Recorded::by(&history.generator);
+    recorded.warnings.extend(cut_off(&sampled, &peaks));
     for hit in 1..=blows.hits {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(hit as u64);

@@ -4,7 +4,7 @@ use labio::format::Writer;
 use labio::format::csv::Csv;
 use labio::format::npy::Npy;
 use labio::format::npz::Npz;
-use labio::format::uff58::Uff58Writer;
+use labio::format::uff58::{ByteOrder, Encoding, Uff58Writer};
 use labio::format::wav::Wav;
 use labio::{Abscissa, Contents, Ordinate, Record, Series, SeriesAxis, SeriesKind, Unit};
 
@@ -194,7 +194,11 @@ impl Naming {
             Extension::Csv => &Csv,
             Extension::Npy => &Npy,
             Extension::Npz => &Npz,
-            Extension::Uff => &Uff58Writer::default(),
+            // binary: text would round
+            Extension::Uff => &Uff58Writer {
+                encoding: Encoding::Binary(ByteOrder::LittleEndian),
+                ..Uff58Writer::default()
+            },
             Extension::Wav => &Wav,
         };
         writer.write(&contents, &mut bytes).map_err(refused)?;

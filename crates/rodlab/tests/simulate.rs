@@ -1,0 +1,467 @@
+//! Virtual tests from sheets: the records, and what the commands find that evaluate them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
+)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+
+use labio::{Ordinate, Series};
+use num_complex::Complex64;
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::sheet::{Sheet, parse};
+use rodlab::{RodlabError, output};
+use tempfile::TempDir;
+
+const POLYPROPYLENE: &str = r#"materials: {
+    "polypropylene": (density: "912 kg/m3", law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.07", at: "1.6 kHz")),
+    "steel": (density: "7800 kg/m3", law: Elastic(modulus: "206 GPa")),
+},"#;
+
+/// Of paper A: 400 mm ring down within 30 ms.
+const BOTH_ENDS: &str = r#"experiment: EndAccelerations(
+    material: "polypropylene", length: "400 mm", diameter: "15.8 mm", accelerometer_mass: "2.9 gram",
+    blows: (hits: 10, peak: "100 N", duration: "80 us"),
+),"#;
+
+const INSTRUMENT: &str = r#"instrument: (
+    sampling_rate: "65.536 kHz", length: "31.25 ms", noise: "0.02 %", converter: (bits: 16),
+),"#;
+
+const PROJECTILE: &str = r#"experiment: ImpactedRod(
+    length: "402 mm", diameter: "16 mm", density: "912 kg/m3", modulus: "2.6 GPa",
+    law: Maxwell(viscosity: "4 MPa s"),
+    section_distance: "394 mm",
+    striker: (length: "30 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
+    velocities: ["10 m/s"],
+    cell: "2 mm",
+),
+instrument: (sampling_rate: "51.2 kHz", length: "4 ms", before: "1.25 ms", noise: "0.5 %"),"#;
+
+fn sheet(parts: &[&str]) -> String {
+    format!(
+        "Simulate(title: \"a \\\"virtual\\\" test\", {})",
+        parts.concat()
+    )
+}
+
+fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("sheet.ron");
+    let sheet = Sheet {
+        text: text.to_owned(),
+        job: parse(&path, text)?,
+        path,
+    };
+    job::run(&sheet, &Silent, &AtomicBool::new(false))
+}
+
+fn refused(text: &str) -> String {
+    attempt(Path::new("."), text).unwrap_err().to_string()
+}
+
+/// Writes what was made, and does what the sheet `name` among it asks for.
+fn evaluated(
+    made: &Outcome,
+    folder: &Path,
+    name: &str,
+    change: impl Fn(String) -> String,
+) -> Outcome {
+    for file in &made.attachments {
+        output::write_whole(&folder.join(&file.name), &file.bytes).unwrap();
+    }
+    let text = change(fs::read_to_string(folder.join(name)).unwrap());
+    attempt(folder, &text).unwrap_or_else(|error| unreachable!("{error}\n{text}"))
+}
+
+fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
+    let tables: Vec<&String> = outcome.tables.iter().map(|t| &t.name).collect();
+    let of = outcome.tables.iter().find(|t| t.name == table);
+    let of = of.unwrap_or_else(|| unreachable!("{table} is none of {tables:?}"));
+    let names: Vec<&String> = of.columns.iter().map(|c| &c.name).collect();
+    let column = of.columns.iter().find(|c| c.name == name);
+    let column = column.unwrap_or_else(|| unreachable!("{name} is none of {names:?}"));
+    match &column.cells {
+        Cells::Numbers(values) => values,
+        Cells::Words(_) => unreachable!("{name} is a column of words"),
+    }
+}
+
+fn real(series: &Series) -> &[f64] {
+    match &series.ordinate {
+        Ordinate::Real(values) => values,
+        Ordinate::Complex(_) => unreachable!("a history"),
+    }
+}
+
+/// Storage modulus \[Pa\] and loss factor of the polypropylene above: a constant loss angle and a power of the frequency.
+fn polypropylene(frequency_hz: f64) -> (f64, f64) {
+    let angle = 0.07_f64.atan();
+    let magnitude = 2.6e9 * (frequency_hz / 1600.0).powf(2.0 * angle / std::f64::consts::PI);
+    (magnitude * angle.cos(), 0.07)
+}
+
+/// Differences of storage modulus and loss factor from the truth at the valid lines, in standard errors.
+fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
+    let of = |name: &str| column(found, "modulus", name);
+    let table = found.tables.iter().find(|t| t.name == "modulus").unwrap();
+    let validity = table.columns.iter().find(|c| c.name == "validity").unwrap();
+    let Cells::Words(validity) = &validity.cells else {
+        unreachable!("words");
+    };
+    let frequency = of("frequency");
+    (0..frequency.len())
+        .filter(|line| validity[*line] == "valid")
+        .map(|line| {
+            let (storage, loss) = polypropylene(frequency[line]);
+            [
+                (1e9 * of("E'")[line] - storage) / (1e9 * of("standard error of E'")[line]),
+                (of("loss factor")[line] - loss) / of("standard error of the loss factor")[line],
+            ]
+        })
+        .collect()
+}
+
+/// Mean and root mean square of one part of [`off_in_standard_errors`].
+fn statistics(off: &[[f64; 2]], part: usize) -> (f64, f64) {
+    let n = off.len() as f64;
+    let mean = off.iter().map(|o| o[part]).sum::<f64>() / n;
+    let square = off.iter().map(|o| o[part] * o[part]).sum::<f64>() / n;
+    (mean, square.sqrt())
+}
+
+/// The modulus is what was put in, within its errors: of some hundred lines the mean is known to 0.1 and the root mean square to 0.05 of a
+/// standard error; neighbouring lines are not quite independent, and the error of an error from ten hits adds some percent.
+fn assert_modulus_is_that_of_polypropylene(found: &Outcome, lines: usize) {
+    assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
+    let off = off_in_standard_errors(found);
+    assert!(off.len() >= lines, "{} lines are valid", off.len());
+    for part in [0, 1] {
+        let (mean, rms) = statistics(&off, part);
+        assert!(
+            mean.abs() < 0.3,
+            "{part}: mean {mean}, {:#?}",
+            found.summary
+        );
+        assert!(
+            (0.8..1.25).contains(&rms),
+            "{part}: rms {rms}, {:#?}",
+            found.summary
+        );
+    }
+}
+
+#[test]
+fn both_ends_give_the_modulus_that_was_put_in() {
+    for (anti_alias, seed) in [
+        ("", 3),
+        (r#"anti_alias: Butterworth(order: 8, cutoff: "22 kHz"),"#, 4),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let instrument = INSTRUMENT.replace("noise:", &format!("{anti_alias} noise:"));
+        let text = sheet(&[
+            POLYPROPYLENE,
+            BOTH_ENDS,
+            &instrument,
+            &format!("seed: {seed}"),
+        ]);
+        let made = attempt(folder.path(), &text).unwrap();
+        assert_eq!(made.verdict, Verdict::Answered);
+        assert_eq!(made.warnings, Vec::<String>::new());
+        let figures: Vec<&str> = made.figures.iter().map(|f| f.name.as_str()).collect();
+        assert_eq!(figures, ["histories", "spectra"]);
+        let names: Vec<&str> = made.attachments.iter().map(|f| f.name.as_str()).collect();
+        assert_eq!(names.len(), 11);
+        assert_eq!(
+            [names[0], names[9], names[10]],
+            ["records-01.csv", "records-10.csv", "modulus.ron"]
+        );
+        // the table of the truth is that of the closed form
+        let frequency = column(&made, "true-modulus", "frequency");
+        for (f, e) in frequency
+            .iter()
+            .zip(column(&made, "true-modulus", "storage modulus"))
+        {
+            assert!((e / polypropylene(*f).0 - 1.0).abs() < 1e-12, "{f}: {e}");
+        }
+        let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
+        assert_modulus_is_that_of_polypropylene(&found, 300);
+        // no check finds what is not there
+        assert!(
+            !found
+                .warnings
+                .iter()
+                .any(|warning| warning.contains("fails")),
+            "{:#?}",
+            found.warnings
+        );
+    }
+}
+
+#[test]
+fn gauges_of_a_frame_member_give_the_modulus() {
+    let folder = TempDir::new().unwrap();
+    let frame = |support: &str| {
+        format!(
+            r#"experiment: StrainsInFrame(
+                material: "polypropylene", length: "800 mm", diameter: "16 mm", gauges: ["200 mm", "400 mm", "600 mm"],
+                struck_end: ({support}), other_end: (mass: "100 gram"),
+                blows: (hits: 10, peak: "50 N", duration: "100 us"),
+            ), output: "gauges.npz","#
+        )
+    };
+    let instrument = INSTRUMENT.replace("31.25 ms", "62.5 ms");
+    let of = |support: &str| {
+        let text = sheet(&[POLYPROPYLENE, &frame(support), &instrument]);
+        attempt(folder.path(), &text).unwrap()
+    };
+    let made = of(r#"mass: "15 gram""#);
+    assert_eq!(made.warnings, Vec::<String>::new());
+    let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
+    assert_modulus_is_that_of_polypropylene(&found, 120);
+    // on a soft spring the member swings for seconds, and the record ends before
+    let warnings = of(r#"stiffness: "70 N/m", mass: "15 gram""#).warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].starts_with("the records end while `gauge "),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_hammer_gives_the_mobility_of_a_free_rod() {
+    let folder = TempDir::new().unwrap();
+    let body = r#"experiment: HammerOnBody(
+        body: Chain(elements: [Rod(material: "polypropylene", diameter: "30 mm", length: "200 mm")]),
+        blows: (hits: 10, peak: "200 N", duration: "150 us"),
+    ), output: "hits.uff","#;
+    let made = attempt(folder.path(), &sheet(&[POLYPROPYLENE, body, INSTRUMENT])).unwrap();
+    let area = 0.25 * std::f64::consts::PI * 0.03_f64.powi(2);
+    let mass = &made.quantities[0];
+    assert_eq!(mass.name, "mass of the free body");
+    assert!((mass.value.unwrap() / (912.0 * area * 0.2) - 1.0).abs() < 1e-12);
+    let found = evaluated(&made, folder.path(), "frf.ron", |text| text);
+    assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
+    let of = |name: &str| column(&found, "response_face", name);
+    let (mut squares, mut lines) = (0.0, 0);
+    for (line, f) in of("frequency").iter().enumerate() {
+        let error = 1e-2 * of("random error of the magnitude")[line];
+        // where the error is large the coherence of ten hits does not tell it well
+        if !(50.0..=12e3).contains(f) || error.is_nan() || error >= 0.1 {
+            continue;
+        }
+        let omega = std::f64::consts::TAU * f;
+        let (storage, loss) = polypropylene(*f);
+        let speed = (Complex64::new(storage, loss * storage) / 912.0).sqrt();
+        // of a free rod: coth(i omega L/c) over its impedance
+        let exact = 1.0 / ((Complex64::i() * omega * 0.2 / speed).tanh() * 912.0 * area * speed);
+        let measured = Complex64::new(
+            of("real part of mobility")[line],
+            of("imaginary part of mobility")[line],
+        );
+        squares += ((measured - exact).norm() / (exact.norm() * error)).powi(2);
+        lines += 1;
+    }
+    assert!(lines > 300, "{lines}");
+    // the error of the magnitude is one of the two parts of that of the complex number
+    let mean = 0.5 * squares / f64::from(lines);
+    assert!((0.7..1.4).contains(&mean), "{mean}");
+}
+
+#[test]
+fn loads_give_the_dashpot_that_was_put_in() {
+    let folder = TempDir::new().unwrap();
+    let creep = r#"experiment: CreepRecovery(
+        series_modulus: "3.1 GPa", parallel_modulus: "13.1 kPa", exponent: "1.8", coefficient: 4.55e-21,
+        virgin_loss_factor: "0.025", frequency: "10 kHz", error: "0.0002",
+        loads: [(stress: "45 MPa", duration: "30 min"), (stress: "19 MPa", duration: "30 min")],
+        read_at: ["0.5 min", "1 min", "2 min", "5 min", "10 min", "30 min", "60 min"],
+    ),"#;
+    let made = attempt(folder.path(), &sheet(&[creep])).unwrap();
+    let found = evaluated(&made, folder.path(), "recovery.ron", |text| text);
+    assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
+    for (name, truth) in [("parallel modulus (E2)", 13.1e3), ("exponent (m)", 1.8)] {
+        let quantity = found.quantities.iter().find(|q| q.name == name).unwrap();
+        let error = quantity.standard_error.unwrap();
+        assert!(
+            (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < 0.1 * truth,
+            "{quantity:?}"
+        );
+    }
+}
+
+#[test]
+fn a_projectile_gives_the_law_that_was_put_in() {
+    let quick = |text: String| {
+        text.replace(
+            "\n    ],\n)",
+            "\n    ],\n    laws: [Maxwell], compare: false, profiles: false,\n)",
+        )
+    };
+    for sensors in ["", r#"sensors: Displacement(range: "20 mm"),"#] {
+        let folder = TempDir::new().unwrap();
+        let noise = if sensors.is_empty() { "0.5 %" } else { "1 um" };
+        let text = PROJECTILE
+            .replace("velocities:", &format!("{sensors} velocities:"))
+            .replace("0.5 %", noise);
+        let made = attempt(folder.path(), &sheet(&[&text])).unwrap();
+        let lost = column(&made, "balances", "lost momentum, relative");
+        assert!(lost.iter().all(|lost| lost.abs() < 1e-9), "{lost:?}");
+        let before = column(&made, "balances", "energy of the striker before")[0];
+        let after = column(&made, "balances", "energy at the end")[0];
+        let dissipated = column(&made, "balances", "energy dissipated")[0];
+        // closing the gap costs what two half cells have
+        assert!(((after + dissipated) / before - 1.0).abs() < 0.02);
+        assert!(made.figures.iter().any(|figure| figure.name == "sections"));
+        let found = evaluated(&made, folder.path(), "identify.ron", quick);
+        for (name, truth) in [
+            ("Maxwell: Young's modulus E", 2.6e9),
+            ("Maxwell: viscosity eta", 4e6),
+        ] {
+            let quantity = found.quantities.iter().find(|q| q.name == name).unwrap();
+            let error = quantity.standard_error.unwrap();
+            assert!(
+                (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < 0.2 * truth,
+                "{quantity:?}"
+            );
+        }
+        // had its own solver made the records, it would not take them
+        let crime =
+            |text: String| quick(text).replace("rodwave::lumped", "rodwave::characteristics");
+        let text = crime(fs::read_to_string(folder.path().join("identify.ron")).unwrap());
+        let said = attempt(folder.path(), &text).unwrap_err().to_string();
+        assert!(said.contains("the solver that would invert it"), "{said}");
+    }
+}
+
+#[test]
+fn the_seed_and_nothing_else_decides() {
+    let of = |more: &str| {
+        let few = BOTH_ENDS.replace("hits: 10", "hits: 2");
+        attempt(
+            Path::new("."),
+            &sheet(&[POLYPROPYLENE, &few, INSTRUMENT, more]),
+        )
+        .unwrap()
+    };
+    let (first, again, other) = (of(""), of("seed: 1"), of("seed: 2"));
+    assert_eq!(first.attachments, again.attachments);
+    assert_eq!(first.figures, again.figures);
+    assert_ne!(first.attachments[0].bytes, other.attachments[0].bytes);
+    // the same numbers in every format
+    let samples = |outcome: &Outcome| -> Vec<Vec<f64>> {
+        let contents = labio::format::read_bytes(&outcome.attachments[1].bytes).unwrap();
+        contents
+            .series
+            .iter()
+            .map(|series| real(series).to_vec())
+            .collect()
+    };
+    for format in ["npy", "npz", "uff", "wav"] {
+        let made = of(&format!(r#"output: "one.{format}""#));
+        assert_eq!(made.attachments[1].name, format!("one-2.{format}"));
+        assert!(samples(&made) == samples(&first), "{format}");
+        // and the sheet says what the file does not
+        let folder = TempDir::new().unwrap();
+        let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
+        assert_eq!(found.inputs.len(), 2, "{format}");
+    }
+}
+
+#[test]
+fn a_person_simulates_and_evaluates_by_two_commands() {
+    let folder = TempDir::new().unwrap();
+    let rodlab = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .current_dir(folder.path())
+            .args(arguments)
+            .output()
+            .unwrap()
+    };
+    assert!(rodlab(&["init", "simulate", "plan.ron"]).status.success());
+    for arguments in [
+        ["--quiet", "simulate", "plan.ron"],
+        ["--quiet", "modulus", "plan-result/modulus.ron"],
+    ] {
+        let output = rodlab(&arguments);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{arguments:?}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    for file in [
+        "truth.csv",
+        "true-modulus.csv",
+        "hits-01.csv",
+        "hits-10.csv",
+        "modulus-result/modulus.csv",
+    ] {
+        assert!(
+            folder.path().join("plan-result").join(file).exists(),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_plan_is_said() {
+    let ends =
+        |from: &str, to: &str| sheet(&[POLYPROPYLENE, BOTH_ENDS, INSTRUMENT]).replace(from, to);
+    let struck = |from: &str, to: &str| sheet(&[PROJECTILE]).replace(from, to);
+    let errors = [
+        sheet(&[POLYPROPYLENE, BOTH_ENDS]),
+        ends(r#"material: "polypropylene""#, r#"material: "nylon""#),
+        ends(
+            r#"ConstantQ(modulus: "2.6 GPa", loss_factor: "0.07", at: "1.6 kHz")"#,
+            "PowerLawPropagation(damping_factor: 1e-3, damping_exponent: 0.9, wave_number_factor: 4e-3, wave_number_exponent: 0.97)",
+        ),
+        ends("31.25 ms", "2 ms"),
+        ends("noise:", r#"before: "0.1 ms", noise:"#),
+        ends("noise:", r#"anti_alias: LinearPhase(cutoff: "40 kHz"), noise:"#),
+        ends("0.02 %", "1 N"),
+        ends("noise:", r#"noise_of: {"end": "1 %"}, noise:"#),
+        ends("hits: 10", "hits: 0"),
+        ends("bits: 16", "bits: 40"),
+        ends("instrument:", r#"output: "hits.xlsx", instrument:"#),
+        struck(r#"["10 m/s"]"#, "[]"),
+        struck("394 mm", "500 mm"),
+        struck("4 MPa s", "4 MPa"),
+    ]
+    .map(|text| refused(&text).lines().next().unwrap_or_default().to_owned());
+    insta::assert_snapshot!(errors.join("\n"), @r#"
+    instrument is missing, expected at least `(sampling_rate: .., length: ..)`: this experiment is recorded
+    experiment: EndAccelerations.material is `nylon`, expected one of the materials `polypropylene`, `steel`
+    experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is wanted
+    instrument.length is 2 ms, expected more than `before`, 0.002 s, and 40 samples
+    instrument.before is 7 samples, expected 40 to 16777216
+    instrument.anti_alias.cutoff is 40000 Hz, expected below half the sampling rate, 32768 Hz
+    instrument.noise is `1 N`, expected a part of the largest value in % or a level of `struck end`, which is acceleration [m/s^2]
+    instrument.noise_of is `end`, expected one of the channels `struck end`, `free end`
+    experiment: EndAccelerations.blows.hits is 0, expected 1 to 999
+    instrument.converter: bits of the converter is 40, expected a number from 1 to 32
+    output is `hits.xlsx`, expected the name of a file in the folder of the result with one of the extensions csv, npy, npz, uff, wav
+    experiment: ImpactedRod.velocities is empty, expected at least one velocity
+    experiment: ImpactedRod.section_distance is 500 mm, expected at most the length of the rod, 402 mm
+    ./sheet.ron:3:30: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, as "20 kPa s"
+    "#);
+}
+
+#[test]
+fn a_converter_that_is_too_small_is_said() {
+    let text = sheet(&[POLYPROPYLENE, BOTH_ENDS, INSTRUMENT])
+        .replace("bits: 16", r#"bits: 16, full_scale: "90 %""#);
+    let made = attempt(Path::new("."), &text).unwrap();
+    assert!(
+        made.warnings
+            .iter()
+            .any(|warning| warning.contains("beyond the range of the converter")),
+        "{:?}",
+        made.warnings
+    );
+    assert!(made.log.iter().any(|entry| !entry.accepted));
+}
