@@ -213,7 +213,11 @@ fn noise_alone_is_no_force() {
     accelerance(folder.path(), BODY);
     let nothing = Hammer { peak: 0.0, ..BLOW };
     strike(folder.path(), "blow", BODY, nothing);
-    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let judged = "hit: (criteria: (peak_over_noise: 10.0))";
+    let text = sheet(
+        FILE,
+        &format!(r#"{ACTING}, {judged}, noise: White("2 m/s2")"#),
+    );
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(
         outcome.verdict,
@@ -222,10 +226,13 @@ fn noise_alone_is_no_force() {
         }
     );
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
-    // whoever accepts it by hand is told by the discrepancy
-    let by_hand = r#"hit: (accept: [(hit: 1, because: "to see")])"#;
+    // who does not ask for checks is told besides by the peak, and by the discrepancy
+    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    let told = |words: &str| outcome.warnings.iter().any(|w| w.contains(words));
+    assert!(told("no hit") && told("below three standard errors"));
     let rest = format!(
-        r#"{ACTING}, {by_hand}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
+        r#"{ACTING}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
     );
     let outcome = attempt(folder.path(), &sheet(FILE, &rest)).unwrap();
     assert_eq!(

@@ -119,7 +119,7 @@ fn answer(known: &Known, outcome: &mut Outcome) {
     let above_zero = || (1..known.mobility.values.len()).filter(|line| known.is_valid(*line));
     let n_valid = above_zero().count();
     let n_lines = known.mobility.values.len() - 1;
-    let ends = above_zero().next().zip(above_zero().last());
+    let ends = above_zero().next().zip(above_zero().next_back());
     let Some((first, last)) = ends else {
         let reason = known.objections.iter().skip(1).flatten().next();
         outcome.verdict = Verdict::NotAllowed {
