@@ -14,6 +14,7 @@
 //! | [`records`] | files to calibrated records |
 //! | [`hits`] | which hits of the records are accepted, and why the others are not |
 //! | [`responses`] | frequency responses of hits or of a file |
+//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`output`] | the files that are written of it, whole or not at all |
@@ -22,10 +23,12 @@
 
 pub mod arguments;
 pub mod batch;
+pub mod convert;
 pub mod error;
 pub mod figure;
 pub mod finished;
 pub mod hits;
+pub mod inspect;
 pub mod job;
 pub mod outcome;
 pub mod output;
@@ -33,6 +36,7 @@ pub mod program;
 pub mod progress;
 pub mod records;
 pub mod responses;
+mod rounded;
 pub mod sheet;
 pub mod templates;
 

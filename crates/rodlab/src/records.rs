@@ -28,7 +28,7 @@ use ndarray::Axis;
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::outcome::{InputFile, Setting};
+use crate::outcome::{InputFile, LogEntry, Setting};
 use crate::sheet::{Frequency, Stated};
 
 /// Which files, and what their channels are.
@@ -53,8 +53,10 @@ pub struct Loaded {
     pub inputs: Vec<InputFile>,
     /// What the sheet says of the channels, for the report.
     pub settings: Vec<Setting>,
-    /// Where the sheet says something else than a file, in sentences.
+    /// Where the sheet says something else than a file, and what was passed over, in sentences.
     pub warnings: Vec<String>,
+    /// Files of one hit that are no records because a sample is NaN or infinite, for the log.
+    pub left_out: Vec<LogEntry>,
 }
 
 /// A record and where it is from.
@@ -79,25 +81,31 @@ impl Records {
             inputs: Vec::new(),
             settings: self.settings(field),
             warnings: Vec::new(),
+            left_out: Vec::new(),
         };
+        let mut lost = None;
         for path in files::paths(&self.files, folder, &format!("{field}.files"))? {
             let shown = files::relative(&path, folder);
             let bytes = fs::read(&path).map_err(|source| RodlabError::Read {
                 path: path.clone(),
                 source,
             })?;
-            self.load_bytes(&bytes, shown, field, &mut loaded)?;
+            lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded)?);
         }
-        Ok(loaded)
+        match lost {
+            Some(error) if loaded.records.is_empty() => Err(error),
+            _ => Ok(loaded),
+        }
     }
 
+    /// Puts one file into `loaded`, or returns why it was left out.
     fn load_bytes(
         &self,
         bytes: &[u8],
         file: String,
         field: &str,
         loaded: &mut Loaded,
-    ) -> Result<(), RodlabError> {
+    ) -> Result<Option<RodlabError>, RodlabError> {
         let mut contents = format::read_bytes(bytes)
             .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
         let chosen = self.complete(&mut contents, &file, field, &mut loaded.warnings)?;
@@ -122,16 +130,28 @@ impl Records {
                 let why = found.left_out.into_iter().find(
                     |error| matches!(error, LabioError::NoChannel { index: i, .. } if *i == index),
                 );
-                return Err(match why {
-                    Some(error) => {
-                        RodlabError::step(format!("{field}.channels[{channel}], {file}"), error)
-                    }
-                    None => RodlabError::request(
-                        format!("{field}.channels[{channel}].from"),
+                let place = format!("{field}.channels[{channel}]");
+                let Some(error) = why else {
+                    return Err(RodlabError::request(
+                        format!("{place}.from"),
                         self.channels[channel].from.to_string(),
                         format!("a history of {file}"),
-                    ),
-                });
+                    ));
+                };
+                // a file of several hits would be put together wrongly without it
+                let of_one_hit = chosen.iter().all(|all| all.len() == 1);
+                if of_one_hit && is_lost_sample(&error) {
+                    loaded
+                        .warnings
+                        .push(format!("{file} is passed over: {error}."));
+                    loaded.left_out.push(LogEntry {
+                        what: file.clone(),
+                        accepted: false,
+                        reasons: vec![error.to_string()],
+                    });
+                    return Ok(Some(RodlabError::step(format!("{place}, {file}"), error)));
+                }
+                return Err(RodlabError::step(format!("{place}, {file}"), error));
             }
         }
         let mut names = Vec::with_capacity(chosen.len());
@@ -191,7 +211,7 @@ impl Records {
             let record = self.calibrated(record, indices, &name, field)?;
             loaded.records.push(NamedRecord { name, record });
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Refuses what is wrong whatever the files hold.
@@ -281,6 +301,18 @@ impl Records {
         }
         settings
     }
+}
+
+/// Whether a series is no channel because one of its samples is no number.
+fn is_lost_sample(error: &LabioError) -> bool {
+    matches!(
+        error,
+        LabioError::NoChannel {
+            part: "ordinate",
+            expected: "finite",
+            ..
+        }
+    )
 }
 
 /// The channels of `record` called `names`, none if it has none of them, and the first of the names that it lacks.

@@ -47,6 +47,10 @@ pub struct Sheet {
 /// What a sheet asks for.
 #[derive(Debug, Clone, Deserialize)]
 #[non_exhaustive]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a sheet, and no sheet is as long as a record"
+)]
 pub enum Job {
     /// Frequency responses of hits.
     Frf(Box<job::frf::FrfSheet>),

@@ -20,9 +20,11 @@ fn records(text: &str) -> Records {
 fn load(folder: &Path, text: &str) -> Result<Loaded, String> {
     records(text)
         .load(folder, "records")
-        .map_err(|error| match error.to_string() {
-            // where the folder is differs from run to run
-            text => text.replace(&folder.display().to_string(), "FOLDER"),
+        // where the folder is differs from run to run
+        .map_err(|error| {
+            error
+                .to_string()
+                .replace(&folder.display().to_string(), "FOLDER")
         })
 }
 
@@ -153,6 +155,26 @@ fn what_an_array_does_not_tell_is_asked_for() {
     records.channels is empty, expected at least one channel
     records.files is empty, expected the name of at least one file
     "#);
+}
+
+#[test]
+fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, sample) in [("a.npy", 0.5), ("b.npy", f64::INFINITY), ("c.npy", 0.25)] {
+        let path = folder.path().join(name);
+        write_npy(&path, &[&[0.0, 1.0, 2.0], &[0.0, sample, 0.0]]);
+    }
+    let sheet = r#"(files: ["*.npy"], sampling_rate: "1 kHz", channels: [
+        (name: "hammer", from: 1, unit: "N"), (name: "end A", from: 2, unit: "m/s^2"),
+    ])"#;
+    let loaded = load(folder.path(), sheet).unwrap();
+    let names: Vec<&str> = loaded.records.iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["a.npy", "c.npy"]);
+    // what was read stands among the inputs nevertheless
+    assert_eq!(loaded.inputs.len(), 3);
+    assert_eq!(loaded.left_out.len(), 1);
+    assert!(!loaded.left_out[0].accepted && loaded.left_out[0].what == "b.npy");
+    insta::assert_snapshot!(loaded.warnings.join("\n"), @r"b.npy is passed over: series 1 (`[1, :]`) is no channel of a record: its ordinate is inf at sample 1, expected finite.");
 }
 
 #[test]

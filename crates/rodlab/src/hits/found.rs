@@ -1,7 +1,7 @@
 //! The hits of a test, judged.
 
 use labio::Record;
-use labio::hits::{Hit, HitLog, Ruling};
+use labio::hits::{Hit, HitLog, Reason, Ruling};
 
 use super::SAMPLING_RATE_TOLERANCE;
 use crate::RodlabError;
@@ -33,7 +33,7 @@ impl FoundHit<'_> {
     /// What the log calls it, as `hit 3, hits.npy at 1.204 s`.
     #[must_use]
     pub fn name(&self) -> String {
-        if self.by_trigger {
+        if self.by_trigger && self.is_found() {
             format!(
                 "hit {}, {} at {:.4} s",
                 self.number,
@@ -43,6 +43,19 @@ impl FoundHit<'_> {
         } else {
             format!("hit {}, {}", self.number, self.of)
         }
+    }
+
+    /// Whether it is a hit; else the log has it for a record in which the trigger never fired.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        let silent = |reason: &Reason| matches!(reason, Reason::NotTriggered { .. });
+        !self.hit.reasons().iter().any(silent)
+    }
+
+    /// Whether it was cut out of a longer record, so that its time is that of the trigger.
+    #[must_use]
+    pub fn is_by_trigger(&self) -> bool {
+        self.by_trigger
     }
 
     /// What was decided, and why.

@@ -1,18 +1,327 @@
 //! Frequency responses of hits, with coherence and errors.
+//!
+//! Hits are averaged to spectra and these divided: the response, with its coherence, the random error of every line, and the
+//! histories and spectra that a reader wants to see before believing it. Two hammers become one response; the weighed mass of a
+//! free body replaces the lines of low frequency; motions are converted into each other. All numerics are those of `labio`.
 
-use serde::Deserialize;
+mod estimate;
+mod input_spectra;
+mod response_figures;
+mod scope;
+mod settings;
+mod sheet;
+mod tables;
+mod thin;
+mod time_histories;
+mod universal;
+mod words;
 
+pub use sheet::{
+    AboutSheet, BandSheet, DetrendSheet, EstimatorSheet, ExponentialWindowSheet, ForceWindowSheet,
+    FrfSheet, KindSheet, MergeSheet, SecondHammerSheet, WeighedMassSheet, WindowSheet,
+};
+
+use labio::{AveragedSpectra, Record};
+
+use self::estimate::Estimated;
+use self::scope::{Band, band_of, outputs_of, outside_of};
+use self::settings::settings;
+use self::words::capital;
 use super::Surroundings;
+use crate::figure::Greyed;
+use crate::hits::{FoundHits, HitsSheet};
+use crate::outcome::{Quantity, Verdict};
+use crate::records::Records;
+use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
-/// Sheet of the job.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrfSheet {
-    /// Title of the test.
-    pub title: String,
+pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("frf", sheet.title.as_str());
+    outcome.settings.extend(settings(sheet));
+    let mut sets = Vec::new();
+    let first = ("", &sheet.records, &sheet.hits);
+    let second = sheet
+        .second_hammer
+        .as_ref()
+        .map(|second| ("second_hammer.", &second.records, &second.hits));
+    let mut outputs = Vec::new();
+    for (place, records, hits) in std::iter::once(first).chain(second) {
+        around.go_on()?;
+        outputs = outputs_of(sheet, records, place)?;
+        let found = find(sheet, records, hits, place, around, &mut outcome)?;
+        describe(sheet, &found, &outputs, place, &mut outcome)?;
+        sets.push(found);
+    }
+    if let Some(reason) = too_few(sheet, &sets) {
+        outcome
+            .summary
+            .push(format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+        return Ok(outcome);
+    }
+    let accepted: Vec<Vec<&Record>> = sets.iter().map(FoundHits::accepted).collect();
+    let hit = accepted[0][0];
+    for output in &outputs {
+        estimate::check_kind(sheet, hit, output)?;
+    }
+    let mut spectra = Vec::with_capacity(sets.len());
+    for hits in &accepted {
+        spectra.push(estimate::spectra(sheet, hits, around)?);
+    }
+    let band = band_of(sheet, &spectra[0])?;
+    let greyed = outside_of(sheet, band, &spectra[0]);
+    of_the_test(sheet, &accepted, &spectra, &greyed, &mut outcome)?;
+    let mut estimated = Vec::with_capacity(outputs.len());
+    around.progress.begins("forming responses", outputs.len());
+    for output in &outputs {
+        around.go_on()?;
+        estimated.push((
+            output.clone(),
+            estimate::estimate(sheet, &spectra, output, hit)?,
+        ));
+        around.progress.one_more();
+    }
+    report(sheet, &estimated, band, &greyed, &mut outcome);
+    outcome.attachments.push(universal::attachment(
+        &estimated,
+        &sheet.input,
+        &sheet.title,
+    )?);
+    for found in &sets {
+        outcome
+            .summary
+            .push(capital(&format!("{}.", found.in_words())));
+    }
+    warn(sheet, &spectra, &estimated, &mut outcome);
+    Ok(outcome)
 }
 
-pub(crate) fn run(sheet: &FrfSheet, _around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
-    Ok(Outcome::of("frf", sheet.title.as_str()))
+/// Reads the records of one hammer and finds the hits in them.
+fn find(
+    sheet: &FrfSheet,
+    records: &Records,
+    hits: &HitsSheet,
+    place: &str,
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+) -> Result<FoundHits, RodlabError> {
+    around.progress.begins("reading records", 0);
+    let loaded = records.load(around.folder, &format!("{place}records"))?;
+    around.go_on()?;
+    outcome.inputs.extend(loaded.inputs);
+    outcome.settings.extend(loaded.settings);
+    outcome.warnings.extend(loaded.warnings);
+    outcome.log.extend(loaded.left_out);
+    around.progress.begins("judging hits", 0);
+    let found = hits.find(loaded.records, &sheet.input, &format!("{place}hits"))?;
+    outcome.settings.extend_from_slice(found.settings());
+    outcome.log.extend(found.log());
+    Ok(found)
+}
+
+/// Figure and table of the hits of one hammer.
+fn describe(
+    sheet: &FrfSheet,
+    found: &FoundHits,
+    outputs: &[String],
+    place: &str,
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let (name, title) = if place.is_empty() {
+        ("hits", "Hits")
+    } else {
+        ("hits_second_hammer", "Hits of the second hammer")
+    };
+    outcome
+        .figures
+        .push(time_histories::figure(sheet, found, outputs, name, title)?);
+    outcome
+        .tables
+        .push(time_histories::table(found, &sheet.input, name, title));
+    Ok(())
+}
+
+/// Why the accepted hits give no response; `None` if they do.
+fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
+    for (found, hammer) in sets.iter().zip(["", " of the second hammer"]) {
+        let n_found = found.n_found();
+        if found.n_accepted() == 0 {
+            let first = found.log().into_iter().find(|entry| !entry.accepted);
+            let because = first
+                .and_then(|entry| Some((entry.what, entry.reasons.first()?.clone())))
+                .map(|(what, reason)| format!(", as {what}: {reason}"))
+                .unwrap_or_default();
+            if found.hits().all(|hit| !hit.is_found()) {
+                return Some(format!("no hit{hammer} is found{because}"));
+            }
+            return Some(match n_found {
+                1 => format!("the only hit{hammer} is rejected{because}"),
+                n => format!("all {n} hits{hammer} are rejected{because}"),
+            });
+        }
+        let by_variance = sheet
+            .second_hammer
+            .as_ref()
+            .is_some_and(|second| second.merge.unwrap_or_default() == MergeSheet::InverseVariance);
+        if by_variance && found.n_accepted() < 2 {
+            return Some(format!(
+                "1 of {n_found} hits{hammer} is accepted, and a merge by inverse variance needs two of each hammer"
+            ));
+        }
+    }
+    None
+}
+
+/// Spectra of the input, and what is true of the whole test.
+fn of_the_test(
+    sheet: &FrfSheet,
+    accepted: &[Vec<&Record>],
+    spectra: &[AveragedSpectra],
+    greyed: &[Greyed],
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let plain = |name: &str, unit: &str, value: f64, verdict: &str| Quantity {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        value: Some(value),
+        standard_error: None,
+        valid: true,
+        verdict: verdict.to_owned(),
+    };
+    for (number, (hits, spectra)) in accepted.iter().zip(spectra).enumerate() {
+        let (hammer, name, title) = if number == 0 {
+            ("", "input_spectra", "Spectra of the input")
+        } else {
+            (
+                ", second hammer",
+                "input_spectra_second_hammer",
+                "Spectra of the input, second hammer",
+            )
+        };
+        outcome.figures.push(input_spectra::figure(
+            sheet, hits, spectra, greyed, name, title,
+        )?);
+        outcome.quantities.push(plain(
+            &format!("averages{hammer}"),
+            "",
+            spectra.n_averages() as f64,
+            "accepted hits",
+        ));
+        outcome.quantities.push(plain(
+            &format!("end of the spectrum of the input{hammer}"),
+            "Hz",
+            input_spectra::end_of(spectra, &sheet.input)?,
+            "there the mean falls 20 dB below its greatest, or the lines end",
+        ));
+    }
+    outcome.quantities.push(plain(
+        "distance of lines",
+        "Hz",
+        spectra[0].line_spacing_hz(),
+        "the inverse of the duration of a hit",
+    ));
+    if let Some(damping) = spectra[0].added_damping() {
+        outcome.quantities.push(plain(
+            "damping added by the exponential window",
+            "1/s",
+            damping.decay_rate(),
+            "to be subtracted from the decay rate of every mode",
+        ));
+    }
+    Ok(())
+}
+
+/// Tables, figures, quantities and sentences of every response.
+fn report(
+    sheet: &FrfSheet,
+    estimated: &[(String, Estimated)],
+    band: Band,
+    greyed: &[Greyed],
+    outcome: &mut Outcome,
+) {
+    let outputs: Vec<String> = estimated.iter().map(|(output, _)| output.clone()).collect();
+    let files = words::file_names(&outputs);
+    let input = sheet.input.as_str();
+    let mut only_chance = true;
+    for ((output, one), file) in estimated.iter().zip(&files) {
+        outcome
+            .tables
+            .push(tables::table(one, output, input, file, band));
+        outcome.figures.push(response_figures::bode(
+            one, output, input, file, band, greyed,
+        ));
+        outcome
+            .figures
+            .push(response_figures::nyquist(one, output, input, file, band));
+        outcome
+            .figures
+            .extend(response_figures::merge(one, output, file, band, greyed));
+        let merit = tables::merit(one, output, input, band);
+        let holds = one.is_more_than_chance(merit.n_valid, merit.n_lines);
+        only_chance &= !holds;
+        outcome.quantities.extend(merit.quantities);
+        outcome.summary.push(merit.sentence);
+        if !holds {
+            outcome.warnings.push(format!(
+                "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would be."
+            ));
+        } else if merit.n_valid < merit.n_lines {
+            outcome.warnings.push(format!(
+                "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
+                merit.n_lines - merit.n_valid,
+                merit.n_lines
+            ));
+        }
+    }
+    if only_chance {
+        let reason = format!(
+            "no more lines between {} and {} are coherent with `{input}` than noise alone would be",
+            hertz(band.from_hz),
+            hertz(band.to_hz)
+        );
+        outcome
+            .summary
+            .insert(0, format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+    }
+}
+
+/// What a reader has to know before believing the responses.
+fn warn(
+    sheet: &FrfSheet,
+    spectra: &[AveragedSpectra],
+    estimated: &[(String, Estimated)],
+    outcome: &mut Outcome,
+) {
+    for (spectra, hammer) in spectra.iter().zip(["", " of the second hammer"]) {
+        if spectra.n_averages() == 1 {
+            outcome.warnings.push(format!(
+                "Only one hit{hammer} is accepted: there is no coherence, and nothing says how good the lines are."
+            ));
+        }
+    }
+    if let Some(damping) = spectra[0].added_damping() {
+        outcome.warnings.push(format!(
+            "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode looks more damped by it.",
+            short(damping.decay_rate())
+        ));
+    }
+    for (output, one) in estimated {
+        let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
+            continue;
+        };
+        let error = weighed.mass.standard_uncertainty().unwrap_or(0.0);
+        let apart = completed.apparent_mass - weighed.mass.si();
+        let spread = completed
+            .apparent_mass_standard_error
+            .hypot(error)
+            .hypot(weighed.mass.si() * one.calibration);
+        if apart.abs() > 3.0 * spread {
+            outcome.warnings.push(format!(
+                "The lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain. A wrong sensitivity, or a body that is not free.",
+                short(completed.apparent_mass),
+                weighed.mass
+            ));
+        }
+    }
 }

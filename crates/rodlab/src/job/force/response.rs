@@ -286,6 +286,7 @@ fn read_blow(
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
+    outcome.log.extend(loaded.left_out);
     // where the force was measured it tells best when it begins
     let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
     let found =

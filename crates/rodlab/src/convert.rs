@@ -1,0 +1,186 @@
+//! A file in another format.
+//!
+//! Values are never lost: a format that cannot hold them refuses. Names, units and notes that the new format has no place for are
+//! listed, as is every number that it holds with fewer digits: what was written is read back and compared with what was read.
+
+mod differences;
+mod fit;
+
+use std::fs;
+use std::path::Path;
+
+use labio::format::npy::Npy;
+use labio::format::npz::Npz;
+use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58Writer};
+use labio::format::wav::{WavEncoding, WavWriter};
+use labio::format::{self, Strictness, Writer, csv::Csv};
+use serde::Serialize;
+
+use crate::{RodlabError, output};
+
+/// How a file is converted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ConvertOptions {
+    /// Converts what can be read of a damaged file, and lists the rest.
+    pub tolerant: bool,
+    /// Refuses a conversion that would lose anything.
+    pub lossless: bool,
+    /// Writes a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
+    pub binary: bool,
+}
+
+/// A file that was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Conversion {
+    /// Format that was read.
+    pub from: String,
+    /// Format that was written.
+    pub to: String,
+    /// Number of data sets.
+    pub n_series: usize,
+    /// Number of bytes written.
+    pub bytes: u64,
+    /// Parts of the source that could not be read.
+    pub not_read: Vec<String>,
+    /// What the new file does not hold or holds with fewer digits.
+    pub lost: Vec<String>,
+}
+
+impl Conversion {
+    /// The conversion for reading; `input` and `output` are only named.
+    #[must_use]
+    pub fn to_text(&self, input: &Path, output: &Path) -> String {
+        let sets = if self.n_series == 1 {
+            "data set"
+        } else {
+            "data sets"
+        };
+        let mut text = format!(
+            "{} ({}) -> {} ({}): {} {sets}, {} bytes\n",
+            input.display(),
+            self.from,
+            output.display(),
+            self.to,
+            self.n_series,
+            self.bytes
+        );
+        for (heading, lines) in [("not read:", &self.not_read), ("lost:", &self.lost)] {
+            if !lines.is_empty() {
+                text += &format!("{heading}\n");
+                for line in lines {
+                    text += &format!("  {line}\n");
+                }
+            }
+        }
+        text
+    }
+}
+
+/// Endings of names, and the format that each stands for.
+const ENDINGS: [(&str, &str); 8] = [
+    ("csv", "csv"),
+    ("npy", "npy"),
+    ("npz", "npz"),
+    ("txt", "csv"),
+    ("uff", "uff58"),
+    ("unv", "uff58"),
+    ("uf", "uff58"),
+    ("wav", "wav"),
+];
+
+/// Reads `input`, whatever its name, and writes it to `output` in the format of its ending: `csv`, `txt`, `npy`, `npz`, `uff`, `unv`,
+/// `uf` or `wav`. The new file appears whole or not at all.
+///
+/// # Errors
+///
+/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot hold its
+/// values; [`RodlabError::Request`] for an ending that is not known, an output that is the input, or a loss that is not wanted.
+pub fn convert(
+    input: &Path,
+    output: &Path,
+    options: ConvertOptions,
+) -> Result<Conversion, RodlabError> {
+    let format = format_of(output)?;
+    if let (Ok(source), Ok(target)) = (input.canonicalize(), output.canonicalize())
+        && source == target
+    {
+        return Err(RodlabError::request(
+            "the output",
+            format!("{}, which is the input", output.display()),
+            "another file",
+        ));
+    }
+    let bytes = fs::read(input).map_err(|source| RodlabError::Read {
+        path: input.to_path_buf(),
+        source,
+    })?;
+    let strictness = if options.tolerant {
+        Strictness::Tolerant
+    } else {
+        Strictness::Strict
+    };
+    let reading = |error| RodlabError::step(format!("reading {}", input.display()), error);
+    let contents = format::read_bytes_with(&bytes, strictness).map_err(reading)?;
+    let fitted = fit::fitted(&contents, format);
+    let writing = |error| RodlabError::step(format!("converting to {format}"), error);
+    let mut written = Vec::new();
+    writer(format, options)
+        .write(&fitted, &mut written)
+        .map_err(writing)?;
+    let back = format::read_bytes(&written).map_err(writing)?;
+    let lost = differences::between(&contents, &back);
+    if options.lossless && !lost.is_empty() {
+        return Err(RodlabError::request(
+            format!("the conversion of {} to {format}", input.display()),
+            format!("not without loss ({})", lost.join("; ")),
+            "another format, or the loss",
+        ));
+    }
+    output::write_whole(output, &written)?;
+    Ok(Conversion {
+        from: contents.format.to_owned(),
+        to: format.to_owned(),
+        n_series: contents.series.len(),
+        bytes: written.len() as u64,
+        not_read: contents.defects.iter().map(ToString::to_string).collect(),
+        lost,
+    })
+}
+
+fn format_of(output: &Path) -> Result<&'static str, RodlabError> {
+    let ending = output
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    ENDINGS
+        .iter()
+        .find(|(known, _)| *known == ending)
+        .map(|(_, format)| *format)
+        .ok_or_else(|| {
+            let known: Vec<&str> = ENDINGS.iter().map(|(ending, _)| *ending).collect();
+            RodlabError::request(
+                "the ending of the output",
+                format!("`{ending}`"),
+                format!("one of {}", known.join(", ")),
+            )
+        })
+}
+
+fn writer(format: &str, options: ConvertOptions) -> Box<dyn Writer> {
+    match format {
+        "csv" => Box::new(Csv),
+        "npy" => Box::new(Npy),
+        "npz" => Box::new(Npz),
+        "wav" => Box::new(WavWriter {
+            encoding: WavEncoding::Float64,
+        }),
+        _ => Box::new(Uff58Writer {
+            encoding: if options.binary {
+                Encoding::Binary(ByteOrder::LittleEndian)
+            } else {
+                Encoding::Ascii
+            },
+            precision: Precision::Double,
+        }),
+    }
+}

@@ -1,0 +1,297 @@
+//! What is in a file of any known format: channels, units, sampling, levels, and what looks wrong.
+//!
+//! ```no_run
+//! let inspection = rodlab::inspect::inspect("hits.uff".as_ref())?;
+//! println!("{}", inspection.to_text());
+//! # Ok::<(), rodlab::RodlabError>(())
+//! ```
+
+mod levels;
+mod suspicions;
+mod text;
+mod time_like;
+
+pub use levels::Levels;
+
+use std::fs;
+use std::path::Path;
+
+use labio::format::{self, Strictness, customary_rate};
+use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series};
+use serde::Serialize;
+
+use crate::RodlabError;
+use crate::rounded::hertz;
+
+/// What is in a file.
+#[derive(Debug, Clone, Serialize)]
+pub struct Inspection {
+    /// Path as it was given.
+    pub path: String,
+    /// Format in which it was recognised, as `uff58`.
+    pub format: String,
+    /// Number of bytes.
+    pub bytes: u64,
+    /// SHA-256 of the bytes, hexadecimal.
+    pub sha256: String,
+    /// What the file says of itself, in its order.
+    pub properties: Vec<(String, String)>,
+    /// Its data sets, in its order.
+    pub series: Vec<InspectedSeries>,
+    /// The records that the data sets make, as `labio` puts them together; of data sets whose unit or rate is not told too.
+    pub records: Vec<InspectedRecord>,
+    /// Parts that could not be read.
+    pub defects: Vec<String>,
+    /// What looks wrong whatever the channels are: clipping, lost samples, channels without a signal, far offsets. Levels are in SI.
+    pub suspicions: Vec<String>,
+    /// What would be said of each record if it were one hit. Levels are in SI.
+    pub as_hits: Vec<String>,
+    /// What a sheet has to state, and what may help.
+    pub advice: Vec<String>,
+}
+
+/// One data set of a file.
+#[derive(Debug, Clone, Serialize)]
+pub struct InspectedSeries {
+    /// Number in the file, from 1, by which a sheet can call it.
+    pub number: usize,
+    /// Name, empty if it has none.
+    pub name: String,
+    /// What it is, as `time response`.
+    pub kind: String,
+    /// Unit as the file writes it, empty if it does not.
+    pub unit: String,
+    /// Quantity of that unit, if it is that of a channel.
+    pub quantity: Option<String>,
+    /// Number of values.
+    pub samples: usize,
+    /// Whether the values are complex; the levels are then those of their moduli.
+    pub complex: bool,
+    /// First value of the abscissa, in its unit.
+    pub from: f64,
+    /// Distance of the values of the abscissa; none if it is uneven.
+    pub step: Option<f64>,
+    /// Unit of the abscissa as the file writes it or its format has it; empty if it does not tell one.
+    pub abscissa_unit: String,
+    /// Sampling rate \[Hz\], if the abscissa is an even time in a known unit.
+    pub sampling_rate_hz: Option<f64>,
+    /// Levels, in the unit of the file; none if there is no finite value.
+    pub levels: Option<Levels>,
+    /// Number of values that are NaN or infinite.
+    pub not_finite: usize,
+    /// What else the file says of it.
+    pub properties: Vec<(String, String)>,
+}
+
+/// Channels that were sampled together.
+#[derive(Debug, Clone, Serialize)]
+pub struct InspectedRecord {
+    /// Names of the channels.
+    pub channels: Vec<String>,
+    /// Number of samples.
+    pub samples: usize,
+    /// Sampling rate \[Hz\]; none if the file does not tell it.
+    pub sampling_rate_hz: Option<f64>,
+    /// Duration \[s\]; none if the file does not tell it.
+    pub duration: Option<f64>,
+}
+
+/// Reads the file at `path` as far as it can be read, and says what is in it.
+///
+/// # Errors
+///
+/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if it is of no known format or nothing of it can be read.
+pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
+    let bytes = fs::read(path).map_err(|source| RodlabError::Read {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    inspect_bytes(&bytes, &path.display().to_string())
+}
+
+/// Says what is in `bytes`; `path` is only named.
+///
+/// # Errors
+///
+/// As [`inspect`].
+pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
+    let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
+        .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
+    let series: Vec<InspectedSeries> = contents
+        .series
+        .iter()
+        .zip(1..)
+        .map(|(series, number)| InspectedSeries::of(series, number))
+        .collect();
+    let advice = advice(&contents, &series);
+    // a column of times is no channel
+    contents
+        .series
+        .retain(|series| time_like::step_of(series).is_none());
+    let rate_is_told = suspicions::complete(&mut contents)?;
+    let found = contents.records(&Provenance::of_bytes(contents.format, bytes));
+    let records = found
+        .records
+        .iter()
+        .map(|record| InspectedRecord {
+            channels: record
+                .channels()
+                .iter()
+                .map(|channel| channel.name().to_owned())
+                .collect(),
+            samples: record.n_samples(),
+            sampling_rate_hz: rate_is_told.then(|| record.sampling_rate_hz()),
+            duration: rate_is_told.then(|| record.duration()),
+        })
+        .collect();
+    let (mut wrong, as_hits) = suspicions::of_records(&found.records, rate_is_told)?;
+    for one in &series {
+        if one.not_finite > 0 {
+            wrong.push(format!(
+                "{} of {} values of channel {} (`{}`) are NaN or infinite",
+                one.not_finite, one.samples, one.number, one.name
+            ));
+        }
+    }
+    Ok(Inspection {
+        path: path.to_owned(),
+        format: contents.format.to_owned(),
+        bytes: bytes.len() as u64,
+        sha256: ContentHash::of(bytes).to_string(),
+        properties: contents.properties,
+        series,
+        records,
+        defects: contents.defects.iter().map(ToString::to_string).collect(),
+        suspicions: wrong,
+        as_hits,
+        advice,
+    })
+}
+
+impl InspectedSeries {
+    fn of(series: &Series, number: usize) -> Self {
+        let (levels, not_finite) = Levels::of(&series.ordinate);
+        let (from, step) = match &series.abscissa {
+            Abscissa::Even { start, step } => (*start, Some(*step)),
+            Abscissa::Uneven(values) => (values.first().copied().unwrap_or(f64::NAN), None),
+        };
+        let time = series
+            .abscissa_axis
+            .unit
+            .as_ref()
+            .filter(|unit| is_time(unit));
+        Self {
+            number,
+            name: series.name.trim().to_owned(),
+            kind: words_of(&format!("{:?}", series.kind)),
+            unit: series.ordinate_axis.unit_text.clone(),
+            quantity: series
+                .ordinate_axis
+                .unit
+                .as_ref()
+                .and_then(labio::Unit::quantity)
+                .map(|quantity| quantity.name().to_owned()),
+            samples: series.ordinate.len(),
+            complex: matches!(series.ordinate, Ordinate::Complex(_)),
+            from,
+            step,
+            abscissa_unit: match (series.abscissa_axis.unit_text.as_str(), time) {
+                ("", Some(unit)) => unit.symbol().to_owned(),
+                (text, _) => text.to_owned(),
+            },
+            sampling_rate_hz: time.zip(step).map(|(unit, step)| 1.0 / unit.to_si(step)),
+            levels,
+            not_finite,
+            properties: series.properties.clone(),
+        }
+    }
+}
+
+fn is_time(unit: &labio::Unit) -> bool {
+    unit.dimension()
+        == Dimension {
+            length: 0,
+            mass: 0,
+            time: 1,
+            current: 0,
+            temperature: 0,
+        }
+}
+
+/// `TimeResponse` as `time response`.
+fn words_of(name: &str) -> String {
+    let mut words = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !words.is_empty() {
+            words.push(' ');
+        }
+        words.extend(letter.to_lowercase());
+    }
+    words
+}
+
+/// What a sheet has to add to what the file tells, and rates that were rounded.
+fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
+    let mut advice = Vec::new();
+    let numbers = |is: &dyn Fn(&Series) -> bool| -> Vec<String> {
+        let all = contents.series.iter().zip(1_usize..);
+        all.filter(|(series, _)| is(series))
+            .map(|(_, number)| number.to_string())
+            .collect()
+    };
+    let without_time = numbers(&|series| series.abscissa_axis.unit.is_none());
+    if !without_time.is_empty() {
+        advice.push(format!(
+            "the file does not tell the sampling rate of channel {}: a sheet states `sampling_rate`",
+            without_time.join(", ")
+        ));
+    }
+    for (series, number) in contents.series.iter().zip(1_usize..) {
+        if let Some(step) = time_like::step_of(series) {
+            advice.push(format!(
+                "channel {number} grows evenly, as times do: if they are in s, `sampling_rate` is {}",
+                hertz(1.0 / step)
+            ));
+        }
+    }
+    let without_unit = numbers(&|series| {
+        series.ordinate_axis.unit.is_none() && time_like::step_of(series).is_none()
+    });
+    if !without_unit.is_empty() {
+        advice.push(format!(
+            "the file does not tell a known unit of channel {}: a sheet states `unit`",
+            without_unit.join(", ")
+        ));
+    }
+    let mut rates: Vec<String> = inspected
+        .iter()
+        .filter_map(|series| {
+            let step = series.step.filter(|_| series.sampling_rate_hz.is_some())?;
+            let rate = rounded_from(step)?;
+            Some(format!(
+                "the step of {step} {} may be a rounded {} Hz: a sheet can state `sampling_rate`",
+                series.abscissa_unit, rate
+            ))
+        })
+        .collect();
+    rates.dedup();
+    advice.extend(rates);
+    advice
+}
+
+/// The customary rate that a step of few digits may be the rounding of, if the step is not that of the rate itself.
+fn rounded_from(step: f64) -> Option<f64> {
+    let text = format!("{step:e}");
+    let (digits, exponent) = text.split_once('e')?;
+    let decimals = digits
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len());
+    // a step of more digits than that was not rounded for reading
+    if decimals > 6 {
+        return None;
+    }
+    let exponent: i32 = exponent.parse().ok()?;
+    let half_unit = 0.5 * 10.0_f64.powi(exponent - i32::try_from(decimals).ok()?);
+    let rate = customary_rate(step, half_unit)?.rate_hz;
+    ((step * rate - 1.0).abs() > 1e-12).then_some(rate)
+}

@@ -1,0 +1,258 @@
+//! From accepted hits to responses: averaged, merged, completed, converted.
+
+use labio::{
+    AddedDamping, AveragedSpectra, Coherence, CompletedResponse, FrequencyResponse, LabioError,
+    LineValidity, MergedResponse, Record, ResponseKind, RigidBand, RigidBody, SpectrumAverager,
+};
+
+use super::sheet::{ExponentialWindowSheet, FrfSheet, MergeSheet};
+use crate::RodlabError;
+use crate::job::Surroundings;
+
+/// Probability with which noise alone reaches the coherence below which a line is not believed.
+pub(super) const CHANCE: f64 = 0.05;
+
+/// A response and all that says how good it is.
+#[derive(Debug)]
+pub(super) struct Estimated {
+    /// The response, of the kind that was asked for.
+    pub(super) response: FrequencyResponse,
+    /// Coherence of every test; none from a single hit.
+    pub(super) coherences: Vec<Coherence>,
+    /// Why each line is not to be believed; none for one that is.
+    pub(super) objections: Vec<Option<&'static str>>,
+    /// Share of the first of two hammers in every line, and the discrepancy of the two.
+    pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
+    /// What the lines say of the mass.
+    pub(super) completed: Option<CompletedResponse>,
+    /// Relative standard uncertainty of all lines by the two sensor chains.
+    pub(super) calibration: f64,
+}
+
+/// Standard deviations of the number of lines that chance passes, by which more must hold.
+const BEYOND_CHANCE: f64 = 4.0;
+
+impl Estimated {
+    /// Whether more of `n_lines` lines hold than noise alone would let pass: each does with the probability that one of the tests
+    /// reaches the level of chance, and independently of the others.
+    pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
+        if self.coherences.is_empty() {
+            return n_valid > 0;
+        }
+        let tests = i32::try_from(self.coherences.len()).unwrap_or(i32::MAX);
+        let passes = 1.0 - (1.0 - CHANCE).powi(tests);
+        let expected = passes * n_lines as f64;
+        n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
+    }
+
+    /// Whether the line may be believed.
+    pub(super) fn is_valid(&self, line: usize) -> bool {
+        self.objections[line].is_none()
+    }
+}
+
+/// The exponential window of the sheet on hits of `duration` \[s\].
+pub(super) fn added_damping(
+    sheet: &FrfSheet,
+    duration: f64,
+) -> Result<Option<AddedDamping>, RodlabError> {
+    let window = match &sheet.exponential_window {
+        None => return Ok(None),
+        Some(ExponentialWindowSheet::EndWeight { weight }) => {
+            AddedDamping::to_end_weight(weight.si(), duration)
+        }
+        Some(ExponentialWindowSheet::TimeConstant { time }) => AddedDamping::new(1.0 / time.si()),
+    };
+    window
+        .map(Some)
+        .map_err(|error| RodlabError::step("exponential_window", error))
+}
+
+/// An averager for hits like `first`, with the windows of the sheet.
+pub(super) fn averager(sheet: &FrfSheet, first: &Record) -> Result<SpectrumAverager, RodlabError> {
+    let window = sheet.window.clone().unwrap_or_default().window();
+    let detrend = sheet.detrend.unwrap_or_default().detrend();
+    let mut averager = SpectrumAverager::for_records_like(first, window)
+        .map_err(|error| RodlabError::step("window", error))?
+        .with_detrend(detrend);
+    if let Some(force_window) = &sheet.force_window {
+        averager = averager
+            .with_force_window(&sheet.input, force_window.window()?)
+            .map_err(|error| RodlabError::step("force_window", error))?;
+    }
+    if let Some(damping) = added_damping(sheet, first.duration())? {
+        averager = averager
+            .with_exponential_window(damping)
+            .map_err(|error| RodlabError::step("exponential_window", error))?;
+    }
+    Ok(averager)
+}
+
+/// The averaged spectra of `hits`, of which there is at least one.
+pub(super) fn spectra(
+    sheet: &FrfSheet,
+    hits: &[&Record],
+    around: &Surroundings<'_>,
+) -> Result<AveragedSpectra, RodlabError> {
+    let averaging = |error| RodlabError::step("averaging hits", error);
+    let Some(first) = hits.first() else {
+        return Err(averaging(LabioError::TooFewAverages {
+            estimate: "an averaged spectrum",
+            found: 0,
+            expected: 1,
+        }));
+    };
+    let mut averager = averager(sheet, first)?;
+    around.progress.begins("averaging hits", hits.len());
+    for hit in hits {
+        around.go_on()?;
+        averager.add(hit).map_err(averaging)?;
+        around.progress.one_more();
+    }
+    averager.spectra().map_err(averaging)
+}
+
+/// The response from the input to `output` of one test or two; `hit` is one of the hits, for its sensor chains.
+pub(super) fn estimate(
+    sheet: &FrfSheet,
+    tests: &[AveragedSpectra],
+    output: &str,
+    hit: &Record,
+) -> Result<Estimated, RodlabError> {
+    let input = sheet.input.as_str();
+    let refused = |error| RodlabError::step(format!("response of `{output}`"), error);
+    let estimator = sheet.estimator.unwrap_or_default().estimator();
+    let (response, merged) = if let ([_, _, ..], Some(second)) = (tests, &sheet.second_hammer) {
+        let merged = match second.merge.unwrap_or_default() {
+            MergeSheet::LargerInput => {
+                let tests: Vec<&AveragedSpectra> = tests.iter().collect();
+                MergedResponse::by_larger_input(&tests, estimator, input, output)
+            }
+            MergeSheet::InverseVariance => tests
+                .iter()
+                .map(|test| test.response(estimator, input, output))
+                .collect::<Result<Vec<_>, _>>()
+                .and_then(|responses| MergedResponse::by_inverse_variance(&responses)),
+        }
+        .map_err(|error| RodlabError::step("second_hammer", error))?;
+        let shares = merged.shares.row(0).to_vec();
+        (merged.response, Some((shares, merged.discrepancy)))
+    } else {
+        let responses = tests
+            .iter()
+            .map(|test| test.response(estimator, input, output));
+        let first = responses.into_iter().next();
+        let none = LabioError::TooFewAverages {
+            estimate: "a frequency response",
+            found: 0,
+            expected: 1,
+        };
+        (first.unwrap_or(Err(none)).map_err(refused)?, None)
+    };
+    let mut coherences = Vec::new();
+    for test in tests {
+        match test.coherence(input, output) {
+            Ok(coherence) => coherences.push(coherence),
+            // said in the report: there is none from a single hit
+            Err(LabioError::TooFewAverages { .. }) => {}
+            Err(error) => return Err(refused(error)),
+        }
+    }
+    let mut objections = objections(&response, &coherences, merged.is_some())?;
+    let completed = match &sheet.weighed_mass {
+        None => None,
+        Some(weighed) => {
+            let place = |error| RodlabError::step("weighed_mass", error);
+            let error = weighed.mass.standard_uncertainty().unwrap_or(0.0);
+            let band = RigidBand {
+                from_hz: weighed.below.si(),
+                to_hz: weighed.fitted_to.si(),
+            };
+            let body = RigidBody::new(weighed.mass.si(), error).map_err(place)?;
+            let completed = body.complete(&response, band).map_err(place)?;
+            for objection in &mut objections[..completed.first_measured] {
+                *objection = None;
+            }
+            Some(completed)
+        }
+    };
+    let response = completed
+        .as_ref()
+        .map_or(response, |completed| completed.response.clone());
+    let response = match sheet.kind.unwrap_or_default().kind() {
+        Some(kind) => response
+            .to_kind(kind)
+            .map_err(|error| RodlabError::step("kind", error))?,
+        None => response,
+    };
+    for (objection, validity) in objections.iter_mut().zip(&response.validity) {
+        if *validity != LineValidity::Valid {
+            *objection = Some(super::words::validity_in_words(*validity));
+        }
+    }
+    let mut calibration: f64 = 0.0;
+    for channel in [input, output] {
+        let chain = hit.chain(channel).map_err(refused)?;
+        calibration = calibration.hypot(chain.map_or(0.0, |c| c.relative_uncertainty()));
+    }
+    Ok(Estimated {
+        response,
+        coherences,
+        objections,
+        merged,
+        completed,
+        calibration,
+    })
+}
+
+/// What speaks against each line: no information, or a coherence that noise alone would reach.
+fn objections(
+    response: &FrequencyResponse,
+    coherences: &[Coherence],
+    merged: bool,
+) -> Result<Vec<Option<&'static str>>, RodlabError> {
+    let levels = coherences
+        .iter()
+        .map(|coherence| coherence.chance_level(CHANCE))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| RodlabError::step("the level of chance", error))?;
+    Ok(response
+        .validity
+        .iter()
+        .enumerate()
+        .map(|(line, validity)| {
+            if *validity != LineValidity::Valid {
+                return Some(super::words::validity_in_words(*validity));
+            }
+            let above = |(coherence, level): (&Coherence, &f64)| coherence.values[line] > *level;
+            let believed = coherences.is_empty() || coherences.iter().zip(&levels).any(above);
+            match (believed, merged) {
+                (true, _) => None,
+                (false, false) => Some("coherence as of chance"),
+                (false, true) => Some("coherence as of chance in both tests"),
+            }
+        })
+        .collect())
+}
+
+/// Refuses a kind of response that the channels do not have.
+pub(super) fn check_kind(sheet: &FrfSheet, hit: &Record, output: &str) -> Result<(), RodlabError> {
+    let quantity = |name: &str| {
+        let found = hit.channels().iter().find(|c| c.name() == name);
+        found.map(|channel| (channel.quantity(), channel.to_string()))
+    };
+    let (Some((from, input)), Some((to, output))) = (quantity(&sheet.input), quantity(output))
+    else {
+        return Ok(());
+    };
+    if ResponseKind::between(from, to).is_some() {
+        return Ok(());
+    }
+    let expected =
+        format!("a response between a force and a motion, which {output} over {input} is not");
+    match (sheet.kind.unwrap_or_default().kind(), &sheet.weighed_mass) {
+        (Some(kind), _) => Err(RodlabError::request("kind", kind.to_string(), expected)),
+        (None, Some(_)) => Err(RodlabError::request("weighed_mass", "stated", expected)),
+        (None, None) => Ok(()),
+    }
+}

@@ -1,0 +1,111 @@
+//! How far the input reaches: spectra of every hit and their mean.
+
+use labio::{AveragedSpectra, Channel, Record, SpectrumAverager};
+use ndarray::Axis as Dimension;
+
+use super::sheet::FrfSheet;
+use super::{estimate, thin};
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
+
+/// Part of its greatest mean at which the spectrum of the input is said to end: 20 dB.
+const END: f64 = 0.01;
+const N_BUCKETS: usize = 300;
+/// Spectra of single hits that are drawn.
+const MOST_HITS: usize = 10;
+
+const KHZ: f64 = 1e-3;
+
+/// The figure of the spectra of the input.
+pub(super) fn figure(
+    sheet: &FrfSheet,
+    hits: &[&Record],
+    spectra: &AveragedSpectra,
+    greyed: &[Greyed],
+    name: &str,
+    title: &str,
+) -> Result<Figure, RodlabError> {
+    let refused = |error| RodlabError::step("spectra of the input", error);
+    let frequency: Vec<f64> = spectra.frequency_hz().iter().map(|f| f * KHZ).collect();
+    let mut marks = Vec::new();
+    let mut draw = |lines: &[f64], name: &str, role| {
+        let kept = thin::logarithmically(&frequency, &[lines], N_BUCKETS);
+        marks.push(Mark::Line {
+            name: name.to_owned(),
+            role,
+            x: thin::at(&frequency, &kept),
+            y: thin::at(lines, &kept),
+        });
+    };
+    let mut unit = "";
+    for (index, hit) in hits.iter().take(MOST_HITS).enumerate() {
+        let alone = only(hit, &sheet.input).map_err(refused)?;
+        let mut averager: SpectrumAverager = estimate::averager(sheet, &alone)?;
+        averager.add(&alone).map_err(refused)?;
+        let lines = averager
+            .spectra()
+            .and_then(|spectra| spectra.auto(&sheet.input))
+            .map_err(refused)?;
+        let name = if index == 0 { "single hits" } else { "" };
+        draw(&lines, name, Role::Faint);
+        unit = alone.channels()[0].quantity().unit();
+    }
+    draw(
+        &spectra.auto(&sheet.input).map_err(refused)?,
+        "mean",
+        Role::First,
+    );
+    Ok(Figure {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        caption: format!(
+            "Energy spectral density of `{}`: single accepted hits (at most {MOST_HITS}) and the mean of all. Where it falls off, so do the coherence and the worth of the response.",
+            sheet.input
+        ),
+        panels: vec![Panel {
+            x: Axis::logarithmic("frequency", "kHz"),
+            y: Axis::logarithmic(
+                format!("energy spectral density of {}", sheet.input),
+                format!("({unit})^2 s/Hz"),
+            ),
+            marks,
+            greyed: greyed.to_vec(),
+            equal_axes: false,
+        }],
+    })
+}
+
+/// The channel `name` of `record` alone.
+fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
+    let samples = record.channel(name)?.insert_axis(Dimension(0)).to_owned();
+    let channels: Vec<Channel> = record
+        .channels()
+        .iter()
+        .filter(|channel| channel.name() == name)
+        .cloned()
+        .collect();
+    Record::new(
+        samples,
+        record.sampling_rate_hz(),
+        record.start_time(),
+        channels,
+        record.provenance().clone(),
+    )
+}
+
+/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its greatest.
+pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, RodlabError> {
+    let lines = spectra
+        .auto(input)
+        .map_err(|error| RodlabError::step("spectra of the input", error))?;
+    let greatest = lines.iter().copied().fold(0.0, f64::max);
+    let peak = lines.iter().position(|x| x.total_cmp(&greatest).is_eq());
+    let from = peak.unwrap_or(0);
+    let end = (from..lines.len()).find(|line| lines[*line] < END * greatest);
+    let frequency = spectra.frequency_hz();
+    Ok(end
+        .and_then(|line| frequency.get(line.saturating_sub(1)))
+        .or(frequency.last())
+        .copied()
+        .unwrap_or(f64::NAN))
+}

@@ -1,0 +1,304 @@
+//! Figures of a response: magnitude, phase and coherence; the Nyquist plot; what two hammers share.
+
+use super::estimate::Estimated;
+use super::scope::Band;
+use super::thin;
+use super::words::{capital, name_of, unit_of};
+use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
+
+const N_BUCKETS: usize = 400;
+/// Distance of points on a Nyquist plot, as part of its extent.
+const NYQUIST_STEP: f64 = 1e-3;
+const KHZ: f64 = 1e-3;
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// What is drawn of every line, thinned.
+struct Drawn {
+    kept: Vec<usize>,
+    frequency: Vec<f64>,
+}
+
+impl Drawn {
+    fn of(estimated: &Estimated) -> Self {
+        let response = &estimated.response;
+        let frequency: Vec<f64> = response.frequency_hz.iter().map(|f| f * KHZ).collect();
+        let magnitudes: Vec<f64> = response.values.iter().map(|h| h.norm()).collect();
+        let mut curves: Vec<&[f64]> = vec![&magnitudes];
+        curves.extend(estimated.coherences.iter().map(|c| c.values.as_slice()));
+        let kept = thin::logarithmically(&frequency, &curves, N_BUCKETS);
+        Self {
+            frequency: thin::at(&frequency, &kept),
+            kept,
+        }
+    }
+
+    fn each(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        self.kept.iter().map(|line| value(*line)).collect()
+    }
+
+    /// Two curves: lines that hold and, if there are any, lines that do not.
+    fn lines(&self, estimated: &Estimated, value: impl Fn(usize) -> f64) -> Vec<Mark> {
+        let kinds = [(true, Role::First), (false, Role::Faint)].into_iter();
+        let there = kinds.filter(|(valid, _)| {
+            let is_of_it = |line: &usize| estimated.is_valid(*line) == *valid;
+            self.kept.iter().any(is_of_it)
+        });
+        let line = |(valid, role): (bool, Role)| Mark::Line {
+            name: if valid {
+                "valid lines"
+            } else {
+                "lines that do not hold"
+            }
+            .to_owned(),
+            role,
+            x: self.frequency.clone(),
+            y: self.each(|line| {
+                if estimated.is_valid(line) == valid {
+                    value(line)
+                } else {
+                    f64::NAN
+                }
+            }),
+        };
+        there.map(line).collect()
+    }
+
+    fn panel(&self, y: Axis, marks: Vec<Mark>, greyed: &[Greyed], band: Band) -> Panel {
+        Panel {
+            x: Axis::logarithmic("frequency", "kHz").within([band.from_hz * KHZ, band.to_hz * KHZ]),
+            y,
+            marks,
+            greyed: greyed.to_vec(),
+            equal_axes: false,
+        }
+    }
+}
+
+/// Magnitude with its band of one standard error, phase and coherence.
+pub(super) fn bode(
+    estimated: &Estimated,
+    output: &str,
+    input: &str,
+    file: &str,
+    band: Band,
+    greyed: &[Greyed],
+) -> Figure {
+    let response = &estimated.response;
+    let drawn = Drawn::of(estimated);
+    let errors = response.random_error();
+    let mut marks = Vec::new();
+    if let Some(errors) = &errors {
+        // as many decibels down as up
+        let edge = |sign: f64| {
+            drawn.each(|line| {
+                let relative = errors[line].magnitude;
+                if relative.is_finite() && estimated.is_valid(line) {
+                    response.values[line].norm() * (sign * relative).exp()
+                } else {
+                    f64::NAN
+                }
+            })
+        };
+        marks.push(Mark::Band {
+            name: "one standard error (random)".to_owned(),
+            role: Role::First,
+            x: drawn.frequency.clone(),
+            lower: edge(-1.0),
+            upper: edge(1.0),
+        });
+    }
+    marks.extend(drawn.lines(estimated, |line| response.values[line].norm()));
+    let magnitude = drawn.panel(
+        Axis::logarithmic(
+            format!("magnitude of {}", name_of(response)),
+            unit_of(response),
+        ),
+        marks,
+        greyed,
+        band,
+    );
+    let (axis, marks) = phase(estimated, &drawn);
+    let phase = drawn.panel(axis, marks, greyed, band);
+    let mut panels = vec![magnitude, phase];
+    if !estimated.coherences.is_empty() {
+        let marks = coherence(estimated, &drawn);
+        panels.push(drawn.panel(
+            Axis::linear("coherence", "").within([0.0, 1.0]),
+            marks,
+            greyed,
+            band,
+        ));
+    }
+    let of_coherence = if estimated.coherences.is_empty() {
+        "A single hit has no coherence and no random error."
+    } else {
+        "Lines whose coherence chance would reach once in twenty are faint."
+    };
+    Figure {
+        name: format!("response_{file}"),
+        title: format!("{} of {output} over {input}", capital(&name_of(response))),
+        caption: format!(
+            "Magnitude, phase and coherence; the band is one standard error of a line by chance and holds nothing of the calibration. {of_coherence} Of many lines the extremes are drawn."
+        ),
+        panels,
+    }
+}
+
+/// The phase over one turn, interrupted where it passes from one end to the other; the ends lie where the fewest lines pass them.
+fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
+    let response = &estimated.response;
+    let from = |begin: f64, line: usize| {
+        let turned = response.values[line].arg() * DEGREES - begin;
+        begin + turned.rem_euclid(360.0)
+    };
+    let passes = |begin: &f64| {
+        let lines = drawn.kept.iter().filter(|line| estimated.is_valid(**line));
+        let phases: Vec<f64> = lines.map(|line| from(*begin, *line)).collect();
+        let pairs = phases.windows(2);
+        pairs
+            .filter(|pair| (pair[1] - pair[0]).abs() > 180.0)
+            .count()
+    };
+    // of equals the first
+    let begin = [-180.0, -270.0, -90.0, 0.0]
+        .into_iter()
+        .min_by_key(passes)
+        .unwrap_or(-180.0);
+    let marks = drawn.lines(estimated, |line| from(begin, line));
+    (
+        Axis::linear("phase", "deg").within([begin, begin + 360.0]),
+        marks.into_iter().map(interrupted).collect(),
+    )
+}
+
+fn interrupted(mark: Mark) -> Mark {
+    let Mark::Line { name, role, x, y } = mark else {
+        return mark;
+    };
+    let mut broken_x = Vec::with_capacity(x.len());
+    let mut broken_y = Vec::with_capacity(y.len());
+    let mut before = f64::NAN;
+    for (x, y) in x.into_iter().zip(y) {
+        if (y - before).abs() > 180.0 {
+            broken_x.push(x);
+            broken_y.push(f64::NAN);
+        }
+        broken_x.push(x);
+        broken_y.push(y);
+        before = y;
+    }
+    Mark::Line {
+        name,
+        role,
+        x: broken_x,
+        y: broken_y,
+    }
+}
+
+fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
+    let several = estimated.coherences.len() > 1;
+    let mut marks = Vec::new();
+    for (index, coherence) in estimated.coherences.iter().enumerate() {
+        marks.push(Mark::Line {
+            name: match (several, index) {
+                (false, _) => "coherence".to_owned(),
+                (true, 0) => "first hammer".to_owned(),
+                (true, _) => "second hammer".to_owned(),
+            },
+            role: Role::of_series(index),
+            x: drawn.frequency.clone(),
+            y: drawn.each(|line| coherence.values[line]),
+        });
+    }
+    // on a logarithmic axis there is no 0 Hz
+    let mut above_0 = drawn.frequency.iter().filter(|f| **f > 0.0);
+    let ends = [above_0.next(), drawn.frequency.last()];
+    let level = estimated
+        .coherences
+        .first()
+        .and_then(|c| c.chance_level(super::estimate::CHANCE).ok());
+    if let ([Some(first), Some(last)], Some(level)) = (ends, level) {
+        marks.push(Mark::Line {
+            name: "reached by chance once in twenty".to_owned(),
+            role: Role::Reference,
+            x: vec![*first, *last],
+            y: vec![level, level],
+        });
+    }
+    marks
+}
+
+/// Imaginary over real part, of the lines of the band that hold.
+pub(super) fn nyquist(
+    estimated: &Estimated,
+    output: &str,
+    input: &str,
+    file: &str,
+    band: Band,
+) -> Figure {
+    let response = &estimated.response;
+    let shown = |line: usize| estimated.is_valid(line) && band.holds(response.frequency_hz[line]);
+    let part = |part: fn(&num_complex::Complex64) -> f64| -> Vec<f64> {
+        let lines = response.values.iter().enumerate();
+        lines
+            .map(|(line, value)| if shown(line) { part(value) } else { f64::NAN })
+            .collect()
+    };
+    let (real, imaginary) = (part(|h| h.re), part(|h| h.im));
+    let kept = thin::along(&real, &imaginary, NYQUIST_STEP);
+    let (name, unit) = (name_of(response), unit_of(response));
+    Figure {
+        name: format!("nyquist_{file}"),
+        title: format!("Nyquist plot of the {name} of {output} over {input}"),
+        caption: "Imaginary over real part of the lines of the band that hold; a single resonance is a circle.".to_owned(),
+        panels: vec![Panel {
+            x: Axis::linear(format!("real part of {name}"), unit.as_str()),
+            y: Axis::linear(format!("imaginary part of {name}"), unit),
+            marks: vec![Mark::Line {
+                name: String::new(),
+                role: Role::First,
+                x: thin::at(&real, &kept),
+                y: thin::at(&imaginary, &kept),
+            }],
+            greyed: Vec::new(),
+            equal_axes: true,
+        }],
+    }
+}
+
+/// What each of two hammers gives, and how far they are apart.
+pub(super) fn merge(
+    estimated: &Estimated,
+    output: &str,
+    file: &str,
+    band: Band,
+    greyed: &[Greyed],
+) -> Option<Figure> {
+    let (shares, discrepancy) = estimated.merged.as_ref()?;
+    let drawn = Drawn::of(estimated);
+    let line = |values: &[f64]| Mark::Line {
+        name: String::new(),
+        role: Role::First,
+        x: drawn.frequency.clone(),
+        y: thin::at(values, &drawn.kept),
+    };
+    Some(Figure {
+        name: format!("merge_{file}"),
+        title: format!("Two hammers in the response of {output}"),
+        caption: "Share of the first hammer in every line, and how far the two are apart in units of their random errors: 1 in the mean if they differ by chance only.".to_owned(),
+        panels: vec![
+            drawn.panel(
+                Axis::linear("share of the first hammer", "").within([0.0, 1.0]),
+                vec![line(shares)],
+                greyed,
+                band,
+            ),
+            drawn.panel(
+                Axis::logarithmic("discrepancy", ""),
+                vec![line(discrepancy)],
+                greyed,
+                band,
+            ),
+        ],
+    })
+}

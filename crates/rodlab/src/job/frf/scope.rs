@@ -1,0 +1,134 @@
+//! Which channels and which frequencies the result is for.
+
+use labio::AveragedSpectra;
+
+use super::sheet::FrfSheet;
+use crate::RodlabError;
+use crate::figure::Greyed;
+use crate::records::Records;
+use crate::rounded::hertz;
+
+/// The frequencies that the result is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band {
+    pub(super) from_hz: f64,
+    pub(super) to_hz: f64,
+}
+
+impl Band {
+    pub(super) fn holds(self, frequency_hz: f64) -> bool {
+        (self.from_hz..=self.to_hz).contains(&frequency_hz)
+    }
+}
+
+/// The channels that are divided, which are there and not the input.
+pub(super) fn outputs_of(
+    sheet: &FrfSheet,
+    records: &Records,
+    place: &str,
+) -> Result<Vec<String>, RodlabError> {
+    let names: Vec<&str> = records.channels.iter().map(|c| c.name.as_str()).collect();
+    let expected = || {
+        let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        format!("one of {place}records.channels: {}", quoted.join(", "))
+    };
+    if !names.contains(&sheet.input.as_str()) {
+        return Err(RodlabError::request(
+            "input",
+            format!("`{}`", sheet.input),
+            expected(),
+        ));
+    }
+    let outputs = match &sheet.outputs {
+        None => names
+            .iter()
+            .filter(|name| **name != sheet.input)
+            .map(|name| (*name).to_owned())
+            .collect(),
+        Some(outputs) => {
+            for (at, output) in outputs.iter().enumerate() {
+                let wrong = |expected: String| {
+                    RodlabError::request(format!("outputs[{at}]"), format!("`{output}`"), expected)
+                };
+                if !names.contains(&output.as_str()) {
+                    return Err(wrong(expected()));
+                }
+                if *output == sheet.input {
+                    return Err(wrong("another channel than the input".to_owned()));
+                }
+                if outputs[..at].contains(output) {
+                    return Err(wrong("every output once".to_owned()));
+                }
+            }
+            outputs.clone()
+        }
+    };
+    if outputs.is_empty() {
+        return Err(RodlabError::request(
+            "outputs",
+            "empty",
+            "at least one channel besides the input",
+        ));
+    }
+    Ok(outputs)
+}
+
+/// The band of the sheet, or all lines above 0 Hz.
+pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Band, RodlabError> {
+    let frequency = spectra.frequency_hz();
+    let (spacing, last) = (
+        spectra.line_spacing_hz(),
+        frequency.last().copied().unwrap_or(f64::NAN),
+    );
+    let Some(band) = &sheet.band else {
+        return Ok(Band {
+            from_hz: spacing,
+            to_hz: last,
+        });
+    };
+    let stated = Band {
+        from_hz: band.from.si(),
+        to_hz: band.to.si(),
+    };
+    let range = format!(
+        "a band of lines between {} and {}",
+        hertz(spacing),
+        hertz(last)
+    );
+    if stated.from_hz >= stated.to_hz || stated.to_hz > last * (1.0 + 1e-9) {
+        return Err(RodlabError::request(
+            "band",
+            format!("from {} to {}", band.from, band.to),
+            range,
+        ));
+    }
+    if !frequency.iter().any(|f| stated.holds(*f)) {
+        return Err(RodlabError::request(
+            "band",
+            format!("from {} to {}, where no line is", band.from, band.to),
+            format!("{range}, {} apart", hertz(spacing)),
+        ));
+    }
+    Ok(stated)
+}
+
+/// What lies outside of a band that the sheet states.
+pub(super) fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra) -> Vec<Greyed> {
+    const KHZ: f64 = 1e-3;
+    let last = spectra.frequency_hz().last().copied().unwrap_or(f64::NAN);
+    if sheet.band.is_none() {
+        return Vec::new();
+    }
+    [
+        (spectra.line_spacing_hz(), band.from_hz),
+        (band.to_hz, last),
+    ]
+    .into_iter()
+    .filter(|(from, to)| from < to)
+    .map(|(from, to)| Greyed {
+        from: from * KHZ,
+        to: to * KHZ,
+        because: "outside of the band of the sheet".to_owned(),
+    })
+    .collect()
+}

@@ -1,0 +1,99 @@
+//! What was chosen, by the sheet or by default.
+
+use super::sheet::{ExponentialWindowSheet, FrfSheet, MergeSheet, WindowSheet};
+use crate::outcome::Setting;
+
+/// Every choice of the sheet but those of records and hits.
+pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
+    let mut settings = Vec::new();
+    let mut say = |name: &str, value: String, by_default: bool| {
+        settings.push(Setting {
+            name: name.to_owned(),
+            value,
+            by_default,
+        });
+    };
+    let about = [
+        ("about.laboratory", &sheet.about.laboratory),
+        ("about.operator", &sheet.about.operator),
+        ("about.date", &sheet.about.date),
+        ("about.note", &sheet.about.note),
+    ];
+    for (name, text) in about {
+        if let Some(text) = text {
+            say(name, text.clone(), false);
+        }
+    }
+    say("input", sheet.input.clone(), false);
+    let outputs = sheet
+        .outputs
+        .as_ref()
+        .map_or("all other channels".to_owned(), |outputs| {
+            outputs.join(", ")
+        });
+    say("outputs", outputs, sheet.outputs.is_none());
+    let estimator = sheet.estimator.unwrap_or_default();
+    say(
+        "estimator",
+        format!("{estimator:?}"),
+        sheet.estimator.is_none(),
+    );
+    let window = match sheet.window.clone().unwrap_or_default() {
+        WindowSheet::Tukey { taper } => format!("Tukey, taper {taper}"),
+        window => format!("{window:?}"),
+    };
+    say("window", window, sheet.window.is_none());
+    let force_window = sheet.force_window.as_ref().map_or("none".to_owned(), |w| {
+        format!("from {} to {}, edges of {}", w.start, w.end, w.taper)
+    });
+    say("force_window", force_window, sheet.force_window.is_none());
+    let exponential = match &sheet.exponential_window {
+        None => "none".to_owned(),
+        Some(ExponentialWindowSheet::EndWeight { weight }) => {
+            format!("{weight} on the last sample")
+        }
+        Some(ExponentialWindowSheet::TimeConstant { time }) => format!("time constant {time}"),
+    };
+    say(
+        "exponential_window",
+        exponential,
+        sheet.exponential_window.is_none(),
+    );
+    let detrend = sheet.detrend.unwrap_or_default();
+    say(
+        "detrend",
+        format!("{detrend:?}").to_lowercase(),
+        sheet.detrend.is_none(),
+    );
+    let band = sheet
+        .band
+        .as_ref()
+        .map_or("all lines above 0 Hz".to_owned(), |b| {
+            format!("from {} to {}", b.from, b.to)
+        });
+    say("band", band, sheet.band.is_none());
+    let kind = sheet.kind.unwrap_or_default();
+    let kind_text = kind
+        .kind()
+        .map_or("as measured".to_owned(), |kind| kind.to_string());
+    say("kind", kind_text, sheet.kind.is_none());
+    if let Some(second) = &sheet.second_hammer {
+        let merge = match second.merge.unwrap_or_default() {
+            MergeSheet::InverseVariance => "by inverse variance",
+            MergeSheet::LargerInput => "by the larger input",
+        };
+        say(
+            "second_hammer.merge",
+            merge.to_owned(),
+            second.merge.is_none(),
+        );
+    }
+    if let Some(weighed) = &sheet.weighed_mass {
+        let value = format!(
+            "{} below {}, elastic term from the lines up to {}",
+            weighed.mass, weighed.below, weighed.fitted_to
+        );
+        say("weighed_mass", value, false);
+    }
+    settings
+}

@@ -1,0 +1,266 @@
+//! The sheet of the job.
+
+use labio::{Detrend, Estimator, ForceWindow, ResponseKind, Window};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::hits::HitsSheet;
+use crate::records::Records;
+use crate::sheet::{Duration, Frequency, ImpactMass, Ratio, Stated, Time};
+
+/// Sheet of the job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrfSheet {
+    /// Title of the test.
+    pub title: String,
+    /// Who measured what, where and when, for the report.
+    #[serde(default)]
+    pub about: AboutSheet,
+    /// The files, and what their channels are.
+    pub records: Records,
+    /// Which hits of the records are averaged.
+    #[serde(default)]
+    pub hits: HitsSheet,
+    /// Channel that is divided by, usually the force of the hammer, as `"hammer"`.
+    pub input: String,
+    /// Channels that are divided; by default all others, as `["end A"]`.
+    #[serde(default)]
+    pub outputs: Option<Vec<String>>,
+    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for the same relative noise on both.
+    #[serde(default)]
+    pub estimator: Option<EstimatorSheet>,
+    /// Weight of the samples of all channels; by default `Rectangular`, which is the one for hits that die out.
+    #[serde(default)]
+    pub window: Option<WindowSheet>,
+    /// Lets the input through while the hammer is in contact and nothing else.
+    #[serde(default)]
+    pub force_window: Option<ForceWindowSheet>,
+    /// Lets all channels fall exponentially, for bodies that ring longer than the record.
+    #[serde(default)]
+    pub exponential_window: Option<ExponentialWindowSheet>,
+    /// What is taken off every hit before the windows: `Nothing` (default), `Mean` or `Line`.
+    #[serde(default)]
+    pub detrend: Option<DetrendSheet>,
+    /// Frequencies that the result is for; by default all above 0 Hz.
+    #[serde(default)]
+    pub band: Option<BandSheet>,
+    /// `AsMeasured` (default), or one of the six responses between a force and a motion, as `Mobility`.
+    #[serde(default)]
+    pub kind: Option<KindSheet>,
+    /// The same test with another hammer, merged with the first line by line.
+    #[serde(default)]
+    pub second_hammer: Option<SecondHammerSheet>,
+    /// Weighed mass of a free body, which replaces the lines of low frequency.
+    #[serde(default)]
+    pub weighed_mass: Option<WeighedMassSheet>,
+}
+
+/// Who measured what, where and when: free texts.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AboutSheet {
+    /// Laboratory.
+    pub laboratory: Option<String>,
+    /// Who measured.
+    pub operator: Option<String>,
+    /// When, as `2026-11-21`.
+    pub date: Option<String>,
+    /// Anything else.
+    pub note: Option<String>,
+}
+
+/// How the response is formed of the averaged spectra.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum EstimatorSheet {
+    /// Cross-spectrum over the auto-spectrum of the input.
+    #[default]
+    H1,
+    /// Auto-spectrum of the output over the cross-spectrum.
+    H2,
+    /// Geometric mean of the two.
+    Hv,
+}
+
+impl EstimatorSheet {
+    pub(super) fn estimator(self) -> Estimator {
+        match self {
+            Self::H1 => Estimator::H1,
+            Self::H2 => Estimator::H2,
+            Self::Hv => Estimator::Hv,
+        }
+    }
+}
+
+/// Weight of the samples of all channels.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WindowSheet {
+    /// 1 everywhere.
+    #[default]
+    Rectangular,
+    /// Hann, periodic.
+    Hann,
+    /// Hamming, periodic.
+    Hamming,
+    /// Blackman-Harris of four terms, periodic.
+    BlackmanHarris,
+    /// Flat top of five terms, periodic.
+    FlatTop,
+    /// Flat with half a Hann window at either end.
+    Tukey {
+        /// Tapered part of the samples, both ends together, as `"10 %"`.
+        taper: Stated<Ratio>,
+    },
+}
+
+impl WindowSheet {
+    pub(super) fn window(&self) -> Window {
+        match self {
+            Self::Rectangular => Window::Rectangular,
+            Self::Hann => Window::HannPeriodic,
+            Self::Hamming => Window::HammingPeriodic,
+            Self::BlackmanHarris => Window::BlackmanHarrisPeriodic,
+            Self::FlatTop => Window::FlatTopPeriodic,
+            Self::Tukey { taper } => Window::TukeyPeriodic { taper: taper.si() },
+        }
+    }
+}
+
+/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times count from the first sample of the
+/// hit, pre-trigger included.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceWindowSheet {
+    /// Begin of the flat part, as `"8 ms"`.
+    pub start: Stated<Time>,
+    /// End of the flat part, as `"14 ms"`.
+    pub end: Stated<Time>,
+    /// Length of either edge, as `"1 ms"`.
+    pub taper: Stated<Time>,
+}
+
+impl ForceWindowSheet {
+    pub(super) fn window(&self) -> Result<ForceWindow, RodlabError> {
+        ForceWindow::new(self.start.si(), self.end.si(), self.taper.si())
+            .map_err(|error| RodlabError::step("force_window", error))
+    }
+}
+
+/// An exponential window on all channels.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ExponentialWindowSheet {
+    /// By its weight on the last sample, 1 on the first.
+    EndWeight {
+        /// As `"1 %"`.
+        weight: Stated<Ratio>,
+    },
+    /// By the time in which it falls to 1/e.
+    TimeConstant {
+        /// As `"40 ms"`.
+        time: Stated<Duration>,
+    },
+}
+
+/// What is taken off every hit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum DetrendSheet {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// The mean of the hit.
+    Mean,
+    /// The straight line of least squares.
+    Line,
+}
+
+impl DetrendSheet {
+    pub(super) fn detrend(self) -> Detrend {
+        match self {
+            Self::Nothing => Detrend::None,
+            Self::Mean => Detrend::Mean,
+            Self::Line => Detrend::Linear,
+        }
+    }
+}
+
+/// A band of frequencies.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandSheet {
+    /// Lower end, as `"20 Hz"`.
+    pub from: Stated<Frequency>,
+    /// Upper end, as `"5 kHz"`.
+    pub to: Stated<Frequency>,
+}
+
+/// Which response is wanted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum KindSheet {
+    /// Output over input, as the channels are.
+    #[default]
+    AsMeasured,
+    /// Displacement over force.
+    Receptance,
+    /// Velocity over force.
+    Mobility,
+    /// Acceleration over force.
+    Accelerance,
+    /// Force over displacement.
+    DynamicStiffness,
+    /// Force over velocity.
+    Impedance,
+    /// Force over acceleration.
+    DynamicMass,
+}
+
+impl KindSheet {
+    pub(super) fn kind(self) -> Option<ResponseKind> {
+        match self {
+            Self::AsMeasured => None,
+            Self::Receptance => Some(ResponseKind::Receptance),
+            Self::Mobility => Some(ResponseKind::Mobility),
+            Self::Accelerance => Some(ResponseKind::Accelerance),
+            Self::DynamicStiffness => Some(ResponseKind::DynamicStiffness),
+            Self::Impedance => Some(ResponseKind::Impedance),
+            Self::DynamicMass => Some(ResponseKind::DynamicMass),
+        }
+    }
+}
+
+/// The same test with another hammer.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SecondHammerSheet {
+    /// Its files; the channels have the names of those of the first.
+    pub records: Records,
+    /// Which of its hits are averaged.
+    #[serde(default)]
+    pub hits: HitsSheet,
+    /// How the two become one; by default `InverseVariance`.
+    #[serde(default)]
+    pub merge: Option<MergeSheet>,
+}
+
+/// How two tests become one, line by line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum MergeSheet {
+    /// Weighed by the inverse of their variances.
+    #[default]
+    InverseVariance,
+    /// The test with the larger spectrum of the input (Ödeen 1993, paper E, section 3.1).
+    LargerInput,
+}
+
+/// A free body that was weighed.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WeighedMassSheet {
+    /// Its mass, as `"1.204 kg ± 1 gram"`.
+    pub mass: Stated<ImpactMass>,
+    /// Lines below this frequency are replaced, as `"30 Hz"`.
+    pub below: Stated<Frequency>,
+    /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
+    pub fitted_to: Stated<Frequency>,
+}

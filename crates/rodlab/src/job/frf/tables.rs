@@ -1,0 +1,263 @@
+//! The lines of a response as a table, and its figures of merit as quantities.
+
+use super::estimate::Estimated;
+use super::scope::Band;
+use super::words::{capital, name_of, unit_of};
+use crate::outcome::{Column, Quantity, Table};
+use crate::rounded::{hertz, short};
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// The lines of the band.
+pub(super) fn table(
+    estimated: &Estimated,
+    output: &str,
+    input: &str,
+    file: &str,
+    band: Band,
+) -> Table {
+    let response = &estimated.response;
+    let lines: Vec<usize> = (0..response.values.len())
+        .filter(|line| band.holds(response.frequency_hz[*line]))
+        .collect();
+    let each = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        lines.iter().map(|line| value(*line)).collect()
+    };
+    let (name, unit) = (name_of(response), unit_of(response));
+    let values = &response.values;
+    let mut columns = vec![
+        Column::numbers("frequency", "Hz", each(&|line| response.frequency_hz[line])),
+        Column::numbers(
+            format!("real part of {name}"),
+            &unit,
+            each(&|line| values[line].re),
+        ),
+        Column::numbers(
+            format!("imaginary part of {name}"),
+            &unit,
+            each(&|line| values[line].im),
+        ),
+        Column::numbers(
+            format!("magnitude of {name}"),
+            &unit,
+            each(&|line| values[line].norm()),
+        ),
+        Column::numbers("phase", "deg", each(&|line| values[line].arg() * DEGREES)),
+    ];
+    let several = estimated.coherences.len() > 1;
+    for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
+        let name = if several {
+            format!("coherence, {hammer} hammer")
+        } else {
+            "coherence".to_owned()
+        };
+        columns.push(Column::numbers(
+            name,
+            "",
+            each(&|line| coherence.values[line]),
+        ));
+    }
+    if let Some(errors) = response.random_error() {
+        columns.push(Column::numbers(
+            "random error of the magnitude",
+            "%",
+            each(&|line| 100.0 * errors[line].magnitude),
+        ));
+        columns.push(Column::numbers(
+            "random error of the phase",
+            "deg",
+            each(&|line| DEGREES * errors[line].phase),
+        ));
+    }
+    if let Some((shares, discrepancy)) = &estimated.merged {
+        columns.push(Column::numbers(
+            "share of the first hammer",
+            "",
+            each(&|line| shares[line]),
+        ));
+        columns.push(Column::numbers(
+            "discrepancy of the hammers",
+            "",
+            each(&|line| discrepancy[line]),
+        ));
+    }
+    let completed = estimated.completed.as_ref().map_or(0, |c| c.first_measured);
+    let verdicts = lines
+        .iter()
+        .map(|line| match estimated.objections[*line] {
+            Some(objection) => objection.to_owned(),
+            None if *line < completed => "of the weighed mass".to_owned(),
+            None => "valid".to_owned(),
+        })
+        .collect();
+    columns.push(Column::words("validity", verdicts));
+    Table {
+        name: format!("response_{file}"),
+        title: format!("Frequency response of {output} over {input}"),
+        columns,
+    }
+}
+
+/// What the valid lines of the band say of the response as a whole.
+#[derive(Debug)]
+pub(super) struct Merit {
+    pub(super) quantities: Vec<Quantity>,
+    pub(super) sentence: String,
+    pub(super) n_lines: usize,
+    pub(super) n_valid: usize,
+}
+
+/// The figures of merit of a response in the band.
+pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
+    let response = &estimated.response;
+    let in_band: Vec<usize> = (0..response.values.len())
+        .filter(|line| band.holds(response.frequency_hz[*line]))
+        .collect();
+    let valid: Vec<usize> = in_band
+        .iter()
+        .copied()
+        .filter(|line| estimated.is_valid(*line))
+        .collect();
+    let mut quantities = vec![Quantity {
+        name: format!("valid lines, {output}"),
+        unit: "%".to_owned(),
+        value: (!in_band.is_empty()).then(|| 100.0 * valid.len() as f64 / in_band.len() as f64),
+        standard_error: None,
+        valid: true,
+        verdict: format!("{} of {} lines of the band", valid.len(), in_band.len()),
+    }];
+    for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
+        let name = if estimated.coherences.len() > 1 {
+            format!("lowest coherence, {output}, {hammer} hammer")
+        } else {
+            format!("lowest coherence, {output}")
+        };
+        let errors = coherence.random_error();
+        let lowest = in_band
+            .iter()
+            .copied()
+            .filter(|line| coherence.values[*line].is_finite())
+            .min_by(|a, b| coherence.values[*a].total_cmp(&coherence.values[*b]));
+        quantities.push(Quantity {
+            name,
+            unit: String::new(),
+            value: lowest.map(|line| coherence.values[line]),
+            standard_error: lowest.map(|line| errors[line]),
+            valid: lowest.is_some_and(|line| estimated.is_valid(line)),
+            verdict: lowest.map_or_else(
+                || "no line has a coherence".to_owned(),
+                |line| format!("at {}", hertz(coherence.frequency_hz[line])),
+            ),
+        });
+    }
+    let mut of_errors = "a single hit has no coherence and gives no random error".to_owned();
+    if let Some(errors) = response.random_error() {
+        let mut by_error: Vec<usize> = valid
+            .iter()
+            .copied()
+            .filter(|line| errors[*line].magnitude.is_finite())
+            .collect();
+        by_error.sort_by(|a, b| errors[*a].magnitude.total_cmp(&errors[*b].magnitude));
+        let percent = |line: usize| 100.0 * errors[line].magnitude;
+        let median = by_error.get(by_error.len() / 2).map(|line| percent(*line));
+        let largest = by_error.last().copied();
+        quantities.push(Quantity {
+            name: format!("median random error, {output}"),
+            unit: "%".to_owned(),
+            value: median,
+            standard_error: None,
+            valid: median.is_some(),
+            verdict: "of the magnitude on the valid lines of the band".to_owned(),
+        });
+        quantities.push(Quantity {
+            name: format!("largest random error, {output}"),
+            unit: "%".to_owned(),
+            value: largest.map(percent),
+            standard_error: None,
+            valid: largest.is_some(),
+            verdict: largest.map_or_else(
+                || "no line of the band is valid".to_owned(),
+                |line| {
+                    format!(
+                        "of the magnitude, at {}",
+                        hertz(response.frequency_hz[line])
+                    )
+                },
+            ),
+        });
+        if let (Some(median), Some(line)) = (median, largest) {
+            of_errors = format!(
+                "the random error of a line is {} % in the median and at most {} %, at {}",
+                short(median),
+                short(percent(line)),
+                hertz(response.frequency_hz[line])
+            );
+        }
+    }
+    quantities.push(Quantity {
+        name: format!("uncertainty of the calibration, {output}"),
+        unit: "%".to_owned(),
+        value: (estimated.calibration > 0.0).then_some(100.0 * estimated.calibration),
+        standard_error: None,
+        valid: estimated.calibration > 0.0,
+        verdict: if estimated.calibration > 0.0 {
+            "of all lines together, from the stated uncertainties of the sensors".to_owned()
+        } else {
+            "the sheet states no uncertainty of the sensors".to_owned()
+        },
+    });
+    quantities.extend(of_two_hammers(estimated, output, &valid));
+    quantities.extend(of_the_mass(estimated, output));
+    let calibration = if estimated.calibration > 0.0 {
+        format!(
+            "; the calibration adds {} % to all lines together",
+            short(100.0 * estimated.calibration)
+        )
+    } else {
+        String::new()
+    };
+    let sentence = format!(
+        "{} of `{output}` over `{input}` between {} and {}: {of_errors}{calibration}.",
+        capital(&name_of(response)),
+        hertz(band.from_hz),
+        hertz(band.to_hz),
+    );
+    Merit {
+        quantities,
+        sentence,
+        n_lines: in_band.len(),
+        n_valid: valid.len(),
+    }
+}
+
+fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Option<Quantity> {
+    let (_, discrepancy) = estimated.merged.as_ref()?;
+    let mut values: Vec<f64> = valid
+        .iter()
+        .map(|line| discrepancy[*line])
+        .filter(|value| value.is_finite())
+        .collect();
+    values.sort_by(f64::total_cmp);
+    let median = values.get(values.len() / 2).copied();
+    Some(Quantity {
+        name: format!("median discrepancy of the hammers, {output}"),
+        unit: String::new(),
+        value: median,
+        standard_error: None,
+        valid: median.is_some(),
+        verdict: "0.7 if they differ by chance only".to_owned(),
+    })
+}
+
+fn of_the_mass(estimated: &Estimated, output: &str) -> Option<Quantity> {
+    let completed = estimated.completed.as_ref()?;
+    Some(Quantity {
+        name: format!("apparent mass, {output}"),
+        unit: "kg".to_owned(),
+        value: Some(completed.apparent_mass),
+        standard_error: Some(completed.apparent_mass_standard_error),
+        valid: completed.apparent_mass.is_finite(),
+        verdict: "from the lines of the fitted band, to be compared with the weighed mass"
+            .to_owned(),
+    })
+}

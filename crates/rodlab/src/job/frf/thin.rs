@@ -1,0 +1,122 @@
+//! Fewer points for a figure, with every peak kept.
+
+/// Indices of a curve that has at most about four times `n_buckets` points: first and last, smallest and largest ordinate of each
+/// bucket of equal width of `x`, which grows. A curve of fewer points is kept whole.
+pub(super) fn evenly(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
+    by_bucket(x, curves, n_buckets, |x| x)
+}
+
+/// The same with buckets of equal width on a logarithmic axis; what is not positive is in the first.
+pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
+    by_bucket(x, curves, n_buckets, f64::ln)
+}
+
+fn by_bucket(
+    x: &[f64],
+    curves: &[&[f64]],
+    n_buckets: usize,
+    scale: impl Fn(f64) -> f64,
+) -> Vec<usize> {
+    let n = x.len();
+    if n <= 4 * n_buckets {
+        return (0..n).collect();
+    }
+    let ends = x
+        .iter()
+        .map(|x| scale(*x))
+        .filter(|x| x.is_finite())
+        .fold(None, |ends: Option<(f64, f64)>, x| {
+            Some(ends.map_or((x, x), |(first, _)| (first, x)))
+        });
+    let Some((first, last)) = ends else {
+        return (0..n).collect();
+    };
+    let width = (last - first) / n_buckets as f64;
+    let bucket = |index: usize| ((scale(x[index]) - first) / width).floor();
+    let mut kept = Vec::new();
+    let mut start = 0;
+    while start < n {
+        let here = bucket(start);
+        let mut end = start + 1;
+        // not finite (0 Hz on a logarithmic axis) is a bucket by itself
+        while end < n && bucket(end).total_cmp(&here).is_eq() {
+            end += 1;
+        }
+        kept.extend([start, end - 1]);
+        for curve in curves {
+            let finite = (start..end).filter(|index| curve[*index].is_finite());
+            let by = |a: &usize, b: &usize| curve[*a].total_cmp(&curve[*b]);
+            kept.extend(finite.clone().min_by(by));
+            kept.extend(finite.max_by(by));
+        }
+        start = end;
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+/// Indices of a curve that runs back and forth: points that lie apart by more than `fraction` of its extent, and the first and last
+/// of every part between points that are not finite.
+pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
+    let extent = |values: &[f64]| {
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| {
+            (a.min(value), b.max(value))
+        });
+        (greatest - least).max(0.0)
+    };
+    let apart = fraction * extent(x).max(extent(y));
+    let finite = |index: usize| x[index].is_finite() && y[index].is_finite();
+    let mut kept: Vec<usize> = Vec::new();
+    for index in 0..x.len().min(y.len()) {
+        let keep = match kept.last() {
+            None => true,
+            Some(&last) if finite(last) && finite(index) => {
+                (x[index] - x[last]).hypot(y[index] - y[last]) > apart
+            }
+            Some(&last) => finite(last) || finite(index),
+        };
+        if keep {
+            kept.push(index);
+        }
+    }
+    kept
+}
+
+/// The values at `indices`.
+pub(super) fn at(values: &[f64], indices: &[usize]) -> Vec<f64> {
+    indices.iter().map(|index| values[*index]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_circle_stays_round_and_an_interruption_stays_one() {
+        let turns: Vec<f64> = (0..20_000_u32).map(|k| f64::from(k) * 1e-3).collect();
+        let x: Vec<f64> = turns.iter().map(|t| t.cos()).collect();
+        let mut y: Vec<f64> = turns.iter().map(|t| t.sin()).collect();
+        y[500..600].fill(f64::NAN);
+        let kept = along(&x, &y, 0.01);
+        // 20 rad of radius 1 in steps of hardly more than 2/100
+        assert!((900..1010).contains(&kept.len()), "{}", kept.len());
+        assert_eq!(kept.iter().filter(|index| y[**index].is_nan()).count(), 1);
+    }
+
+    #[test]
+    fn a_single_peak_survives_and_a_short_curve_is_whole() {
+        let x: Vec<f64> = (0..10_000_u32).map(f64::from).collect();
+        let mut y = vec![0.0; x.len()];
+        y[4321] = 1.0;
+        y[7777] = f64::NAN;
+        for kept in [evenly(&x, &[&y], 100), logarithmically(&x, &[&y], 100)] {
+            assert!(kept.contains(&4321) && kept.contains(&0) && kept.contains(&9999));
+            assert!(kept.len() <= 410 && kept.is_sorted(), "{}", kept.len());
+        }
+        assert_eq!(evenly(&x[..50], &[&y[..50]], 100).len(), 50);
+        // an axis without length
+        assert!(!evenly(&[1.0; 50], &[&[0.0; 50]], 2).is_empty());
+    }
+}

@@ -1,0 +1,264 @@
+//! Figure of the hits in time, with trigger and windows; and the table of them.
+
+use std::ops::Range;
+
+use labio::Record;
+
+use super::sheet::FrfSheet;
+use super::{estimate, thin};
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::hits::{FoundHit, FoundHits};
+use crate::outcome::{Column, Table};
+
+/// Points of all histories of a panel together.
+const POINTS_A_PANEL: usize = 24_000;
+/// Fewest parts of a history in which smallest and largest sample are kept.
+const FEWEST_BUCKETS: usize = 50;
+/// Histories that a reader can tell apart on one panel; of more, the first are drawn, rejected ones before all others.
+const MOST_HISTORIES: usize = 40;
+
+/// Part of its peak above which the input is drawn larger.
+const STRONG: f64 = 0.05;
+
+const MS: f64 = 1e3;
+
+/// The histories of all hits, rejected ones faint.
+pub(super) fn figure(
+    sheet: &FrfSheet,
+    found: &FoundHits,
+    outputs: &[String],
+    name: &str,
+    title: &str,
+) -> Result<Figure, RodlabError> {
+    let drawable = || found.hits().filter(|f| f.hit.record().is_some());
+    // rejected ones first: they lie behind the others
+    let mut drawn: Vec<_> = drawable().filter(|f| !f.hit.is_accepted()).collect();
+    drawn.extend(drawable().filter(|f| f.hit.is_accepted()));
+    let n_hits = drawn.len();
+    drawn.truncate(MOST_HISTORIES);
+    let n_buckets = (POINTS_A_PANEL / 4 / drawn.len().max(1)).max(FEWEST_BUCKETS);
+    let mut panels = Vec::with_capacity(outputs.len() + 2);
+    let whole = f64::NEG_INFINITY..f64::INFINITY;
+    if let Some(about) = blow(sheet, &drawn) {
+        panels.push(panel(sheet, &drawn, &sheet.input, about, n_buckets)?);
+    }
+    for channel in std::iter::once(&sheet.input).chain(outputs) {
+        panels.push(panel(sheet, &drawn, channel, whole.clone(), n_buckets)?);
+    }
+    let of_which = if n_hits > drawn.len() {
+        format!(" {} of {n_hits} hits are drawn.", drawn.len())
+    } else {
+        String::new()
+    };
+    Ok(Figure {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        caption: format!(
+            "Histories of the hits, one above the other, first of the blow alone, from the trigger or from the beginning of each record; rejected hits are faint. Windows are drawn with the height of the largest sample. Of long histories the smallest and largest samples of short stretches are drawn.{of_which}"
+        ),
+        panels,
+    })
+}
+
+/// The time about the blow \[ms\] that is drawn larger: from the trigger, or from the beginning of each record. None if it is not much
+/// shorter than the hit.
+fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
+    let (mut from, mut to, mut duration) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    for found in drawn.iter().filter(|found| found.hit.is_accepted()) {
+        let record = found.hit.record()?;
+        let samples = record.channel(&sheet.input).ok()?;
+        let peak = samples.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
+        let strong = |x: &f64| x.abs() > STRONG * peak;
+        let first = samples.iter().position(strong)?;
+        let behind = samples.iter().rev().position(strong)?;
+        let last = samples.len() - 1 - behind;
+        let time = |index: usize| MS * (record.time_at(index) - found.hit.time());
+        from = from.min(time(first));
+        to = to.max(time(last));
+        duration = duration.max(MS * record.duration());
+    }
+    let margin = to - from;
+    let about = from - margin..to + 2.0 * margin;
+    (margin > 0.0 && about.end - about.start < 0.3 * duration).then_some(about)
+}
+
+/// The histories of one channel in the time `about` \[ms\].
+fn panel(
+    sheet: &FrfSheet,
+    drawn: &[FoundHit<'_>],
+    channel: &str,
+    about: Range<f64>,
+    n_buckets: usize,
+) -> Result<Panel, RodlabError> {
+    let mut marks = Vec::with_capacity(drawn.len() + 3);
+    let mut unit = "";
+    let (mut named_accepted, mut named_rejected) = (false, false);
+    let mut peak: f64 = 0.0;
+    for found in drawn {
+        let Some(record) = found.hit.record() else {
+            continue;
+        };
+        let samples = record
+            .channel(channel)
+            .map_err(|error| RodlabError::step("drawing hits", error))?;
+        unit = record
+            .channels()
+            .iter()
+            .find(|c| c.name() == channel)
+            .map_or("", |c| c.quantity().unit());
+        let accepted = found.hit.is_accepted();
+        if accepted {
+            peak = samples.iter().fold(peak, |peak, x| peak.max(x.abs()));
+        }
+        let (times, samples): (Vec<f64>, Vec<f64>) = samples
+            .iter()
+            .enumerate()
+            .map(|(index, sample)| (MS * (record.time_at(index) - found.hit.time()), *sample))
+            .filter(|(time, _)| about.contains(time))
+            .unzip();
+        let kept = thin::evenly(&times, &[&samples], n_buckets);
+        let named = if accepted {
+            &mut named_accepted
+        } else {
+            &mut named_rejected
+        };
+        let name = match (std::mem::replace(named, true), accepted) {
+            (true, _) => "",
+            (false, true) => "accepted hits",
+            (false, false) => "rejected hits",
+        };
+        marks.push(Mark::Line {
+            name: name.to_owned(),
+            role: if accepted { Role::First } else { Role::Faint },
+            x: thin::at(&times, &kept),
+            y: thin::at(&samples, &kept),
+        });
+    }
+    let last = drawn.iter().rev();
+    if let Some((found, record)) = last
+        .filter_map(|found| Some((found, found.hit.record()?)))
+        .next()
+    {
+        let offset = record.start_time() - found.hit.time();
+        let is_input = channel == sheet.input;
+        marks.extend(window_of(sheet, record, is_input, peak, offset, &about)?);
+        if found.is_by_trigger() && about.contains(&0.0) {
+            marks.push(Mark::At {
+                name: "trigger".to_owned(),
+                x: 0.0,
+            });
+        }
+    }
+    let label = if about.start.is_finite() {
+        "time about the blow"
+    } else {
+        "time"
+    };
+    Ok(Panel {
+        x: Axis::linear(label, "ms"),
+        y: Axis::linear(channel, unit),
+        marks,
+        greyed: Vec::new(),
+        equal_axes: false,
+    })
+}
+
+/// The weights on a channel, as high as its peak; none where all are 1.
+fn window_of(
+    sheet: &FrfSheet,
+    record: &Record,
+    is_input: bool,
+    peak: f64,
+    offset: f64,
+    about: &Range<f64>,
+) -> Result<Option<Mark>, RodlabError> {
+    let (n, rate) = (record.n_samples(), record.sampling_rate_hz());
+    let window = sheet.window.clone().unwrap_or_default().window();
+    let sampled = window
+        .sample(n)
+        .map_err(|error| RodlabError::step("window", error))?;
+    let mut weights = sampled.weights;
+    let mut multiply = |factors: Vec<f64>| {
+        for (weight, factor) in weights.iter_mut().zip(factors) {
+            *weight *= factor;
+        }
+    };
+    let mut names = Vec::new();
+    if window != labio::Window::Rectangular {
+        names.push("window");
+    }
+    if is_input && let Some(force_window) = &sheet.force_window {
+        let gate = force_window.window()?.weights(n, rate);
+        multiply(gate.map_err(|error| RodlabError::step("force_window", error))?);
+        names.push("force window");
+    }
+    if let Some(damping) = estimate::added_damping(sheet, record.duration())? {
+        let decay = damping.weights(n, rate);
+        multiply(decay.map_err(|error| RodlabError::step("exponential_window", error))?);
+        names.push("exponential window");
+    }
+    if names.is_empty() {
+        return Ok(None);
+    }
+    let (times, weights): (Vec<f64>, Vec<f64>) = weights
+        .into_iter()
+        .enumerate()
+        .map(|(index, weight)| (MS * (offset + index as f64 / rate), peak * weight))
+        .filter(|(time, _)| about.contains(time))
+        .unzip();
+    let kept = thin::evenly(&times, &[&weights], 500);
+    Ok(Some(Mark::Line {
+        name: names.join(" and "),
+        role: Role::Reference,
+        x: thin::at(&times, &kept),
+        y: thin::at(&weights, &kept),
+    }))
+}
+
+/// One row a hit: when, how strong, decision, reasons.
+pub(super) fn table(found: &FoundHits, input: &str, name: &str, title: &str) -> Table {
+    let mut columns = [const { Vec::new() }; 3];
+    let mut words = [const { Vec::new() }; 3];
+    let mut unit = "";
+    for found in found.hits() {
+        let record = found.hit.record();
+        let peak = record.and_then(|record| {
+            let channel = record.channels().iter().find(|c| c.name() == input)?;
+            unit = channel.quantity().unit();
+            let samples = record.channel(input).ok()?;
+            samples
+                .iter()
+                .copied()
+                .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        });
+        columns[0].push(found.number as f64);
+        columns[1].push(found.hit.time());
+        columns[2].push(peak.unwrap_or(f64::NAN));
+        let entry = found.log_entry();
+        words[0].push(found.of.to_owned());
+        words[1].push(
+            if entry.accepted {
+                "accepted"
+            } else {
+                "rejected"
+            }
+            .to_owned(),
+        );
+        words[2].push(entry.reasons.join("; "));
+    }
+    let [numbers, times, peaks] = columns;
+    let [records, decisions, reasons] = words;
+    Table {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        columns: vec![
+            Column::numbers("hit", "", numbers),
+            Column::words("record", records),
+            Column::numbers("time", "s", times),
+            Column::numbers(format!("peak of {input}"), unit, peaks),
+            Column::words("decision", decisions),
+            Column::words("reasons", reasons),
+        ],
+    }
+}

@@ -1,0 +1,41 @@
+//! Numbers rounded for people.
+
+/// A number with four significant digits and no zeros behind them.
+pub(crate) fn short(value: f64) -> String {
+    let magnitude = value.abs();
+    if !value.is_finite() || (magnitude > 0.0 && !(1e-3..1e5).contains(&magnitude)) {
+        return format!("{value:.3e}");
+    }
+    let decimals = [(1.0, 4), (10.0, 3), (100.0, 2), (1000.0, 1)]
+        .iter()
+        .find(|(limit, _)| magnitude < *limit)
+        .map_or(0, |(_, decimals)| *decimals);
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A frequency, in Hz or kHz.
+pub(crate) fn hertz(frequency_hz: f64) -> String {
+    if frequency_hz < 1000.0 {
+        format!("{} Hz", short(frequency_hz))
+    } else {
+        format!("{} kHz", short(frequency_hz / 1000.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let numbers = [0.0, 0.012345, 1.0, 12.3456, 999.96, 51200.0, 1e-7, f64::NAN];
+        let texts = numbers.map(short).join(" ");
+        assert_eq!(texts, "0 0.0123 1 12.35 1000 51200 1.000e-7 NaN");
+        assert_eq!(hertz(51_200.0), "51.2 kHz");
+    }
+}

@@ -1,0 +1,256 @@
+//! Files in other formats: what is kept to the last bit, and that what is not is said.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+
+use labio::format::{self, npz::Npz};
+use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
+use num_complex::Complex64;
+use proptest::prelude::*;
+use rodlab::convert::{Conversion, ConvertOptions, convert};
+
+fn axis(label: &str, unit: &str) -> SeriesAxis {
+    SeriesAxis {
+        label: label.to_owned(),
+        unit_text: unit.to_owned(),
+        unit: Unit::parse(unit).ok(),
+    }
+}
+
+fn history(name: &str, unit: &str, values: Vec<f64>) -> Series {
+    Series {
+        name: name.to_owned(),
+        kind: SeriesKind::TimeResponse,
+        abscissa: Abscissa::Even {
+            start: 0.0,
+            step: 1.0 / 51_200.0,
+        },
+        ordinate: Ordinate::Real(values),
+        abscissa_axis: axis("Time", "s"),
+        ordinate_axis: axis("", unit),
+        properties: Vec::new(),
+    }
+}
+
+fn two_channels(force: Vec<f64>, acceleration: Vec<f64>) -> Contents {
+    let mut contents = Contents::of_format("test");
+    contents.series = vec![
+        history("hammer", "N", force),
+        history("end A", "m/s^2", acceleration),
+    ];
+    contents
+}
+
+fn source(folder: &Path, contents: &Contents) -> std::path::PathBuf {
+    let path = folder.join("source.npz");
+    format::write(&path, contents, &Npz).unwrap();
+    path
+}
+
+const LOSSLESS: ConvertOptions = ConvertOptions {
+    tolerant: false,
+    lossless: true,
+    binary: true,
+};
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn values_names_and_units_survive_every_format_that_holds_them(
+        force in prop::collection::vec(-1e9..1e9_f64, 2..40),
+        scale in 1e-200..1e200_f64,
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let acceleration: Vec<f64> = force.iter().map(|f| scale * f).collect();
+        let contents = two_channels(force, acceleration);
+        let mut path = source(folder.path(), &contents);
+        // a binary universal file keeps 8 digits of the step, and comes last
+        for ending in ["csv", "npz", "csv"] {
+            let next = folder.path().join(format!("next_{ending}.{ending}"));
+            let next = if next == path { folder.path().join(format!("other.{ending}")) } else { next };
+            convert(&path, &next, LOSSLESS).unwrap();
+            path = next;
+        }
+        let back = format::read(&path).unwrap();
+        for (one, other) in contents.series.iter().zip(&back.series) {
+            prop_assert_eq!(&one.ordinate, &other.ordinate);
+            prop_assert_eq!(&one.name, &other.name);
+            prop_assert_eq!(&one.ordinate_axis.unit_text, &other.ordinate_axis.unit_text);
+            prop_assert_eq!(&one.abscissa, &other.abscissa);
+        }
+        let universal = folder.path().join("last.uff");
+        convert(&path, &universal, ConvertOptions { binary: true, ..ConvertOptions::default() }).unwrap();
+        let back = format::read(&universal).unwrap();
+        for (one, other) in contents.series.iter().zip(&back.series) {
+            prop_assert_eq!(&one.ordinate, &other.ordinate);
+        }
+    }
+}
+
+fn lost(folder: &Path, contents: &Contents, name: &str) -> Conversion {
+    let path = source(folder, contents);
+    convert(&path, &folder.join(name), ConvertOptions::default()).unwrap()
+}
+
+#[test]
+fn what_a_format_has_no_place_for_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut contents = two_channels(vec![0.0, 1.0 / 3.0, 2.0], vec![1.0, 2.0, 3.0]);
+    contents.properties = vec![("operator".to_owned(), "N. N.".to_owned())];
+    contents.series[1].properties = vec![("serial".to_owned(), "12345".to_owned())];
+    let mut said = String::new();
+    for name in ["bare.npy", "table.csv", "text.uff", "sound.wav"] {
+        let conversion = lost(folder.path(), &contents, name);
+        said += &conversion.to_text(Path::new("source.npz"), Path::new(name));
+    }
+    insta::assert_snapshot!(said, @r"
+    source.npz (npz) -> bare.npy (npy): 2 data sets, 176 bytes
+    lost:
+      the property `operator` of the file, `N. N.`
+      the name of `hammer`
+      the kind of `hammer`: TimeResponse became General
+      the label of the abscissa of `hammer`, `Time`
+      the unit of the abscissa of `hammer`, `s`
+      the unit of the values of `hammer`, `N`
+      the abscissa of `hammer`: from 0 in steps of 0.00001953125 became from 0 in steps of 1
+      the name of `end A`
+      the kind of `end A`: TimeResponse became General
+      the label of the abscissa of `end A`, `Time`
+      the unit of the abscissa of `end A`, `s`
+      the unit of the values of `end A`, `m/s^2`
+      the abscissa of `end A`: from 0 in steps of 0.00001953125 became from 0 in steps of 1
+      the property `serial` of `end A`, `12345`
+    source.npz (npz) -> table.csv (csv): 2 data sets, 193 bytes
+    source.npz (npz) -> text.uff (uff58): 2 data sets, 1820 bytes
+    lost:
+      the property `operator` of the file, `N. N.`
+      digits of the values of `hammer`: up to 1e-13 of a value
+      the property `serial` of `end A`, `12345`
+    source.npz (npz) -> sound.wav (wav): 2 data sets, 162 bytes
+    lost:
+      the property `operator` of the file, `N. N.`
+      the property `serial` of `end A`, `12345`
+    ");
+    // the values are there nevertheless
+    let back = format::read(folder.path().join("bare.npy")).unwrap();
+    assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
+    let back = format::read(folder.path().join("sound.wav")).unwrap();
+    assert_eq!(back.series[1].ordinate, contents.series[1].ordinate);
+    assert_eq!(back.series[1].name, "end A");
+}
+
+#[test]
+fn a_response_is_converted_with_its_complex_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut contents = Contents::of_format("test");
+    let mut response = history("end A", "m/s^2", Vec::new());
+    response.kind = SeriesKind::FrequencyResponse;
+    response.abscissa = Abscissa::Even {
+        start: 0.0,
+        step: 0.5,
+    };
+    response.abscissa_axis = axis("Frequency", "Hz");
+    response.ordinate = Ordinate::Complex(vec![
+        Complex64::new(1.0, -0.1),
+        Complex64::new(1.0 / 3.0, 1e-12),
+    ]);
+    contents.series = vec![response];
+    for name in ["response.csv", "response.uff"] {
+        let options = ConvertOptions {
+            binary: true,
+            ..ConvertOptions::default()
+        };
+        let path = source(folder.path(), &contents);
+        let conversion = convert(&path, &folder.path().join(name), options).unwrap();
+        assert!(conversion.lost.is_empty(), "{:?}", conversion.lost);
+        let back = format::read(folder.path().join(name)).unwrap();
+        assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
+        assert_eq!(back.series[0].kind, SeriesKind::FrequencyResponse);
+    }
+}
+
+#[test]
+fn what_cannot_be_held_is_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
+    let path = source(folder.path(), &contents);
+    let refused = |contents: &Contents, name: &str, options| {
+        let path = source(folder.path(), contents);
+        let target = folder.path().join(name);
+        let error = convert(&path, &target, options).unwrap_err().to_string();
+        assert!(!target.exists());
+        error.replace(&folder.path().display().to_string(), "FOLDER")
+    };
+    let mut other_times = contents.clone_series();
+    other_times.series[1].abscissa = Abscissa::Even {
+        start: 0.0,
+        step: 1e-3,
+    };
+    let mut odd_rate = contents.clone_series();
+    for series in &mut odd_rate.series {
+        series.abscissa = Abscissa::Even {
+            start: 0.0,
+            step: 0.000977,
+        };
+    }
+    let said = [
+        refused(&other_times, "two.csv", ConvertOptions::default()),
+        refused(&odd_rate, "odd.wav", ConvertOptions::default()),
+        refused(&contents, "bare.npy", LOSSLESS),
+        refused(&contents, "table.xlsx", ConvertOptions::default()),
+        refused(&contents, "table", ConvertOptions::default()),
+    ];
+    insta::assert_snapshot!(said.join("\n"), @r"
+    converting to csv: csv cannot hold `hammer` and `end A` in one table: they have different abscissae
+    converting to wav: wav cannot hold a time step of 0.000977 s; only one over a whole number of Hz
+    the conversion of FOLDER/source.npz to npy is not without loss (the name of `hammer`; the kind of `hammer`: TimeResponse became General; the label of the abscissa of `hammer`, `Time`; the unit of the abscissa of `hammer`, `s`; the unit of the values of `hammer`, `N`; the abscissa of `hammer`: from 0 in steps of 0.00001953125 became from 0 in steps of 1; the name of `end A`; the kind of `end A`: TimeResponse became General; the label of the abscissa of `end A`, `Time`; the unit of the abscissa of `end A`, `s`; the unit of the values of `end A`, `m/s^2`; the abscissa of `end A`: from 0 in steps of 0.00001953125 became from 0 in steps of 1), expected another format, or the loss
+    the ending of the output is `xlsx`, expected one of csv, npy, npz, txt, uff, unv, uf, wav
+    the ending of the output is ``, expected one of csv, npy, npz, txt, uff, unv, uf, wav
+    ");
+    let onto_itself = convert(&path, &path, ConvertOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        onto_itself.ends_with("which is the input, expected another file"),
+        "{onto_itself}"
+    );
+    let missing = convert(
+        &folder.path().join("no.csv"),
+        &folder.path().join("x.csv"),
+        ConvertOptions::default(),
+    );
+    assert!(missing.unwrap_err().to_string().starts_with("cannot read "));
+}
+
+#[test]
+fn a_damaged_file_is_converted_only_when_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.csv");
+    fs::write(&path, "Time (s),a (N)\n0,0\n1,2\n2,3\n3,3\nstopped\n").unwrap();
+    let target = folder.path().join("whole.uff");
+    assert!(convert(&path, &target, ConvertOptions::default()).is_err());
+    assert!(!target.exists());
+    let tolerant = ConvertOptions {
+        tolerant: true,
+        ..ConvertOptions::default()
+    };
+    let conversion = convert(&path, &target, tolerant).unwrap();
+    assert_eq!(conversion.not_read.len(), 1);
+    assert_eq!(format::read(&target).unwrap().series[0].ordinate.len(), 4);
+}
+
+trait CloneSeries {
+    fn clone_series(&self) -> Contents;
+}
+
+impl CloneSeries for Contents {
+    /// The same data sets; contents themselves are not cloned, for their defects are not.
+    fn clone_series(&self) -> Contents {
+        let mut copy = Self::of_format(self.format);
+        copy.series.clone_from(&self.series);
+        copy
+    }
+}

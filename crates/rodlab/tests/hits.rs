@@ -1,0 +1,130 @@
+//! The part of a sheet about hits: limits that are stated, left out or left alone, and what the report says of them.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use labio::{Channel, Provenance, Quantity, Record};
+use ndarray::Array2;
+use rodlab::hits::{FoundHits, HitsSheet};
+use rodlab::records::NamedRecord;
+
+fn sheet(text: &str) -> Result<HitsSheet, String> {
+    use ron::extensions::Extensions;
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES)
+        .from_str(text)
+        .map_err(|error| error.to_string())
+}
+
+/// A blow of 100 N that leaves the level of the force `shift` higher than it was.
+fn record(name: &str, shift: f64) -> NamedRecord {
+    let force = Array2::from_shape_fn((1, 2000), |(_, k)| {
+        let t = (k as f64 - 500.0) / 20.0;
+        let blow = if (0.0..1.0).contains(&t) {
+            100.0 * (std::f64::consts::PI * t).sin()
+        } else {
+            0.0
+        };
+        // what a converter shows of noise
+        let noise = 0.01 * ((k * k * 7919) % 1013) as f64 / 1013.0;
+        blow + noise + if t > 0.0 { shift } else { 0.0 }
+    });
+    let channels = vec![Channel::new("hammer", Quantity::Force).unwrap()];
+    NamedRecord {
+        name: name.to_owned(),
+        record: Record::new(force, 20e3, 0.0, channels, Provenance::computed("blow")).unwrap(),
+    }
+}
+
+fn found(text: &str) -> FoundHits {
+    let records = vec![
+        record("a.npy", 0.0),
+        record("b.npy", 5.0),
+        record("c.npy", 0.0),
+    ];
+    sheet(text)
+        .unwrap()
+        .find(records, "hammer", "hits")
+        .unwrap()
+}
+
+fn settings(found: &FoundHits) -> String {
+    let lines: Vec<String> = found
+        .settings()
+        .iter()
+        .map(|s| {
+            let by = if s.by_default { " (default)" } else { "" };
+            format!("{} = {}{by}", s.name, s.value)
+        })
+        .collect();
+    lines.join("\n")
+}
+
+#[test]
+fn what_is_not_stated_has_its_default_and_the_report_says_so() {
+    let by_default = found("()");
+    insta::assert_snapshot!(settings(&by_default), @r"
+    hits.channel = hammer (default)
+    hits.cut = each record is a hit (default)
+    hits.criteria.peak_over_noise = 10.0 (default)
+    hits.criteria.double_hit = 0.05 (default)
+    hits.criteria.clipped_run = 3 (default)
+    hits.criteria.drop_out_run = 8 (default)
+    hits.criteria.static_offset = 0.25 (default)
+    hits.criteria.level_shift = 0.02 (default)
+    hits.criteria.remainder = 0.01 (default)
+    ");
+    assert_eq!((by_default.n_found(), by_default.n_accepted()), (3, 2));
+    assert_eq!(by_default.accepted().len(), 2);
+    insta::assert_snapshot!(by_default.in_words(), @"2 of 3 hits accepted, rejected: 2");
+}
+
+#[test]
+fn a_check_that_is_left_out_rejects_nothing() {
+    let without = found("(criteria: (level_shift: None, remainder: None, double_hit: 0.2))");
+    assert_eq!(without.n_accepted(), 3);
+    assert_eq!(without.in_words(), "all 3 hits are accepted");
+    let said = settings(&without);
+    assert!(
+        said.contains("hits.criteria.level_shift = not checked\n"),
+        "{said}"
+    );
+    assert!(said.contains("hits.criteria.double_hit = 0.2\n"), "{said}");
+    assert!(
+        said.contains("hits.criteria.peak_over_noise = 10.0 (default)"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_is_no_level_or_stretch_says_why() {
+    let said: Vec<String> = [
+        r#"(cut: Trigger(level: 20, length: "0.5 s", pre_trigger: "10 ms"))"#,
+        r#"(cut: Trigger(level: "20 newton", length: "0.5 s", pre_trigger: "10 ms"))"#,
+        r#"(cut: Trigger(level: "20 N", length: "0.5 N", pre_trigger: "10 ms"))"#,
+        r#"(cut: Trigger(level: "20 N", length: "4.5 samples", pre_trigger: "10 ms"))"#,
+        r#"(cut: Trigger(level: "20 N", length: "0.5 s"))"#,
+        r#"(cut: EveryRecord)"#,
+        r#"(criteria: (doubel_hit: 0.1))"#,
+        r#"(reject: [(hit: 3)])"#,
+    ]
+    .into_iter()
+    .map(|text| sheet(text).unwrap_err())
+    .collect();
+    insta::assert_snapshot!(said.join("\n"), @r#"
+    1:21-1:22: Expected string
+    1:23-1:33: `20 newton` has no unit that is known: `newton` is no known unit: `newton` is not among the known symbols, expected a level, as "20 N"
+    1:39-1:45: `0.5 N` has the dimension m kg s^-2, expected a duration, as "4 ms", or "4096 samples"
+    1:39-1:51: `4.5 samples` is no whole number of samples, as "4096 samples"
+    1:45: Unexpected missing field named `pre_trigger` in `Trigger`
+    1:7-1:18: Unexpected variant named `EveryRecord` in enum `Cut`, expected either `EachRecord` or `Trigger` instead
+    1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
+    1:18: Unexpected missing field named `because` in `RulingSheet`
+    "#);
+    // a trigger that makes no sense at this rate
+    let short =
+        sheet(r#"(cut: Trigger(level: "20 N", length: "5 ms", pre_trigger: "10 ms"))"#).unwrap();
+    let error = short
+        .find(vec![record("a.npy", 0.0)], "hammer", "hits")
+        .unwrap_err();
+    insta::assert_snapshot!(error, @r"hits, judging hits, a.npy: the hit that the trigger takes has 100 samples, expected at least 201");
+}

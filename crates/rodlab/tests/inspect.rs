@@ -1,0 +1,202 @@
+//! What is said of files: of sound ones, and of those in which something is wrong.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::cast_possible_truncation,
+    reason = "a test that cannot go on has failed, one that is skipped says so, and cut samples are small"
+)]
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use std::path::Path;
+
+use rodlab::inspect::{inspect, inspect_bytes};
+
+/// A hit of 2 ms in columns of a recorder: time, force that is cut at `range`, acceleration with an offset.
+fn table(range: f64, offset: f64) -> String {
+    let mut text = "Time (ms),hammer (N),end A (g)\n".to_owned();
+    for k in 0..2000 {
+        let t = f64::from(k) / 10.0 - 20.0;
+        let blow = if (0.0..2.0).contains(&t) {
+            (PI * t / 2.0).sin()
+        } else {
+            0.0
+        };
+        let ring = if t > 0.0 {
+            (-t / 10.0).exp() * (TAU * t).sin()
+        } else {
+            0.0
+        };
+        // noise without a pattern, and both with the digits of a recorder
+        let noise = (f64::from(k * k % 1009) * 12.9898).sin();
+        let force = (80.0 * blow + 0.05 * noise).clamp(-range, range);
+        let acceleration = 5.0 * ring + 0.002 * noise + offset;
+        let _ = writeln!(text, "{t:.1},{force:.3},{acceleration:.4}");
+    }
+    text
+}
+
+#[test]
+fn a_sound_table_is_described_in_columns() {
+    let inspection = inspect_bytes(table(1e3, 0.0).as_bytes(), "hit.csv").unwrap();
+    insta::assert_snapshot!(inspection.to_text(), @r"
+    hit.csv: csv, 38844 bytes
+    sha256 dc95614b1c60b55256ad12d46f2c14538bc86d46d4a2c54aed78140a5d1d6676
+
+    #  name    kind           unit  samples  rate or step    from   least  greatest    mean    rms
+    1  hammer  time response  N        2000        10 kHz  -20 ms   -0.05     80.02  0.5082  5.657
+    2  end A   time response  g        2000        10 kHz  -20 ms  -4.436      4.66  0.0038  0.559
+
+    record 1: hammer, end A (2000 samples, 0.2 s)
+    ");
+    let force = &inspection.series[0];
+    assert!((force.sampling_rate_hz.unwrap() - 10_000.0).abs() < 1e-6);
+    let levels = force.levels.unwrap();
+    assert_eq!(levels.peak_at, 210);
+    // half a sine over 2 ms of 200 ms: (80²/2 · 0.01)^½, and noise of 0.05/√2
+    assert!((levels.rms - 5.657).abs() < 0.01, "{}", levels.rms);
+}
+
+#[test]
+fn clipping_and_an_offset_are_suspicious() {
+    let inspection = inspect_bytes(table(60.0, 3.0).as_bytes(), "hit.csv").unwrap();
+    insta::assert_snapshot!(inspection.suspicions.join("\n"), @r"
+    clipped: `hammer` stays at its extreme 60.00 for 9 samples from 206 on
+    static offset: `end A` rests at 29.42, more than 0.250 of its peak 45.70
+    ");
+}
+
+#[test]
+fn what_a_file_does_not_tell_is_advised() {
+    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 16), }";
+    npy.extend(format!("{header:<117}\n").bytes());
+    for k in 0..32_u32 {
+        let value = if k == 20 { f64::NAN } else { f64::from(k % 7) };
+        npy.extend(value.to_le_bytes());
+    }
+    let inspection = inspect_bytes(&npy, "hits.npy").unwrap();
+    assert!(
+        inspection
+            .series
+            .iter()
+            .all(|s| s.sampling_rate_hz.is_none())
+    );
+    assert!(
+        inspection
+            .records
+            .iter()
+            .all(|r| r.sampling_rate_hz.is_none())
+    );
+    let said = [inspection.suspicions, inspection.advice]
+        .concat()
+        .join("\n");
+    insta::assert_snapshot!(said, @r"
+    static offset: `[0, :]` rests at 2.000, more than 0.250 of its peak 4.000
+    1 of 16 values of channel 2 (`[1, :]`) are NaN or infinite
+    the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
+    the file does not tell a known unit of channel 1, 2: a sheet states `unit`
+    ");
+}
+
+#[test]
+fn a_row_of_times_is_no_channel() {
+    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 100), }";
+    npy.extend(format!("{header:<117}\n").bytes());
+    let times = (0..100_u32).map(|k| f64::from(k) / 25_600.0);
+    let force = (0..100_u32).map(|k| f64::from(k * k % 17));
+    npy.extend(times.chain(force).flat_map(f64::to_le_bytes));
+    let inspection = inspect_bytes(&npy, "hit.npy").unwrap();
+    assert_eq!(inspection.records[0].channels.len(), 1);
+    insta::assert_snapshot!(inspection.advice.join("\n"), @r"
+    the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
+    channel 1 grows evenly, as times do: if they are in s, `sampling_rate` is 25.6 kHz
+    the file does not tell a known unit of channel 2: a sheet states `unit`
+    ");
+}
+
+#[test]
+fn a_step_that_was_rounded_is_recognised() {
+    let text = "Time (s),a (m/s^2)\n0,0\n0.000977,1\n0.001954,2\n0.002931,1\n";
+    let inspection = inspect_bytes(text.as_bytes(), "a.csv").unwrap();
+    insta::assert_snapshot!(inspection.advice.join("\n"), @r"the step of 0.000977 s may be a rounded 1024 Hz: a sheet can state `sampling_rate`");
+    let exact = "Time (s),a (m/s^2)\n0,0\n0.0001,1\n0.0002,2\n0.0003,1\n";
+    assert!(
+        inspect_bytes(exact.as_bytes(), "a.csv")
+            .unwrap()
+            .advice
+            .is_empty()
+    );
+}
+
+#[test]
+fn a_damaged_file_is_read_as_far_as_it_goes() {
+    let text = table(1e3, 0.0);
+    let cut = &text[..text.len() - 400];
+    let damaged = format!("{cut}\nthe recorder stopped here\n");
+    let inspection = inspect_bytes(damaged.as_bytes(), "cut.csv").unwrap();
+    assert!(inspection.series[0].samples > 1900);
+    // the row that is cut, and the remark
+    assert_eq!(inspection.defects.len(), 2, "{:?}", inspection.defects);
+    assert!(inspection.to_text().contains("not read:"));
+}
+
+#[test]
+fn the_inspection_is_the_same_as_json() {
+    let inspection = inspect_bytes(table(1e3, 0.0).as_bytes(), "hit.csv").unwrap();
+    let json: serde_json::Value = serde_json::to_value(&inspection).unwrap();
+    assert_eq!(json["format"], "csv");
+    assert_eq!(json["series"][1]["quantity"], "acceleration");
+    assert_eq!(json["series"][1]["unit"], "g");
+    assert_eq!(json["records"][0]["samples"], 2000);
+    assert_eq!(json["sha256"].as_str().unwrap().len(), 64);
+}
+
+#[test]
+fn what_is_no_file_of_data_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = inspect(&folder.path().join("absent.npy"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        missing.starts_with("cannot read ") && missing.contains("absent.npy"),
+        "{missing}"
+    );
+    let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();
+    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, mat5, uff58, lvm, csv)"#);
+}
+
+#[test]
+fn the_measured_files_are_all_described() {
+    let Some(data) = std::env::var_os("RODLAB_DATA") else {
+        eprintln!("skipped: RODLAB_DATA is not set");
+        return;
+    };
+    let data = Path::new(&data);
+    // a drop-table shock that is a documented failure of the acquisition
+    let failed = inspect(&data.join("shock/Test_017.lvm")).unwrap();
+    assert!(!failed.suspicions.is_empty(), "{}", failed.to_text());
+    let mut described = 0;
+    for folder in ["hammer", "lvm", "shock", "uff", "tdms"] {
+        for entry in std::fs::read_dir(data.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            match inspect(&path) {
+                Ok(inspection) => {
+                    described += 1;
+                    let text = inspection.to_text();
+                    assert!(text.lines().count() > 2, "{text}");
+                }
+                // the one that is corrupt says so
+                Err(error) => assert!(
+                    path.ends_with("tdms/faulty_tdms_01.tdms"),
+                    "{}: {error}",
+                    path.display()
+                ),
+            }
+        }
+    }
+    assert!(described > 15, "{described}");
+}
