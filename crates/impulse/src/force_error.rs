@@ -26,6 +26,8 @@ pub struct ForceError {
     /// What one standard deviation of each common cause does to the force.
     common: Vec<Vec<f64>>,
     support: Option<SupportErrors>,
+    /// Standard errors of single samples from an index on, independent of each other.
+    independent: Option<(usize, Vec<f64>)>,
     degrees_of_freedom: Option<f64>,
 }
 
@@ -104,6 +106,7 @@ impl ForceError {
             lines: None,
             common: Vec::new(),
             support: None,
+            independent: None,
             degrees_of_freedom: None,
         }
     }
@@ -168,6 +171,20 @@ impl ForceError {
             *error = (*error * *error + variance).sqrt();
         }
         self.support = Some(SupportErrors { first, factor });
+        self
+    }
+
+    /// Adds errors of the samples from `first` on that are independent of each other, by their standard errors.
+    pub(crate) fn with_independent(mut self, first: usize, standard_errors: Vec<f64>) -> Self {
+        for (error, own) in self
+            .standard_error
+            .iter_mut()
+            .skip(first)
+            .zip(&standard_errors)
+        {
+            *error = error.hypot(*own);
+        }
+        self.independent = Some((first, standard_errors));
         self
     }
 
@@ -274,6 +291,11 @@ impl ForceError {
                 *sample += terms.map(|(a, z)| a * z).sum::<f64>();
             }
         }
+        if let Some((first, errors)) = &self.independent {
+            for (sample, error) in draw.iter_mut().skip(*first).zip(errors) {
+                *sample += normal() * error;
+            }
+        }
         draw
     }
 
@@ -376,6 +398,7 @@ mod tests {
             .with_lines(variances, 64, Some((40..48, -1.0)))
             .with_common(ramp)
             .with_support(10, factor)
+            .with_independent(20, vec![0.4, 0.0, 1.5])
     }
 
     #[test]

@@ -15,6 +15,8 @@
 //! | [`hits`] | which hits of the records are accepted, and why the others are not |
 //! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`responses`] | frequency responses of hits or of a file |
+//! | [`responses`] | frequency responses of hits or of a file |
+//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`job`] | what each command does |
 //! | [`outcome`], [`figure`] | what a job hands back |
 //! | [`report`] | the page that is read |

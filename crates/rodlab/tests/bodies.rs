@@ -158,3 +158,31 @@ fn every_element_has_its_mass_at_low_frequency() {
         }
     }
 }
+
+/// The nylon cone of (Ödeen 1993, paper E), struck at its wide end. With f(r)/r along the cone, r from its apex, the far end is free for
+/// f = sin k(r - r2) + k r2 cos k(r - r2), and the mobility is i omega f/(E A1 (f' - f/r1)).
+#[test]
+fn the_cone_of_paper_e_has_its_closed_form() {
+    let (wide, narrow, length) = (0.075, 0.030, 0.400);
+    let outcome = computed(
+        r#"ConstantQ(modulus: "2.6 GPa", loss_factor: "0.094", at: "3 kHz")"#,
+        r#"Chain(elements: [Cone(material: "it", near: "75 mm", far: "30 mm", length: "400 mm")])"#,
+    );
+    let area = PI * wide * wide / 4.0;
+    let apex = length / (wide - narrow);
+    let (near, far) = (apex * wide, apex * narrow);
+    for (f, found) in lines(&outcome) {
+        let s = Complex64::new(0.0, TAU * f);
+        let modulus = 2.6e9 * ((s / (TAU * 3e3)).ln() * (2.0 * 0.094_f64.atan() / PI)).exp();
+        let k = TAU * f * (DENSITY / modulus).sqrt();
+        let (sine, cosine) = ((k * length).sin(), (k * length).cos());
+        let along = sine + k * far * cosine;
+        let slope = k * cosine - k * k * far * sine;
+        let exact = s * along / (modulus * area * (slope - along / near));
+        // the difference of two large terms at low frequency: 1/(k r)^2 = 30 roundings
+        assert!(
+            (found / exact - 1.0).norm() < 1e-10,
+            "{f} Hz: {found}, exact {exact}"
+        );
+    }
+}

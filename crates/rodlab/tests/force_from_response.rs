@@ -2,7 +2,8 @@
 //! calibration hits.
 #![allow(
     clippy::unwrap_used,
-    reason = "a sheet that should have a result and has none is the failure that the test reports"
+    clippy::print_stdout,
+    reason = "a sheet that should have a result and has none is the failure that the test reports; what is skipped is said"
 )]
 
 mod two_masses;
@@ -213,7 +214,11 @@ fn noise_alone_is_no_force() {
     accelerance(folder.path(), BODY);
     let nothing = Hammer { peak: 0.0, ..BLOW };
     strike(folder.path(), "blow", BODY, nothing);
-    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let judged = "hit: (criteria: (peak_over_noise: 10.0))";
+    let text = sheet(
+        FILE,
+        &format!(r#"{ACTING}, {judged}, noise: White("2 m/s2")"#),
+    );
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(
         outcome.verdict,
@@ -222,10 +227,13 @@ fn noise_alone_is_no_force() {
         }
     );
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
-    // whoever accepts it by hand is told by the discrepancy
-    let by_hand = r#"hit: (accept: [(hit: 1, because: "to see")])"#;
+    // who does not ask for checks is told besides by the peak, and by the discrepancy
+    let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
+    let outcome = attempt(folder.path(), &text).unwrap();
+    let told = |words: &str| outcome.warnings.iter().any(|w| w.contains(words));
+    assert!(told("no hit") && told("below three standard errors"));
     let rest = format!(
-        r#"{ACTING}, {by_hand}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
+        r#"{ACTING}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
     );
     let outcome = attempt(folder.path(), &sheet(FILE, &rest)).unwrap();
     assert_eq!(
@@ -298,4 +306,48 @@ fn what_cannot_be_is_refused_where_it_stands() {
     problem.path.exponential_window is stated, expected no statement: the response of the blow has no such window
     No such file or directory (os error 2)
     ");
+}
+
+/// Five measured hits: the force of the last by the response and the other four. By division alone the peak comes back within 0.7 %, and
+/// the history within 0.2 % of it, root mean square.
+#[test]
+fn a_measured_blow_comes_back_from_the_hits_before() {
+    let data = std::env::var_os("RODLAB_DATA").map(std::path::PathBuf::from);
+    let Some(hammer) = data.map(|data| data.join("hammer")).filter(|f| f.is_dir()) else {
+        println!("skipped: RODLAB_DATA names no folder of measured records");
+        return;
+    };
+    let folder = TempDir::new().unwrap();
+    let channels = r#"sampling_rate: "25.6 kHz", channels: [(name: "hammer", from: 2, unit: "N"), (name: "face", from: 3, unit: "m/s2")]"#;
+    let file = |name: &str| hammer.join(name).to_string_lossy().into_owned();
+    let calibration: Vec<String> = (1..=4)
+        .map(|n| format!("{:?}", file(&format!("measurements_{n}.npy"))))
+        .collect();
+    let text = format!(
+        r#"Force(title: "measured", problem: Response(
+            path: Hits(records: (files: [{}], {channels}), force: "hammer", response: "face"),
+            record: (files: [{:?}], {channels}), response: "face", compare_with: "hammer"))"#,
+        calibration.join(", "),
+        file("measurements_5.npy"),
+    );
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let measured = column(&outcome, "force", "measured force");
+    let largest = measured.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let peak = quantity(&outcome, "peak force");
+    let away = peak.value.unwrap() - largest;
+    assert!(
+        away.abs() < 0.007 * largest,
+        "{peak:?}, measured {largest} N"
+    );
+    // the error is that between blows, four of them
+    assert!(away.abs() < 3.2 * peak.standard_error.unwrap());
+    let difference = quantity(
+        &outcome,
+        "root mean square difference from the measured force",
+    );
+    assert!(
+        difference.value.unwrap() < 0.003 * largest,
+        "{difference:?}"
+    );
 }

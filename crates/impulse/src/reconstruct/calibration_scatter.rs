@@ -106,15 +106,11 @@ impl CalibrationScatter {
     pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
         let force = history.force();
         let inside = force.get(window.clone()).unwrap_or_default();
-        let n = inside.len();
-        let rows = inside.iter().enumerate();
-        let rows = rows.map(|(i, f)| {
-            let mut row = vec![0.0; n];
-            row[i] = self.without_force.hypot(self.relative * f);
-            row
-        });
+        let errors = inside
+            .iter()
+            .map(|f| self.without_force.hypot(self.relative * f));
         ForceError::none(force.len())
-            .with_support(window.start, rows.collect())
+            .with_independent(window.start, errors.collect())
             .with_degrees_of_freedom(self.n_blows as f64 - 1.0)
     }
 }

@@ -116,6 +116,7 @@ impl HitsSource {
         outcome.inputs.extend(loaded.inputs);
         outcome.settings.extend(loaded.settings);
         outcome.warnings.extend(loaded.warnings);
+        outcome.log.extend(loaded.left_out);
         let found = self
             .hits
             .find(loaded.records, &self.force, &format!("{field}.hits"))?;

@@ -25,9 +25,10 @@ pub struct ResponseSheet {
     pub path: PathSheet,
     /// The files with the response, and what their channels are.
     pub record: Records,
-    /// Where the blow is in the record; the first that is accepted is taken. By default the record is the blow.
+    /// Where the blow is in the record, and what it must be; the first that is accepted is taken. By default the record is the blow, and
+    /// what the checks of hits have against it is a warning: they are made for forces.
     #[serde(default)]
-    pub hit: HitsSheet,
+    pub hit: Option<HitsSheet>,
     /// Channel of the response, as `"face"`.
     pub response: String,
     /// Channel of a force to compare with, where there is one.
@@ -181,7 +182,11 @@ pub(super) fn run(
     };
     let found = read_blow(sheet, around, outcome)?;
     settings(sheet, outcome);
-    let Some(record) = found.accepted().first().copied().cloned() else {
+    let blow = match &sheet.hit {
+        Some(_) => found.accepted().first().copied(),
+        None => found.hits().find_map(|found| found.hit.record()),
+    };
+    let Some(record) = blow.cloned() else {
         around.has_read_all()?;
         refuse(
             outcome,
@@ -281,15 +286,38 @@ fn read_blow(
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
-    let found = sheet
-        .hit
-        .find(loaded.records, &sheet.response, "problem.hit")?;
+    outcome.log.extend(loaded.left_out);
+    // where the force was measured it tells best when it begins
+    let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
+    let found =
+        sheet
+            .hit
+            .clone()
+            .unwrap_or_default()
+            .find(loaded.records, reference, "problem.hit")?;
     outcome.settings.extend(found.settings().iter().cloned());
-    outcome.log.extend(found.log());
-    if found.n_accepted() > 1 {
+    if sheet.hit.is_some() {
+        outcome.log.extend(found.log());
+    } else {
+        for mut entry in found.log() {
+            entry.what = format!("the blow: {}", entry.what);
+            if !entry.accepted {
+                outcome.warnings.push(format!(
+                    "The blow is taken as it is, although the checks of hits have against it: {}.",
+                    entry.reasons.join("; ")
+                ));
+                entry.accepted = true;
+            }
+            outcome.log.push(entry);
+        }
+    }
+    let n_taken = match &sheet.hit {
+        Some(_) => found.n_accepted(),
+        None => found.n_found(),
+    };
+    if n_taken > 1 {
         outcome.warnings.push(format!(
-            "{} hits of the record are accepted: the force is that of the first.",
-            found.n_accepted()
+            "There are {n_taken} blows in the record: the force is that of the first."
         ));
     }
     Ok(found)
