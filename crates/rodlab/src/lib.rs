@@ -42,8 +42,8 @@ pub mod program;
 pub mod progress;
 pub mod records;
 pub mod report;
-mod rounded;
 pub mod responses;
+mod rounded;
 pub mod sheet;
 pub mod templates;
 

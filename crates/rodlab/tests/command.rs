@@ -60,12 +60,12 @@ fn a_misspelt_field_is_shown_with_the_nearest_name() {
 
 #[test]
 fn a_sheet_of_another_job_names_its_command() {
-    let folder = folder_with(&[("rod.ron", "Modulus(title: \"a rod\")")]);
+    let folder = folder_with(&[("hit.ron", FORCE)]);
     insta::assert_snapshot!(
-        refused(folder.path(), &["frf", "rod.ron"]),
+        refused(folder.path(), &["frf", "hit.ron"]),
         @r"
     status 2
-    error: rod.ron is a sheet for `modulus`, expected one for `frf`: run `rodlab modulus` on it
+    error: hit.ron is a sheet for `force`, expected one for `frf`: run `rodlab force` on it
     "
     );
 }

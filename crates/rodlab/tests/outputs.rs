@@ -41,13 +41,13 @@ fn every_part_has_its_file_and_the_result_is_the_last() {
 #[test]
 fn a_run_that_stops_half_way_leaves_no_result_of_an_earlier_one() {
     let folder = tempfile::tempdir().unwrap();
-    output::write(&rich::outcome(), folder.path()).unwrap();
+    output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
     let mut outcome = rich::outcome();
     // where a file should come there is a folder
     outcome.attachments[0].name = "in the way".into();
     fs::create_dir(folder.path().join("in the way")).unwrap();
     fs::write(folder.path().join("in the way/x"), "x").unwrap();
-    let error = output::write(&outcome, folder.path())
+    let error = output::write(&outcome, &rich::sheet(), folder.path())
         .unwrap_err()
         .to_string();
     assert!(
@@ -62,7 +62,7 @@ fn no_file_takes_the_place_of_another() {
     let folder = tempfile::tempdir().unwrap();
     let mut outcome = rich::outcome();
     outcome.figures[0].name = "modulus".into();
-    let error = output::write(&outcome, folder.path())
+    let error = output::write(&outcome, &rich::sheet(), folder.path())
         .unwrap_err()
         .to_string();
     assert_eq!(

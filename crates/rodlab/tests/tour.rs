@@ -94,14 +94,19 @@ fn the_tour_can_be_walked() {
             continue;
         }
         let run = Command::new("sh")
-            .args(["-u", "-c", &format!("{}\nprintf '%s' \"$PWD\" > \"$AT\"", step.commands)])
+            .args([
+                "-u",
+                "-c",
+                &format!("{}\nprintf '%s' \"$PWD\" > \"$AT\"", step.commands),
+            ])
             .current_dir(&folder)
             .env("PATH", &path)
             .env("NO_COLOR", "1")
             .env("AT", place.path().join(".at"))
             .output()
             .unwrap();
-        let output = String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
+        let output =
+            String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
         let at = format!("docs/tour.md:{}, `{}`", step.line, step.commands.trim());
         assert!(
             run.status.success() && !output.contains("not found"),

@@ -9,7 +9,7 @@ use rodlab::outcome::{
 use rodlab::output::SheetIdentity;
 
 /// The sheet that it could be of.
-pub fn sheet() -> SheetIdentity {
+pub(crate) fn sheet() -> SheetIdentity {
     SheetIdentity {
         file: "rod.ron".to_owned(),
         sha256: "0".repeat(64),
