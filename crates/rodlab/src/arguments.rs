@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::batch::Shard;
+use crate::convert::ConvertOptions;
 use crate::templates::JobName;
 
 /// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with their errors.
@@ -52,9 +53,8 @@ pub enum Command {
         input: PathBuf,
         /// The file to write.
         output: PathBuf,
-        /// Replace the output if it is there.
-        #[arg(long)]
-        force: bool,
+        #[command(flatten)]
+        options: ConvertArguments,
     },
     /// Frequency responses of hits, with coherence and errors.
     #[command(after_help = "Example:\n  rodlab frf hammer.ron --out hammer-frf")]
@@ -140,6 +140,32 @@ pub enum Command {
         /// The folder.
         folder: PathBuf,
     },
+}
+
+/// How a recording is converted.
+#[derive(Debug, Args)]
+pub struct ConvertArguments {
+    /// Convert what can be read of a damaged file, and list the rest.
+    #[arg(long)]
+    pub tolerant: bool,
+    /// Refuse a conversion that would lose anything.
+    #[arg(long)]
+    pub lossless: bool,
+    /// Write a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
+    #[arg(long)]
+    pub binary: bool,
+}
+
+impl ConvertArguments {
+    /// As the conversion takes them.
+    #[must_use]
+    pub fn options(&self) -> ConvertOptions {
+        ConvertOptions {
+            tolerant: self.tolerant,
+            lossless: self.lossless,
+            binary: self.binary,
+        }
+    }
 }
 
 /// A sheet, and where its results go.

@@ -8,7 +8,9 @@ use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, SheetCommand};
 use crate::batch::{self, Batch, Row, Status, Summary, in_one_line};
+use crate::convert::convert;
 use crate::finished::{self, finish};
+use crate::inspect::inspect;
 use crate::job::{self, Silent};
 use crate::outcome::Verdict;
 use crate::progress::Bar;
@@ -84,6 +86,30 @@ fn dispatch(
         return one_sheet(job, command, arguments, interrupted, out, err);
     }
     match &arguments.command {
+        Command::Inspect { file } => {
+            let found = inspect(file)?;
+            if arguments.json {
+                print_json(&found, out)?;
+            } else {
+                out.write_all(found.to_text().as_bytes())
+                    .map_err(to_terminal)?;
+            }
+            Ok(Ending::Done)
+        }
+        Command::Convert {
+            input,
+            output,
+            options,
+        } => {
+            let done = convert(input, output, options.options())?;
+            if arguments.json {
+                print_json(&done, out)?;
+            } else if !arguments.quiet {
+                out.write_all(done.to_text(input, output).as_bytes())
+                    .map_err(to_terminal)?;
+            }
+            Ok(Ending::Done)
+        }
         Command::Init { job, path } => {
             let path = path
                 .clone()
@@ -140,8 +166,15 @@ fn dispatch(
             }
             Ok(Ending::Done)
         }
+        // the commands with a sheet, above
         _ => Ok(Ending::Done),
     }
+}
+
+fn print_json(what: &impl serde::Serialize, out: &mut dyn Write) -> Result<(), RodlabError> {
+    let text = serde_json::to_string_pretty(what)
+        .map_err(|error| RodlabError::step("writing JSON", error))?;
+    say(out, &text)
 }
 
 fn one_sheet(

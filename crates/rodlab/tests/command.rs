@@ -291,3 +291,36 @@ fn a_full_disk_leaves_the_old_result_whole() {
         assert!(!name.to_string_lossy().starts_with(".rodlab-"), "{name:?}");
     }
 }
+
+#[test]
+fn a_recording_is_inspected_and_converted() {
+    let folder = folder_with(&[(
+        "hit.csv",
+        "Time (s);force (N)\n0;1\n0.001;2\n0.002;-1\n0.003;0.5\n",
+    )]);
+    let run = rodlab(folder.path(), &["inspect", "hit.csv"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let said = text(&run.stdout);
+    assert!(said.contains("force") && said.contains("1 kHz"), "{said}");
+    let json = rodlab(folder.path(), &["inspect", "hit.csv", "--json"]);
+    assert!(serde_json::from_slice::<serde_json::Value>(&json.stdout).is_ok());
+
+    let run = rodlab(
+        folder.path(),
+        &["convert", "hit.csv", "hit.uff", "--binary"],
+    );
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let again = text(&rodlab(folder.path(), &["inspect", "hit.uff"]).stdout);
+    assert!(
+        again.contains("force") && again.contains("1 kHz"),
+        "{again}"
+    );
+    let said = refused(folder.path(), &["convert", "hit.csv", "hit.xyz"]);
+    assert!(said.starts_with("status 2\nerror: "), "{said}");
+    assert!(!folder.path().join("hit.xyz").exists());
+    let said = refused(folder.path(), &["inspect", "nothing.csv"]);
+    assert!(
+        said.starts_with("status 2\nerror: cannot read nothing.csv"),
+        "{said}"
+    );
+}
