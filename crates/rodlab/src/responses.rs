@@ -5,11 +5,13 @@
 
 mod file;
 mod hits;
+mod kind;
 mod support;
 
+pub use file::ResponseFile;
 pub(crate) use file::STANDARD_ERROR;
-pub use file::{KindSheet, ResponseFile};
 pub use hits::{EstimatorSheet, ForceWindowSheet, HitsSource};
+pub use kind::KindSheet;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 
 use labio::{FrequencyResponse, LineValidity};

@@ -8,11 +8,13 @@ mod impact_tables;
 mod response;
 mod response_answer;
 mod response_figures;
+mod response_sheet;
 mod response_solve;
+mod response_tables;
 
 pub use impact::{ContactSheet, ImpactSheet};
 pub use impact_lines::{Line, UncertaintySheet};
-pub use response::{
+pub use response_sheet::{
     BandSheet, IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet,
     RegularisationSheet, ResponseSheet,
 };

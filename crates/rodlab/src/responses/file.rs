@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use labio::format::{self};
+use labio::format;
 use labio::{
     Abscissa, Channel, Contents, Dimension, FrequencyResponse, Ordinate, Provenance, Quantity,
     ResponseKind, Series, SeriesKind,
@@ -11,6 +11,7 @@ use labio::{
 use num_complex::Complex64;
 use serde::Deserialize;
 
+use super::kind::{KINDS, KindSheet, dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError};
@@ -47,60 +48,6 @@ pub struct ResponseFile {
     /// Number of hits that were averaged.
     #[serde(default)]
     pub averages: Option<usize>,
-}
-
-/// One of the six responses between a force and a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum KindSheet {
-    /// Displacement over force.
-    Receptance,
-    /// Velocity over force.
-    Mobility,
-    /// Acceleration over force.
-    Accelerance,
-    /// Force over displacement.
-    DynamicStiffness,
-    /// Force over velocity.
-    Impedance,
-    /// Force over acceleration.
-    DynamicMass,
-}
-
-impl KindSheet {
-    /// As `labio` calls it.
-    #[must_use]
-    pub fn kind(self) -> ResponseKind {
-        match self {
-            Self::Receptance => ResponseKind::Receptance,
-            Self::Mobility => ResponseKind::Mobility,
-            Self::Accelerance => ResponseKind::Accelerance,
-            Self::DynamicStiffness => ResponseKind::DynamicStiffness,
-            Self::Impedance => ResponseKind::Impedance,
-            Self::DynamicMass => ResponseKind::DynamicMass,
-        }
-    }
-}
-
-const KINDS: [ResponseKind; 6] = [
-    ResponseKind::Receptance,
-    ResponseKind::Mobility,
-    ResponseKind::Accelerance,
-    ResponseKind::DynamicStiffness,
-    ResponseKind::Impedance,
-    ResponseKind::DynamicMass,
-];
-
-fn quantities(kind: ResponseKind) -> [Quantity; 2] {
-    if kind.is_motion_over_force() {
-        [Quantity::Force, kind.motion()]
-    } else {
-        [kind.motion(), Quantity::Force]
-    }
-}
-
-fn dimension(kind: ResponseKind) -> Option<Dimension> {
-    let [input, output] = quantities(kind);
-    output.dimension().quotient(input.dimension())
 }
 
 /// The lines of a data set on the grid of a response.

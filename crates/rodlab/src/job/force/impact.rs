@@ -130,7 +130,7 @@ impl Found {
         let on_lines = self
             .on_lines
             .as_ref()
-            .and_then(|lines| lines.error_at(peak.time));
+            .and_then(|lines| lines.error_near(peak.time));
         on_lines.or_else(|| {
             let faster = self.faster.as_ref()?;
             Some((faster.peak().force - peak.force).abs())

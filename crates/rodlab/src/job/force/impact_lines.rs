@@ -236,6 +236,15 @@ impl OnLines {
         bands.error.standard_error().get(index).copied()
     }
 
+    /// The largest standard error on the samples next to `time`: the first sample of a jump holds the middle of it, and half its error.
+    pub(super) fn error_near(&self, time: f64) -> Option<f64> {
+        let step = self.stick.history.time_step();
+        [-step, 0.0, step]
+            .iter()
+            .filter_map(|away| self.error_at(time + away))
+            .reduce(f64::max)
+    }
+
     pub(super) fn quantities(&self) -> Vec<Quantity> {
         let peak = self.stick.history.peak();
         let mut found = vec![Quantity {

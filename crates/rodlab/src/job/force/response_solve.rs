@@ -10,9 +10,8 @@ use impulse::{
 use labio::{FrequencyResponse, LineValidity, Record};
 use num_complex::Complex64;
 
-use super::response::{
-    ParameterSheet, PenaltySheet, Problem, RegularisationSheet, ResponseSheet, kind_of,
-};
+use super::response::{Problem, kind_of};
+use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
 use crate::job::Surroundings;
 use crate::responses::HitsSource;
