@@ -324,3 +324,25 @@ fn a_recording_is_inspected_and_converted() {
         "{said}"
     );
 }
+
+#[test]
+fn a_sheet_whose_files_are_missing_is_found_by_check() {
+    // every template names recordings that are not there, but for those of virtual tests and of two computed bodies
+    let folder = folder_with(&[]);
+    for job in ["frf", "modulus", "identify"] {
+        let sheet = format!("{job}.ron");
+        assert!(rodlab(folder.path(), &["init", job]).status.success());
+        let said = refused(folder.path(), &["check", &sheet]);
+        assert!(
+            said.starts_with("status 2\nerror: no file matches `"),
+            "{job}: {said}"
+        );
+    }
+    for job in ["simulate", "force"] {
+        let sheet = format!("{job}.ron");
+        assert!(rodlab(folder.path(), &["init", job]).status.success());
+        let run = rodlab(folder.path(), &["check", &sheet]);
+        assert_eq!(run.status.code(), Some(0), "{job}: {}", text(&run.stderr));
+        assert!(!folder.path().join(format!("{job}-result")).exists());
+    }
+}

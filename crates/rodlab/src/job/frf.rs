@@ -64,6 +64,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     for output in &outputs {
         estimate::check_kind(sheet, hit, output)?;
     }
+    around.has_read_all()?;
     let mut spectra = Vec::with_capacity(sets.len());
     for hits in &accepted {
         spectra.push(estimate::spectra(sheet, hits, around)?);

@@ -144,6 +144,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
+    around.has_read_all()?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
         outcome
@@ -152,7 +153,6 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
         outcome.verdict = Verdict::NotAllowed { reason };
         return Ok(outcome);
     };
-    around.go_on()?;
 
     around.progress.begins("finding the modulus", 0);
     let apparent = estimate::estimate(sheet, &measured, spectra)?;

@@ -164,7 +164,7 @@ pub(crate) fn run(
     outcome
         .inputs
         .dedup_by(|a: &mut InputFile, b| a.path == b.path);
-    around.go_on()?;
+    around.has_read_all()?;
 
     let series_modulus = SeriesModulus {
         value: sheet.series_modulus.si(),
