@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use rodlab::templates::JobName;
 use tempfile::TempDir;
 
 fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
@@ -60,7 +61,7 @@ fn a_misspelt_field_is_shown_with_the_nearest_name() {
 
 #[test]
 fn a_sheet_of_another_job_names_its_command() {
-    let folder = folder_with(&[("rod.ron", "Modulus(title: \"a rod\")")]);
+    let folder = folder_with(&[("rod.ron", JobName::Modulus.template())]);
     insta::assert_snapshot!(
         refused(folder.path(), &["frf", "rod.ron"]),
         @r"

@@ -338,6 +338,20 @@ fn a_projectile_gives_the_law_that_was_put_in() {
 }
 
 #[test]
+fn records_of_a_nonlinear_rod_say_what_the_filter_does_to_them() {
+    let norton = r#"Norton(exponent: "1.8", rate_at_10_mpa: "8 1/s")"#;
+    let text = sheet(&[PROJECTILE]).replace(r#"Maxwell(viscosity: "4 MPa s")"#, norton);
+    let made = attempt(Path::new("."), &text).unwrap();
+    assert!(
+        made.warnings.len() == 1 && made.warnings[0].starts_with("the law is not linear"),
+        "{:?}",
+        made.warnings
+    );
+    let linear = attempt(Path::new("."), &sheet(&[PROJECTILE])).unwrap();
+    assert_eq!(linear.warnings, Vec::<String>::new());
+}
+
+#[test]
 fn the_seed_and_nothing_else_decides() {
     let of = |more: &str| {
         let few = BOTH_ENDS.replace("hits: 10", "hits: 2");
