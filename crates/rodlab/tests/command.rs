@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use rodlab::templates::JobName;
 use tempfile::TempDir;
 
 fn rodlab(folder: &Path, arguments: &[&str]) -> Output {

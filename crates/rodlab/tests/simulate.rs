@@ -338,6 +338,20 @@ fn a_projectile_gives_the_law_that_was_put_in() {
 }
 
 #[test]
+fn records_of_a_nonlinear_rod_say_what_the_filter_does_to_them() {
+    let norton = r#"Norton(exponent: "1.8", rate_at_10_mpa: "8 1/s")"#;
+    let text = sheet(&[PROJECTILE]).replace(r#"Maxwell(viscosity: "4 MPa s")"#, norton);
+    let made = attempt(Path::new("."), &text).unwrap();
+    assert!(
+        made.warnings.len() == 1 && made.warnings[0].starts_with("the law is not linear"),
+        "{:?}",
+        made.warnings
+    );
+    let linear = attempt(Path::new("."), &sheet(&[PROJECTILE])).unwrap();
+    assert_eq!(linear.warnings, Vec::<String>::new());
+}
+
+#[test]
 fn the_seed_and_nothing_else_decides() {
     let of = |more: &str| {
         let few = BOTH_ENDS.replace("hits: 10", "hits: 2");
@@ -350,6 +364,25 @@ fn the_seed_and_nothing_else_decides() {
     let (first, again, other) = (of(""), of("seed: 1"), of("seed: 2"));
     assert_eq!(first.attachments, again.attachments);
     assert_eq!(first.figures, again.figures);
+    // what nobody stated is said to be a default
+    let by_default = |outcome: &Outcome| -> Vec<String> {
+        let settings = outcome.settings.iter().filter(|s| s.by_default);
+        settings
+            .map(|s| format!("{}: {}", s.name, s.value))
+            .collect()
+    };
+    assert_eq!(
+        by_default(&first),
+        [
+            "experiment.blows.shape: RaisedCosine",
+            "experiment.blows.scatter: 5 %",
+            "output: records.csv",
+            "seed: 1",
+            "instrument.before: 2 ms",
+            "instrument.anti_alias: linear phase, half at 20480 Hz",
+            "instrument.converter.full_scale: 125 %",
+        ]
+    );
     assert_ne!(first.attachments[0].bytes, other.attachments[0].bytes);
     // the same numbers in every format
     let samples = |outcome: &Outcome| -> Vec<Vec<f64>> {

@@ -10,6 +10,8 @@ mod frame_strains;
 mod hammer_on_body;
 mod impacted_rod;
 mod instrument;
+mod level;
+mod settings;
 mod truth;
 
 pub use blows::{BlowsSheet, ShapeSheet};
@@ -18,14 +20,15 @@ pub use end_accelerations::EndAccelerationsSheet;
 pub use frame_strains::{StrainsInFrameSheet, SupportSheet};
 pub use hammer_on_body::HammerOnBodySheet;
 pub use impacted_rod::{ImpactedRodSheet, InelasticLawSheet, SensorsSheet, StrikerSheet};
-pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet, LevelText};
+pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet};
+pub use level::LevelText;
 
 use rodwave::medium::Medium;
 use serde::Deserialize;
 
 use super::{About, Surroundings};
 use crate::figure::Figure;
-use crate::outcome::{Attachment, Setting, Table};
+use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;
@@ -144,7 +147,7 @@ pub(crate) fn run(
 ) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("simulate", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
-    settings(sheet, &mut outcome);
+    outcome.settings.extend(settings::of(sheet));
     let request = Request {
         title: &sheet.title,
         materials: &sheet.materials,
@@ -172,35 +175,6 @@ pub(crate) fn run(
     };
     tell(made, instrument, &mut outcome)?;
     Ok(outcome)
-}
-
-fn settings(sheet: &SimulateSheet, outcome: &mut Outcome) {
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: name.to_owned(),
-            value,
-            by_default,
-        });
-    };
-    let experiment = match &sheet.experiment {
-        ExperimentSheet::EndAccelerations(_) => "EndAccelerations",
-        ExperimentSheet::StrainsInFrame(_) => "StrainsInFrame",
-        ExperimentSheet::CreepRecovery(_) => "CreepRecovery",
-        ExperimentSheet::ImpactedRod(_) => "ImpactedRod",
-        ExperimentSheet::HammerOnBody(_) => "HammerOnBody",
-    };
-    say("experiment", experiment.to_owned(), false);
-    let output = sheet.output.as_deref();
-    say(
-        "output",
-        output.unwrap_or(USUAL_OUTPUT).to_owned(),
-        output.is_none(),
-    );
-    let seed = sheet.seed.unwrap_or(USUAL_SEED);
-    say("seed", seed.to_string(), sheet.seed.is_none());
-    if let Some(instrument) = &sheet.instrument {
-        outcome.settings.extend(instrument.settings());
-    }
 }
 
 fn tell(

@@ -54,10 +54,33 @@ pub struct SupportSheet {
 }
 
 impl SupportSheet {
+    /// Whether there is nothing.
+    pub(super) fn is_absent(&self) -> bool {
+        self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none()
+    }
+
+    /// As `mass 15 gram, stiffness 70 N/m`.
+    pub(super) fn in_words(&self) -> String {
+        let parts = [
+            self.mass.as_ref().map(|mass| format!("mass {mass}")),
+            self.stiffness
+                .as_ref()
+                .map(|stiffness| format!("stiffness {stiffness}")),
+            self.resistance
+                .as_ref()
+                .map(|resistance| format!("resistance {resistance}")),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if parts.is_empty() {
+            "nothing".to_owned()
+        } else {
+            parts.join(", ")
+        }
+    }
+
     /// `None` where there is nothing.
     fn support(&self) -> Option<EndSupport> {
-        let absent = self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none();
-        (!absent).then(|| EndSupport {
+        (!self.is_absent()).then(|| EndSupport {
             stiffness: self.stiffness.as_ref().map_or(0.0, Stated::si),
             resistance: self.resistance.as_ref().map_or(0.0, Stated::si),
             mass: self.mass.as_ref().map_or(0.0, Stated::si),

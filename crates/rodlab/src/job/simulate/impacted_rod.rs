@@ -29,6 +29,11 @@ const FREE: &str = "free end";
 /// Cells in the shortest wave that the recorder passes, unless stated: the chain then errs by some thousandths of its front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
+/// What is said of records of a rod that is not linear.
+const NOT_COMMUTING: &str = "the law is not linear, and the recorder filters what the rod has done: the recorded motion of the near end is not \
+    the one that made the recorded response, and parameters from these records are off by more than noise explains, the less the higher the \
+    sampling rate";
+
 /// A rod that is struck by a projectile.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -259,6 +264,12 @@ impl ImpactedRodSheet {
             )?;
             around.progress.one_more();
             around.go_on()?;
+        }
+        if !matches!(
+            self.law,
+            InelasticLawSheet::Elastic | InelasticLawSheet::Maxwell { .. }
+        ) {
+            recorded.warnings.push(NOT_COMMUTING.to_owned());
         }
         let figure = sections::figure(&struck, around)?;
         let mut truth = Truth::default();

@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use labio::instrument::{Acquisition, AntiAlias, Converter, Instrument, NoiseSpectrum};
-use labio::{Channel, Dimension, Provenance, Quantity, Record};
+use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rand_chacha::ChaCha8Rng;
 use rodwave::band_limited::Recorder;
 use serde::Deserialize;
 
+use super::level::{Level, LevelText};
 use crate::RodlabError;
 use crate::outcome::Setting;
-use crate::sheet::{Duration, Frequency, Stated, number_and_unit};
+use crate::sheet::{Duration, Frequency, Stated};
 
 /// Histories are this much finer than they are sampled.
 const FINER: usize = 8;
@@ -86,62 +87,6 @@ pub struct ConverterSheet {
     /// Full scale: a part of the largest value of each channel, as `"125 %"`, which is the default, or in the unit of the channels.
     #[serde(default)]
     pub full_scale: Option<LevelText>,
-}
-
-/// A level as it is written.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(try_from = "String")]
-pub struct LevelText {
-    text: String,
-    level: Level,
-}
-
-/// A level of a channel.
-#[derive(Debug, Clone, Copy)]
-enum Level {
-    /// Over its largest value.
-    OfPeak(f64),
-    /// In SI.
-    Absolute(f64, Dimension),
-}
-
-impl TryFrom<String> for LevelText {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let expected = "expected a part of the largest value, as \"0.02 %\", or a level in the unit of the channel";
-        let (number, unit) =
-            number_and_unit(&text).map_err(|why| format!("`{text}` {why}, {expected}"))?;
-        let si = unit.to_si(number);
-        if !(si.is_finite() && si > 0.0) {
-            return Err(format!("`{text}` is not above 0, {expected}"));
-        }
-        let level = if unit.symbol() == "%" {
-            Level::OfPeak(si)
-        } else {
-            Level::Absolute(si, unit.dimension())
-        };
-        Ok(Self { text, level })
-    }
-}
-
-impl Level {
-    fn of(self, channel: &Channel, peak: f64, text: &str, field: &str) -> Result<f64, RodlabError> {
-        match self {
-            Self::OfPeak(part) => Ok(part * peak),
-            Self::Absolute(si, dimension) if dimension == channel.quantity().dimension() => Ok(si),
-            Self::Absolute(..) => Err(RodlabError::request(
-                field,
-                format!("`{text}`"),
-                format!(
-                    "a part of the largest value in % or a level of `{}`, which is {} [{}]",
-                    channel.name(),
-                    channel.quantity().name(),
-                    channel.quantity().unit()
-                ),
-            )),
-        }
-    }
 }
 
 /// What the sensors would show if they were perfect.
