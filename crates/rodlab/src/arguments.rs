@@ -53,6 +53,7 @@ pub enum Command {
         input: PathBuf,
         /// The file to write.
         output: PathBuf,
+        /// What may be lost, and how universal files are written.
         #[command(flatten)]
         options: ConvertArguments,
     },

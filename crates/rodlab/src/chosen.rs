@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::job::frf::AboutSheet;
+use crate::job::About;
 use crate::outcome::Setting;
 
 /// Collects the [`Setting`]s of a job.
@@ -34,17 +34,8 @@ impl Chosen {
     }
 
     /// Free texts about a test.
-    pub(crate) fn about(&mut self, about: &AboutSheet) {
-        for (name, text) in [
-            ("laboratory", &about.laboratory),
-            ("operator", &about.operator),
-            ("date", &about.date),
-            ("note", &about.note),
-        ] {
-            if let Some(text) = text {
-                self.stated(format!("about.{name}"), text);
-            }
-        }
+    pub(crate) fn about(&mut self, about: &About) {
+        self.extend(about.settings());
     }
 
     /// Settings that were listed elsewhere.

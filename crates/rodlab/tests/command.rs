@@ -8,7 +8,6 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use rodlab::templates::JobName;
 use tempfile::TempDir;
 
 fn rodlab(folder: &Path, arguments: &[&str]) -> Output {

@@ -97,7 +97,10 @@ fn the_tour_can_be_walked() {
             .args([
                 "-u",
                 "-c",
-                &format!("{}\nprintf '%s' \"$PWD\" > \"$AT\"", step.commands),
+                &format!(
+                    "exec 2>&1\n{}\nprintf '%s' \"$PWD\" > \"$AT\"",
+                    step.commands
+                ),
             ])
             .current_dir(&folder)
             .env("PATH", &path)
@@ -105,8 +108,7 @@ fn the_tour_can_be_walked() {
             .env("AT", place.path().join(".at"))
             .output()
             .unwrap();
-        let output =
-            String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
+        let output = String::from_utf8(run.stdout).unwrap();
         let at = format!("docs/tour.md:{}, `{}`", step.line, step.commands.trim());
         assert!(
             run.status.success() && !output.contains("not found"),

@@ -24,6 +24,11 @@ pub struct About {
 impl About {
     /// Puts what is stated into the settings of `outcome`.
     pub(crate) fn tell(&self, outcome: &mut Outcome) {
+        outcome.settings.append(&mut self.settings());
+    }
+
+    /// What is stated.
+    pub(crate) fn settings(&self) -> Vec<Setting> {
         let texts = [
             ("about.laboratory", &self.laboratory),
             ("about.operator", &self.operator),
@@ -31,14 +36,15 @@ impl About {
             ("about.specimen", &self.specimen),
             ("about.note", &self.note),
         ];
-        for (name, text) in texts {
-            if let Some(value) = text {
-                outcome.settings.push(Setting {
+        texts
+            .into_iter()
+            .filter_map(|(name, text)| {
+                Some(Setting {
                     name: name.to_owned(),
-                    value: value.clone(),
+                    value: text.clone()?,
                     by_default: false,
-                });
-            }
-        }
+                })
+            })
+            .collect()
     }
 }

@@ -17,8 +17,8 @@ mod universal;
 mod words;
 
 pub use sheet::{
-    AboutSheet, BandSheet, DetrendSheet, EstimatorSheet, ExponentialWindowSheet, ForceWindowSheet,
-    FrfSheet, KindSheet, MergeSheet, SecondHammerSheet, WeighedMassSheet, WindowSheet,
+    BandSheet, DetrendSheet, EstimatorSheet, ExponentialWindowSheet, ForceWindowSheet, FrfSheet,
+    KindSheet, MergeSheet, SecondHammerSheet, WeighedMassSheet, WindowSheet,
 };
 
 use labio::{AveragedSpectra, Record};

@@ -25,8 +25,9 @@ use cmod::ModulusEstimate;
 use cmod::lateral_inertia::CorrectedEstimate;
 use serde::Deserialize;
 
+use super::About;
 use super::Surroundings;
-use super::frf::{AboutSheet, BandSheet};
+use super::frf::BandSheet;
 use crate::outcome::Verdict;
 use crate::sheet::{AddedMass, Density, Frequency, Length, Ratio, Stated};
 use crate::{Outcome, RodlabError};
@@ -40,7 +41,7 @@ pub struct ModulusSheet {
     pub title: String,
     /// Who measured what, where and when.
     #[serde(default)]
-    pub about: AboutSheet,
+    pub about: About,
     /// The rod.
     pub specimen: SpecimenSheet,
     /// How the modulus is found.

@@ -18,8 +18,8 @@ use cmod::recovery::fit::{
 };
 use serde::Deserialize;
 
+use super::About;
 use super::Surroundings;
-use super::frf::AboutSheet;
 use crate::chosen::Chosen;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Frequency, Pressure, Ratio, Stated};
@@ -33,7 +33,7 @@ pub struct RecoverySheet {
     pub title: String,
     /// Who measured what, where and when.
     #[serde(default)]
-    pub about: AboutSheet,
+    pub about: About,
     /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, as `"3.1 GPa ± 50 MPa"`. No loss factor
     /// determines it.
     pub series_modulus: Stated<Pressure>,

@@ -5,7 +5,7 @@ use crate::outcome::Setting;
 
 /// Every choice of the sheet but those of records and hits.
 pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
-    let mut settings = Vec::new();
+    let mut settings = sheet.about.settings();
     let mut say = |name: &str, value: String, by_default: bool| {
         settings.push(Setting {
             name: name.to_owned(),
@@ -13,17 +13,6 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
             by_default,
         });
     };
-    let about = [
-        ("about.laboratory", &sheet.about.laboratory),
-        ("about.operator", &sheet.about.operator),
-        ("about.date", &sheet.about.date),
-        ("about.note", &sheet.about.note),
-    ];
-    for (name, text) in about {
-        if let Some(text) = text {
-            say(name, text.clone(), false);
-        }
-    }
     say("input", sheet.input.clone(), false);
     let outputs = sheet
         .outputs

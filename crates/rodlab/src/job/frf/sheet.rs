@@ -3,6 +3,8 @@
 use labio::{Detrend, Estimator, ForceWindow, ResponseKind, Window};
 use serde::Deserialize;
 
+use crate::job::About;
+
 use crate::RodlabError;
 use crate::hits::HitsSheet;
 use crate::records::Records;
@@ -16,7 +18,7 @@ pub struct FrfSheet {
     pub title: String,
     /// Who measured what, where and when, for the report.
     #[serde(default)]
-    pub about: AboutSheet,
+    pub about: About,
     /// The files, and what their channels are.
     pub records: Records,
     /// Which hits of the records are averaged.
@@ -54,20 +56,6 @@ pub struct FrfSheet {
     /// Weighed mass of a free body, which replaces the lines of low frequency.
     #[serde(default)]
     pub weighed_mass: Option<WeighedMassSheet>,
-}
-
-/// Who measured what, where and when: free texts.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct AboutSheet {
-    /// Laboratory.
-    pub laboratory: Option<String>,
-    /// Who measured.
-    pub operator: Option<String>,
-    /// When, as `2026-11-21`.
-    pub date: Option<String>,
-    /// Anything else.
-    pub note: Option<String>,
 }
 
 /// How the response is formed of the averaged spectra.
