@@ -46,6 +46,7 @@ pub mod responses;
 mod rounded;
 pub mod sheet;
 pub mod templates;
+mod universal;
 
 pub use error::RodlabError;
 pub use outcome::Outcome;

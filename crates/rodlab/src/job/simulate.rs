@@ -95,6 +95,15 @@ impl Request<'_> {
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
     }
+
+    /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates what was recorded.
+    fn records_of_sheet(&self, recorded: &Recorded, indent: &str) -> String {
+        let pattern = self.naming.pattern();
+        let first = recorded.records.first();
+        first
+            .map(|first| self.naming.records_of_sheet(&pattern, first, indent))
+            .unwrap_or_default()
+    }
 }
 
 /// What an experiment gives.

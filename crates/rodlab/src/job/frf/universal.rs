@@ -1,12 +1,11 @@
 //! Responses and coherences as a universal file, for other programs.
 
-use labio::format::Writer;
-use labio::format::uff58::{Encoding, Precision, Uff58Writer};
-use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesAxis, SeriesKind};
+use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
 
 use super::estimate::Estimated;
 use crate::RodlabError;
 use crate::outcome::Attachment;
+use crate::universal::{self, axis, property};
 
 /// `frf.uff` with the response to every output, and the coherence of every test.
 pub(super) fn attachment(
@@ -25,7 +24,6 @@ pub(super) fn attachment(
             start: first as f64 * step,
             step,
         };
-        let property = |key: &str, value: &str| (format!("uff58.{key}"), value.to_owned());
         let (input_quantity, output_quantity) =
             (response.input.quantity(), response.output.quantity());
         contents.series.push(Series {
@@ -40,8 +38,8 @@ pub(super) fn attachment(
             abscissa_axis: axis("Frequency", "Hz"),
             ordinate_axis: axis(output_quantity.name(), unit(output_quantity)),
             properties: vec![
-                property("id2", &line(title)),
-                property("id4", &line(&format!("response of {output} over {input}"))),
+                property("id2", title),
+                property("id4", &format!("response of {output} over {input}")),
                 property("response_node", "2"),
                 property("response_direction", "1"),
                 property("reference_node", "1"),
@@ -59,38 +57,16 @@ pub(super) fn attachment(
                 abscissa_axis: axis("Frequency", "Hz"),
                 ordinate_axis: axis("coherence", ""),
                 properties: vec![
-                    property("id2", &line(title)),
+                    property("id2", title),
                     property(
                         "id4",
-                        &line(&format!(
-                            "coherence of {output} over {input}, test {}",
-                            number + 1
-                        )),
+                        &format!("coherence of {output} over {input}, test {}", number + 1),
                     ),
                 ],
             });
         }
     }
-    let mut bytes = Vec::new();
-    let writer = Uff58Writer {
-        encoding: Encoding::Ascii,
-        precision: Precision::Double,
-    };
-    writer
-        .write(&contents, &mut bytes)
-        .map_err(|error| RodlabError::step("writing frf.uff", error))?;
-    Ok(Attachment {
-        name: "frf.uff".to_owned(),
-        bytes,
-    })
-}
-
-fn axis(label: &str, unit_text: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit_text: unit_text.to_owned(),
-        unit: None,
-    }
+    universal::attachment(&contents, "frf.uff")
 }
 
 /// The unit in text; a pure number has none.
@@ -99,14 +75,4 @@ fn unit(quantity: Quantity) -> &'static str {
         "1" => "",
         unit => unit,
     }
-}
-
-/// As much of a text as one line of the header holds.
-fn line(text: &str) -> String {
-    let one_line: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .take(78)
-        .collect();
-    one_line.trim().to_owned()
 }

@@ -1,13 +1,12 @@
 //! The mobility as a universal file, for other programs and for the job `force`.
 
-use labio::format::Writer;
-use labio::format::uff58::{Encoding, Precision, Uff58Writer};
-use labio::{Abscissa, Contents, LineValidity, Ordinate, Series, SeriesAxis, SeriesKind};
+use labio::{Abscissa, Contents, LineValidity, Ordinate, Series, SeriesKind};
 
 use super::known::Known;
 use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::responses::{STANDARD_ERROR, line_spacing_hz};
+use crate::universal::{self, axis, property};
 
 const NAME: &str = "mobility";
 
@@ -44,16 +43,16 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
         ),
         properties: {
             let mut said = vec![
-                ("uff58.id2".to_owned(), header_line(title)),
-                ("uff58.id4".to_owned(), header_line(note)),
-                ("uff58.response_node".to_owned(), "1".to_owned()),
-                ("uff58.response_direction".to_owned(), "1".to_owned()),
-                ("uff58.reference_node".to_owned(), "1".to_owned()),
-                ("uff58.reference_direction".to_owned(), "1".to_owned()),
+                property("id2", title),
+                property("id4", note),
+                property("response_node", "1"),
+                property("response_direction", "1"),
+                property("reference_node", "1"),
+                property("reference_direction", "1"),
             ];
             if !unit.is_empty() {
-                said.push(("uff58.denominator_label".to_owned(), "force".to_owned()));
-                said.push(("uff58.denominator_unit".to_owned(), "N".to_owned()));
+                said.push(property("denominator_label", "force"));
+                said.push(property("denominator_unit", "N"));
             }
             said
         },
@@ -94,34 +93,5 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
             ));
         }
     }
-    let mut bytes = Vec::new();
-    let writer = Uff58Writer {
-        encoding: Encoding::Ascii,
-        precision: Precision::Double,
-    };
-    writer
-        .write(&contents, &mut bytes)
-        .map_err(|error| RodlabError::step("writing mobility.uff", error))?;
-    Ok(Attachment {
-        name: "mobility.uff".to_owned(),
-        bytes,
-    })
-}
-
-fn axis(label: &str, unit_text: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit_text: unit_text.to_owned(),
-        unit: None,
-    }
-}
-
-/// As much of a text as one line of the header holds.
-fn header_line(text: &str) -> String {
-    let text: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .take(76)
-        .collect();
-    text.trim().to_owned()
+    universal::attachment(&contents, "mobility.uff")
 }

@@ -1,18 +1,15 @@
 //! The ratio of spectra as a universal file, for other programs, and for this one.
 
-use labio::format::Writer;
-use labio::format::uff58::{Encoding, Precision, Uff58Writer};
-use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
+use labio::{Abscissa, Contents, Ordinate, Series, SeriesKind};
 
 use super::Found;
 use super::measured::Ratio;
 use crate::RodlabError;
 use crate::outcome::Attachment;
+use crate::universal::{self, axis, property};
 
 /// Spacing of lines that counts as even, by its relative deviation.
 const EVEN: f64 = 1e-9;
-/// Characters of a line of the header.
-const LINE: usize = 78;
 
 /// `ratio.uff` with the ratio and its coherence; none where the method has no ratio of equal quantities on even lines.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
@@ -25,14 +22,6 @@ pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, Rodlab
     let words = found.sheet.method.ratio_in_words()?;
     let mut contents = Contents::of_format("rodlab");
     let mut series = |name: &str, kind, ordinate| {
-        let property = |key: &str, value: &str| {
-            let one_line: String = value
-                .chars()
-                .filter(|c| !c.is_control())
-                .take(LINE)
-                .collect();
-            (format!("uff58.{key}"), one_line.trim().to_owned())
-        };
         contents.series.push(Series {
             name: name.to_owned(),
             kind,
@@ -58,18 +47,7 @@ pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, Rodlab
             Ordinate::Real(coherence.clone()),
         );
     }
-    let mut bytes = Vec::new();
-    let writer = Uff58Writer {
-        encoding: Encoding::Ascii,
-        precision: Precision::Double,
-    };
-    writer
-        .write(&contents, &mut bytes)
-        .map_err(|error| RodlabError::step("writing ratio.uff", error))?;
-    Ok(Some(Attachment {
-        name: "ratio.uff".to_owned(),
-        bytes,
-    }))
+    universal::attachment(&contents, "ratio.uff").map(Some)
 }
 
 /// The lines as start and step.
@@ -83,12 +61,4 @@ fn even(ratio: &Ratio) -> Option<Abscissa> {
         .all(|(index, f)| (f - (first + index as f64 * step)).abs() <= EVEN * last);
     let finite = ratio.values.iter().all(|value| value.is_finite());
     (is_even && finite).then_some(Abscissa::Even { start: first, step })
-}
-
-fn axis(label: &str, unit_text: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit_text: unit_text.to_owned(),
-        unit: None,
-    }
 }

@@ -3,7 +3,6 @@
 use labio::Quantity;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
-use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
 use super::blows::{self, BlowsSheet};
@@ -54,10 +53,7 @@ impl EndAccelerationsSheet {
             accelerometer_mass: mass,
         };
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
-        let step = instrument.fine_step();
-        let synthesis = DampedSynthesis::new(instrument.duration(), step)
-            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
-            .map_err(refused)?;
+        let synthesis = instrument.synthesis(FIELD)?;
         let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
         around.has_read_all()?;
 
@@ -90,7 +86,7 @@ impl EndAccelerationsSheet {
         truth.add("diameter", self.diameter.si(), "m");
         truth.add("density", medium.density(), "kg/m3");
         truth.add("accelerometer mass", mass, "kg");
-        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
+        let band = instrument.passes_up_to_hz();
         Ok(Made {
             truth,
             tables: vec![truth::modulus(&medium, 0.01 * band, band)],
@@ -118,17 +114,9 @@ impl EndAccelerationsSheet {
             .as_ref()
             .map(|mass| format!("\n        accelerometer_mass: \"{mass}\","))
             .unwrap_or_default();
-        let records = recorded
-            .records
-            .first()
-            .map(|first| {
-                request
-                    .naming
-                    .records_of_sheet(&request.naming.pattern(), first, "        ")
-            })
-            .unwrap_or_default();
+        let records = request.records_of_sheet(recorded, "        ");
         // up to where the filter passes everything
-        let highest = 1e-3 * (instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si());
+        let highest = 1e-3 * instrument.passes_up_to_hz();
         let text = format!(
             r#"Modulus(
     title: {title:?},

@@ -4,7 +4,6 @@ use labio::Quantity;
 use rodwave::chain::{LaplaceVariable, Termination};
 use rodwave::element::Circle;
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
-use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
 use super::blows::{self, BlowsSheet};
@@ -124,10 +123,7 @@ impl StrainsInFrameSheet {
                 .map_err(refused)?;
         }
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
-        let step = instrument.fine_step();
-        let synthesis = DampedSynthesis::new(instrument.duration(), step)
-            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
-            .map_err(refused)?;
+        let synthesis = instrument.synthesis(FIELD)?;
         around.has_read_all()?;
 
         around.progress.begins("hits", self.blows.hits);
@@ -164,7 +160,7 @@ impl StrainsInFrameSheet {
         for (gauge, position) in positions.iter().enumerate() {
             truth.add(format!("position of {}", name(gauge)), *position, "m");
         }
-        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
+        let band = instrument.passes_up_to_hz();
         Ok(Made {
             truth,
             tables: vec![truth::modulus(&medium, 0.01 * band, band)],
@@ -207,16 +203,8 @@ impl StrainsInFrameSheet {
             .enumerate()
             .map(|(gauge, at)| format!("\n        (channel: {:?}, at: \"{at}\"),", name(gauge)))
             .collect();
-        let records = recorded
-            .records
-            .first()
-            .map(|first| {
-                request
-                    .naming
-                    .records_of_sheet(&request.naming.pattern(), first, "        ")
-            })
-            .unwrap_or_default();
-        let highest = 1e-3 * (instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si());
+        let records = request.records_of_sheet(recorded, "        ");
+        let highest = 1e-3 * instrument.passes_up_to_hz();
         let text = format!(
             r#"Modulus(
     title: {title:?},

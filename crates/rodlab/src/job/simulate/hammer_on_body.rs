@@ -2,7 +2,6 @@
 
 use labio::Quantity;
 use num_complex::Complex64;
-use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
 use super::blows::{self, BlowsSheet};
@@ -43,10 +42,7 @@ impl HammerOnBodySheet {
         let place = format!("{FIELD}.body");
         let body = self.body.body(request.materials, &place)?;
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
-        let step = instrument.fine_step();
-        let synthesis = DampedSynthesis::new(instrument.duration(), step)
-            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
-            .map_err(refused)?;
+        let synthesis = instrument.synthesis(FIELD)?;
         around.has_read_all()?;
 
         around.progress.begins("hits", self.blows.hits);
@@ -88,15 +84,8 @@ impl HammerOnBodySheet {
         if let Some(mass) = body.free_mass() {
             truth.add("mass of the free body", mass, "kg");
         }
-        let band = instrument.cutoff_hz() - 0.08 * instrument.sampling_rate.si();
-        let records = recorded
-            .records
-            .first()
-            .map(|first| {
-                let pattern = request.naming.pattern();
-                request.naming.records_of_sheet(&pattern, first, "    ")
-            })
-            .unwrap_or_default();
+        let band = instrument.passes_up_to_hz();
+        let records = request.records_of_sheet(&recorded, "    ");
         let highest = 1e-3 * band;
         let frf = format!(
             r#"Frf(

@@ -7,6 +7,7 @@ use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rand_chacha::ChaCha8Rng;
 use rodwave::band_limited::Recorder;
+use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
 use super::level::{Level, LevelText};
@@ -126,6 +127,19 @@ impl InstrumentSheet {
     /// How long after the blow histories are wanted \[s\]: to the end of the record, and as far as the filter reaches beyond.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
+    }
+
+    /// Frequency \[Hz\] up to which the filter passes everything.
+    pub(super) fn passes_up_to_hz(&self) -> f64 {
+        self.cutoff_hz() - 0.08 * self.rate_hz()
+    }
+
+    /// Synthesis of histories on a grid that is finer than the samples, for the experiment `field`.
+    pub(super) fn synthesis(&self, field: &str) -> Result<DampedSynthesis, RodlabError> {
+        let step = self.fine_step();
+        DampedSynthesis::new(self.duration(), step)
+            .and_then(|synthesis| synthesis.smoothed(2.5 * step))
+            .map_err(|error| RodlabError::step(field, error))
     }
 
     /// Cut-off of the filter \[Hz\].
