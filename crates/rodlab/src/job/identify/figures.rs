@@ -1,5 +1,7 @@
 //! Figures and tables of an identification: responses, residuals, profiles.
 
+use maxwellid::selection::Comparison;
+
 use super::Found;
 use super::laws::FittedLaw;
 use super::words::Shown;
@@ -17,8 +19,16 @@ pub(super) fn all(found: &Found) -> Vec<Figure> {
     figures
 }
 
-/// The law whose response is nearest.
+/// The law that the comparison names, if it was fitted; else the one whose response is nearest.
 fn best(found: &Found) -> Option<&FittedLaw> {
+    let named = found.comparison.as_ref().and_then(Comparison::law);
+    let laws = || found.laws.iter();
+    named
+        .and_then(|named| laws().find(|law| law.name == named.name))
+        .or_else(|| nearest(found))
+}
+
+fn nearest(found: &Found) -> Option<&FittedLaw> {
     found
         .laws
         .iter()
@@ -66,7 +76,7 @@ fn responses(found: &Found) -> Figure {
         name: "responses".to_owned(),
         title: "Velocity of the free end".to_owned(),
         caption:
-            "Measured, and simulated from the measured excitation with the law that is nearest."
+            "Measured, and simulated from the measured excitation with the law that the data support, or else with the nearest."
                 .to_owned(),
         panels,
     }

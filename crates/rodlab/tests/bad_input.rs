@@ -1,0 +1,140 @@
+//! What the program says, word for word, of an example in which one thing is wrong, and the status with which it ends.
+#![allow(
+    clippy::unwrap_used,
+    reason = "an example that cannot be copied is the failure that the test reports"
+)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs the example of polypropylene after `change` of its sheet.
+fn said_of(change: impl Fn(&str) -> String) -> String {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+    let folder = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(example).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let sheet = folder.path().join("modulus.ron");
+    let text = fs::read_to_string(&sheet).unwrap();
+    let changed = change(&text);
+    assert_ne!(text, changed, "the change found nothing to change");
+    fs::write(&sheet, changed).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder.path())
+        .env("NO_COLOR", "1")
+        .args(["modulus", "modulus.ron", "--quiet"])
+        .output()
+        .unwrap();
+    assert_eq!(String::from_utf8(run.stdout).unwrap(), "");
+    let done = folder.path().join("modulus-result/result.json").exists();
+    // a status of 2 leaves no result, one of 1 leaves what was found
+    assert_eq!(done, run.status.code() == Some(1));
+    let words = String::from_utf8(run.stderr).unwrap();
+    let lines: Vec<&str> = words.lines().map(str::trim_end).collect();
+    format!(
+        "status {}\n{}",
+        run.status.code().unwrap(),
+        lines.join("\n")
+    )
+}
+
+#[test]
+fn a_missing_file() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("hits-*.npy", "hit-*.npy")), @r"
+    status 2
+    error: no file matches `hit-*.npy` in .
+    ");
+}
+
+#[test]
+fn a_wrong_unit() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("799 mm ± 0.3 mm", "799 kg")), @r#"
+    status 2
+      × modulus.ron:7:18: Modulus.specimen.length: `799 kg` has the dimension kg,
+      │ expected a length, as "800 mm" or "800 mm ± 0.5 mm"
+       ╭─[modulus.ron:7:18]
+     6 │     specimen: (
+     7 │         length: "799 kg",
+       ·                  ───┬───
+       ·                     ╰── here
+     8 │         diameter: "15.8 mm ± 0.03 mm",
+       ╰────
+    "#);
+}
+
+#[test]
+fn a_unit_that_is_no_unit() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replacen("m/s2", "m/sec^", 1)), @r"
+    status 2
+    error: source.records.channels[0].unit: `m/sec^` is no known unit: `` stands where an exponent is expected
+    ");
+}
+
+#[test]
+fn a_channel_of_another_quantity() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replacen("unit: \"m/s2\"", "unit: \"N\"", 1)), @r"
+    status 2
+    error: method.impacted_end is `struck end`, a channel of force, expected a channel of acceleration, velocity or displacement
+    ");
+}
+
+#[test]
+fn a_channel_that_no_file_has() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("from: 2", "from: 5")), @r"
+    status 2
+    error: source.records.channels[1].from is channel 5, expected a number from 1 to 2 (hits-1.npy)
+    ");
+}
+
+#[test]
+fn a_role_for_a_channel_that_is_not_there() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("free_end: \"free end\"", "free_end: \"far end\"")), @r"
+    status 2
+    error: method.free_end is `far end`, expected one of the channels `struck end`, `free end`
+    ");
+}
+
+#[test]
+fn a_sampling_rate_that_nobody_tells() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("sampling_rate: \"65.536 kHz\",", "")), @r#"
+    status 2
+    error: source.records.sampling_rate is not stated, expected the rate of the samples, as "51.2 kHz": hits-1.npy does not tell it
+    "#);
+}
+
+#[test]
+fn a_field_that_is_missing() {
+    insta::assert_snapshot!(said_of(|sheet| sheet.replace("density: \"912 kg/m3 ± 0.3 kg/m3\",", "")), @r#"
+    status 2
+      × modulus.ron:11:5: Modulus.specimen: the field `density` is missing
+        ╭─[modulus.ron:11:5]
+     10 │         accelerometer_mass: "2.9 gram ± 0.03 gram",
+     11 │     ),
+        ·     ▲
+        ·     ╰── here
+     12 │     method: TwoPoint(impacted_end: "struck end", free_end: "free end"),
+        ╰────
+      help: add `density: ...,` inside these brackets
+    "#);
+}
+
+#[test]
+fn too_few_hits() {
+    let reject = |sheet: &str| {
+        let hits: String = (1..=4)
+            .map(|hit| format!("(hit: {hit}, because: \"the rod slipped\"), "))
+            .collect();
+        sheet.replace(
+            "silent: \"1.6 ms\",",
+            &format!("hits: (reject: [{hits}]), silent: \"1.6 ms\","),
+        )
+    };
+    insta::assert_snapshot!(said_of(reject), @r"
+    status 1
+    the data do not allow the result: 1 hit is accepted of 5 found, expected at least 2: the coherence of one is 1 whatever was measured
+    ");
+}
