@@ -177,4 +177,25 @@ mod tests {
         );
         assert!(separate(&history(&[1.0]), f64::NAN).is_err());
     }
+
+    #[test]
+    fn a_pull_of_just_the_threshold_is_still_ringing() {
+        // exactly minus the threshold does not end the contact, one digit more does
+        let at = separate(&history(&[0.0, 4.0, -0.25, 2.0, 1.0]), 0.25).unwrap();
+        assert_eq!(at.end, ContactEnd::InContact);
+        let below = separate(&history(&[0.0, 4.0, (-0.25_f64).next_down(), 2.0]), 0.25);
+        assert!(matches!(below.unwrap().end, ContactEnd::Separated { .. }));
+    }
+
+    #[test]
+    fn a_late_contact_ends_where_it_ends() {
+        let stick = history(&[
+            0.0, 0.0, 0.0, 2.0, 1.0, 1.0, 3.0, -1.0, 5.0, 5.0, 0.5, 5.0, 5.0,
+        ]);
+        let impact = separate(&stick, 0.0).unwrap();
+        assert_eq!(impact.history.force()[7..], [0.0; 6]);
+        // of a level bottom the first sample is its minimum; what follows the contact is none
+        let graze = impact.closest_to_separation.unwrap();
+        assert_eq!((graze.time, graze.force), (2.0, 1.0));
+    }
 }

@@ -185,6 +185,21 @@ mod tests {
     }
 
     #[test]
+    fn a_body_that_keeps_its_shape_whatever_presses_it_has_no_stiffness() {
+        let of = |poisson_ratio| ElasticMaterial {
+            modulus: 1e9,
+            poisson_ratio,
+        };
+        for refused in [-1.0, 0.500_001, f64::NAN] {
+            assert!(
+                ContactLaw::flat_punch(0.005, of(refused)).is_err(),
+                "{refused}"
+            );
+        }
+        assert!(ContactLaw::flat_punch(0.005, of(0.5)).is_ok());
+    }
+
+    #[test]
     fn work_is_the_integral_of_the_force() {
         let points = [(0.0, 0.0), (1e-5, 100.0), (3e-5, 500.0), (5e-5, 700.0)];
         let table = TabulatedContact::new(&points).unwrap();

@@ -646,3 +646,6 @@ fn rounding<M: RodModel>(problem: &TestResidual<'_, M>) -> f64 {
     };
     sample * problem.samples() as f64
 }
+
+#[cfg(test)]
+mod tests;

@@ -425,3 +425,6 @@ fn log_sum(a: f64, b: f64) -> f64 {
     let (larger, smaller) = if a >= b { (a, b) } else { (b, a) };
     larger + (smaller - larger).exp().ln_1p()
 }
+
+#[cfg(test)]
+mod tests;

@@ -130,3 +130,6 @@ fn median(values: &mut [f64]) -> Option<f64> {
     let (_, median, _) = values.select_nth_unstable_by(half, f64::total_cmp);
     Some(*median)
 }
+
+#[cfg(test)]
+mod tests;

@@ -338,3 +338,6 @@ fn local_misfit(chi_square: &[Option<f64>], best: &[Smoothed], lines: &[LineAt<'
     }
     misfit
 }
+
+#[cfg(test)]
+mod tests;

@@ -133,7 +133,7 @@ mod tests {
         let above = inner.iter().filter(|c| **c > level).count() as f64 / inner.len() as f64;
         // 8191 trials of probability 0.05: standard error 0.0024, four of these
         assert!((above - 0.05).abs() < 0.0096, "{above}");
-        assert!(coherence.chance_level(0.0).is_err());
+        assert!(coherence.chance_level(0.0).is_err() && coherence.chance_level(1.0).is_err());
     }
 
     #[test]
@@ -177,5 +177,21 @@ mod tests {
         ));
         let response = spectra.h1("x", "y").unwrap();
         assert!(response.coherence.is_none() && response.variance.is_none());
+    }
+
+    #[test]
+    fn two_segments_that_are_almost_one_count_as_one() {
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let spectra = Welch::new(64)
+            .unwrap()
+            .with_overlap(62)
+            .unwrap()
+            .spectra(&noise(66, 1.0, &mut rng))
+            .unwrap();
+        assert_eq!(spectra.n_averages(), 2);
+        assert!(matches!(
+            spectra.coherence("x", "y").unwrap_err(),
+            LabioError::TooFewAverages { found: 1, .. }
+        ));
     }
 }

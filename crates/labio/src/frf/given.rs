@@ -258,4 +258,22 @@ mod tests {
             ]
         );
     }
+
+    #[test]
+    fn the_least_that_is_enough_is_taken() {
+        let [force, velocity] = channels();
+        let values = vec![Complex64::new(1.0, 0.0); FEWEST_LINES];
+        let response = || {
+            FrequencyResponse::of_lines(force.clone(), velocity.clone(), 10.0, values.clone())
+                .unwrap()
+        };
+        assert_eq!(response().values.len(), FEWEST_LINES);
+        let two = response()
+            .with_coherence(vec![0.5; FEWEST_LINES], 2)
+            .unwrap();
+        // |H|² (1 - c) / (n c)
+        assert!((two.variance.unwrap()[1] - 0.5).abs() < 1e-15);
+        let nothing = response().with_coherence(vec![0.0; FEWEST_LINES], 2);
+        assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
+    }
 }

@@ -236,6 +236,7 @@ fn empty_lines_are_flagged_with_their_reason() {
             .iter()
             .all(|v| *v == LineValidity::NoOutput)
     );
+    assert!(response.values.iter().all(|value| value.is_nan()));
     // two hits of opposite sign in the output only: the cross-spectrum cancels
     let minus: Vec<f64> = pulse.iter().map(|x| -x).collect();
     let hits = [hit(&pulse, &pulse), hit(&pulse, &minus)];
@@ -249,11 +250,20 @@ fn empty_lines_are_flagged_with_their_reason() {
             .iter()
             .all(|e| e.magnitude.is_infinite())
     );
+    // nothing in common is a coherence of 0, of which H1 is wrong by all it has and nothing else
+    for bias in h1.bias().unwrap() {
+        assert!((bias.input_noise + 1.0).abs() < 1e-15 && bias.output_noise.abs() < 1e-15);
+        assert!(bias.scatter.is_infinite());
+    }
     assert!(
         h2.validity
             .iter()
             .all(|v| *v == LineValidity::NoCorrelation)
     );
+    let Err(LabioError::MissingLines { count, .. }) = h2.check_complete("a check") else {
+        panic!("lines without correlation are missing");
+    };
+    assert_eq!(count, h2.values.len());
 }
 
 #[test]
@@ -354,4 +364,70 @@ fn spectra_of_subnormal_numbers_are_still_ratios() {
         // three decimal digits are left in such a spectrum
         assert!((value - 1.0).norm() < 1e-2, "{value}");
     }
+}
+
+#[test]
+fn the_coherence_does_not_depend_on_the_units() {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let pairs: Vec<(Vec<f64>, Vec<f64>)> = (0..3)
+        .map(|_| (noise(&mut rng, 64, 1.0), noise(&mut rng, 64, 1.0)))
+        .collect();
+    let coherence = |input: i32, output: i32| {
+        let scaled = |values: &[f64], exponent: i32| -> Vec<f64> {
+            values.iter().map(|v| v * 2.0_f64.powi(exponent)).collect()
+        };
+        let hits: Vec<Record> = pairs
+            .iter()
+            .map(|(x, y)| hit(&scaled(x, input), &scaled(y, output)))
+            .collect();
+        let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+        spectra.coherence("x", "y").unwrap().values
+    };
+    let as_it_is = coherence(0, 0);
+    assert!(as_it_is.iter().all(|c| (0.0..1.0).contains(c)));
+    // Powers of two change no digit; the square of a cross-spectrum of these levels has an exponent of 1600.
+    for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
+        assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
+    }
+}
+
+#[test]
+fn a_mean_is_a_mean() {
+    // eight lanes and one value that begins the next round; integers are exact
+    let values: Vec<f64> = (1..=9).map(f64::from).collect();
+    assert!(super::mean(&values).total_cmp(&5.0).is_eq());
+}
+
+#[test]
+fn a_phase_of_which_nothing_is_known_is_anywhere_on_the_turn() {
+    let channels = || Channel::new("x", Quantity::Force).unwrap();
+    let of_error = |magnitude: f64| {
+        let values = vec![Complex64::new(0.0, 2.0); 3];
+        let variance = vec![2.0 * (2.0 * magnitude).powi(2); 3];
+        let response = FrequencyResponse::of_lines(channels(), channels(), 1.0, values).unwrap();
+        let stated = FrequencyResponse {
+            variance: Some(variance),
+            ..response
+        };
+        stated.random_error().unwrap()[1]
+    };
+    // one rounding of a root
+    let small = of_error(0.1);
+    assert!((small.magnitude - 0.1).abs() < 1e-15 && (small.phase - 0.1).abs() < 1e-15);
+    // the standard deviation of an angle that is uniform over a turn
+    let large = of_error(5.0);
+    assert!((large.magnitude - 5.0).abs() < 1e-14);
+    assert!((large.phase - std::f64::consts::PI / 3.0_f64.sqrt()).abs() < 1e-15);
+}
+
+#[test]
+fn the_scatter_of_a_magnitude_is_half_its_squared_error() {
+    let channels = || Channel::new("x", Quantity::Force).unwrap();
+    let values = vec![Complex64::new(3.0, 4.0); 3];
+    let response = FrequencyResponse::of_lines(channels(), channels(), 1.0, values).unwrap();
+    let response = response.with_coherence(vec![0.8; 3], 5).unwrap();
+    let error = response.random_error().unwrap()[2].magnitude;
+    let bias = response.bias().unwrap()[2];
+    assert!((bias.scatter - 0.5 * error * error).abs() < 1e-16);
+    assert!((bias.scatter - 0.2 / (4.0 * 5.0 * 0.8)).abs() < 1e-16);
 }

@@ -1,0 +1,355 @@
+use super::*;
+use crate::branch::observation::{FreeEnd, PhaseObservation};
+use crate::branch::path::Sight;
+
+fn gamma(re: f64, im: f64) -> Complex64 {
+    Complex64::new(re, im)
+}
+
+fn relative(a: f64, b: f64) -> f64 {
+    (a / b - 1.0).abs()
+}
+
+/// Φ by Simpson's rule from eight standard errors below, without the error function.
+fn normal_distribution(x: f64) -> f64 {
+    let (from, n) = (-9.0, 4000);
+    let h = (x - from) / f64::from(n);
+    let sum: f64 = (0..=n)
+        .map(|k| {
+            let weight = match k {
+                0 => 1.0,
+                k if k == n => 1.0,
+                k if k % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let t = from + h * f64::from(k);
+            weight * (-0.5 * t * t).exp()
+        })
+        .sum();
+    sum * h / 3.0 / (2.0 * PI).sqrt()
+}
+
+/// Moments of a normal variable on its positive half, by Simpson's rule over the twelve standard errors that matter.
+fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
+    let n = 20_000;
+    let from = 0.0_f64.max(mean - 12.0 * spread);
+    let to = (mean + 12.0 * spread).max(3.0 * spread * spread / -mean.min(-spread));
+    let h = (to - from) / f64::from(n);
+    let mut moments = [0.0; 3];
+    for k in 0..=n {
+        let weight = match k {
+            0 => 1.0,
+            k if k == n => 1.0,
+            k if k % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        let x = from + h * f64::from(k);
+        // the exponent relative to that at 0, which would vanish
+        let exponent =
+            -0.5 * ((x - mean) / spread).powi(2) + 0.5 * (mean.min(0.0) / spread).powi(2);
+        for (power, moment) in moments.iter_mut().enumerate() {
+            *moment += weight * exponent.exp() * x.powi(i32::try_from(power).unwrap());
+        }
+    }
+    let first = moments[1] / moments[0];
+    (first, moments[2] / moments[0] - first * first)
+}
+
+#[test]
+fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
+    for (mean, spread) in [
+        (0.3, 0.1),
+        (0.05, 0.1),
+        (0.0, 0.2),
+        (-0.1, 0.1),
+        (-0.6, 0.2),
+        (1.0, 0.3),
+    ] {
+        let (found, variance) = cut_below_zero(mean, spread);
+        let (expected, expected_variance) = positive_half(mean, spread);
+        // Simpson's rule with 800 points a standard error; of the variance three digits are left at three errors below 0
+        assert!(
+            relative(found, expected) < 1e-8,
+            "{mean} {spread}: {found} {expected}"
+        );
+        assert!(relative(variance, expected_variance) < 1e-6);
+    }
+    // by the asymptote, of which the next term is 2/a³
+    let (found, variance) = cut_below_zero(-1.0, 0.1);
+    assert!(relative(found, 0.1 / 10.0) < 0.05, "{found}");
+    assert!(variance >= 0.0 && variance < 0.1 * 0.1);
+}
+
+#[test]
+fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
+    let smoothed = Smoothed {
+        gamma: gamma(3.0, 7.0),
+        variance: 0.08,
+    };
+    let phase = Phase::of(&smoothed, 0.5);
+    // 15 standard errors above 0: nothing is cut off
+    assert!((phase.raw - gamma(1.5, 3.5)).norm() < 1e-15);
+    assert!(relative(phase.spread, 0.1) < 1e-12);
+    assert!((phase.mean - phase.raw).norm() < 1e-15);
+    assert!(relative(phase.damping_variance, 0.01) < 1e-12);
+    let smoothed = Smoothed {
+        gamma: gamma(0.2, 7.0),
+        variance: 0.08,
+    };
+    let phase = Phase::of(&smoothed, 0.5);
+    let (mean, variance) = positive_half(0.1, 0.1);
+    assert!(
+        (phase.mean.re - mean).abs() < 1e-8 && relative(phase.damping_variance, variance) < 1e-6
+    );
+    assert!((phase.mean.im - 3.5).abs() < 1e-15);
+    // known exactly
+    let phase = Phase::of(
+        &Smoothed {
+            gamma: gamma(0.0, 1.0),
+            variance: 0.0,
+        },
+        1.0,
+    );
+    assert!(phase.mean.re.abs() < 1e-300 && phase.damping_variance.abs() < 1e-300);
+}
+
+fn phase(mean: Complex64, damping_variance: f64, spread: f64) -> Phase {
+    Phase {
+        raw: mean,
+        spread,
+        mean,
+        damping_variance,
+    }
+}
+
+#[test]
+fn the_probability_of_a_root_is_that_of_its_half_plane() {
+    let here = phase(gamma(0.3, 2.0), 0.04, 0.1);
+    // along the phase: 0.05 on the right side of the middle, with a standard error of 0.1
+    let p = here.probability_of_first(gamma(0.3, 2.1), gamma(0.3, 1.8));
+    assert!((p - normal_distribution(0.5)).abs() < 1e-9, "{p}");
+    // along the damping: 0.1 on the wrong side, with a standard error of 0.2
+    let p = here.probability_of_first(gamma(0.6, 2.0), gamma(0.2, 2.0));
+    assert!((p - normal_distribution(-0.5)).abs() < 1e-9, "{p}");
+    // oblique: the unit normal is (0.6, 0.8), the middle 0.1 behind the mean
+    let (ahead, error) = (0.1, (0.36 * 0.04 + 0.64 * 0.01_f64).sqrt());
+    let middle = gamma(0.3, 2.0) - ahead * gamma(0.6, 0.8);
+    let half = 0.35 * gamma(0.6, 0.8);
+    let p = here.probability_of_first(middle + half, middle - half);
+    assert!((p - normal_distribution(ahead / error)).abs() < 1e-9, "{p}");
+    let q = here.probability_of_first(middle - half, middle + half);
+    assert!((p + q - 1.0).abs() < 1e-12);
+    // nine standard errors are sure to all digits, in one direction as in the other
+    let far = phase(gamma(0.3, 2.0), 0.04, 0.001);
+    let exactly = |p: f64, expected: f64| p.total_cmp(&expected).is_eq();
+    assert!(exactly(
+        far.probability_of_first(gamma(0.3, 2.001), gamma(0.3, 1.981)),
+        1.0
+    ));
+    assert!(far.probability_of_first(gamma(0.3, 1.981), gamma(0.3, 2.001)) < 1e-15);
+    // without an error the nearer root is it, and between two there is no telling
+    let known = phase(gamma(0.0, 2.0), 0.0, 0.0);
+    assert!(exactly(
+        known.probability_of_first(gamma(0.0, 2.1), gamma(0.0, 1.8)),
+        1.0
+    ));
+    assert!(exactly(
+        known.probability_of_first(gamma(0.0, 2.1), gamma(0.0, 1.9)),
+        0.5
+    ));
+}
+
+fn line_at(observed: Complex64, variance: f64) -> LineAt<'static> {
+    LineAt {
+        omega: 1000.0,
+        missing: false,
+        sight: Sight {
+            observation: &FreeEnd,
+            length: 1.0,
+            observed,
+            variance,
+        },
+    }
+}
+
+#[test]
+fn any_root_can_be_asked_for() {
+    let root = gamma(0.1, 2.8);
+    let line = line_at(FreeEnd.expand(root)[0], 1e-4);
+    let here = phase(gamma(0.1, 2.9), 1e-3, 0.3);
+    let Some([first, second]) = here.nearest_roots(&line) else {
+        panic!("a cosine has roots");
+    };
+    assert!((first - root).norm() < 1e-9);
+    let p = here.probability_of(first, &line);
+    assert!((p - here.probability_of_first(first, second)).abs() < 1e-15 && p > 0.5);
+    let q = here.probability_of(second, &line);
+    assert!((p + q - 1.0).abs() < 1e-12);
+    // within 0.005 rad it is the same root, farther away none
+    let near = here.probability_of(first + gamma(0.0, 0.004), &line);
+    assert!((near - p).abs() < 1e-15);
+    assert!(here.probability_of(first + gamma(0.0, 0.006), &line) < 1e-15);
+}
+
+#[test]
+fn a_local_misfit_is_a_running_mean_from_both_sides() {
+    let n = 40;
+    let lines: Vec<LineAt<'_>> = (0..n).map(|_| line_at(gamma(1.0, 0.0), 1.0)).collect();
+    let smoothed = |step: f64| -> Vec<Smoothed> {
+        (0..n)
+            .map(|k| Smoothed {
+                gamma: gamma(0.0, step * f64::from(k)),
+                variance: 0.0,
+            })
+            .collect()
+    };
+    let mut chi_square = vec![Some(1.0); n as usize];
+    chi_square[20] = Some(17.0);
+    let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
+    // 1 + 16/8, and 7/8 of the excess at every line away from it
+    for (k, found) in misfit.iter().enumerate() {
+        let away = i32::try_from(k.abs_diff(20)).unwrap();
+        let expected = 1.0 + 2.0 * 0.875_f64.powi(away);
+        assert!(relative(*found, expected) < 1e-12, "{k}: {found}");
+    }
+    // a line that was skipped has no misfit of its own
+    chi_square[20] = None;
+    let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
+    assert!(misfit.iter().all(|m| (m - 1.0).abs() < 1e-12));
+    // an erratic stretch of ten lines over less than half a wave ends with it, over more it does not
+    for k in 15..25 {
+        chi_square[k] = Some(100.0);
+    }
+    let short = local_misfit(&chi_square, &smoothed(0.05), &lines);
+    assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
+    let long = local_misfit(&chi_square, &smoothed(0.5), &lines);
+    let lost = long.iter().position(|m| m.is_infinite()).unwrap();
+    // backwards the mean is above the limit from 19 lines ahead of the stretch on
+    let began = short.iter().position(|m| *m > ERRATIC).unwrap();
+    assert_eq!(lost, began + 7, "7 steps of 0.5 rad are the first above π");
+    assert!(long[lost..].iter().all(|m| m.is_infinite()));
+}
+
+fn verdict(misfit: f64, chi_square: Option<f64>, smoothed: Smoothed) -> Verdict {
+    Verdict {
+        courses: vec![(1.0, vec![smoothed])],
+        misfit: vec![misfit],
+        chi_square: vec![chi_square],
+        determined: true,
+        crowded_out: 0.0,
+        least_confidence: 0.99,
+    }
+}
+
+#[test]
+fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() {
+    let at = gamma(0.2, 2.0);
+    let [value, slope, curvature] = FreeEnd.expand(at);
+    let smoothed = Smoothed {
+        gamma: at,
+        variance: 0.02,
+    };
+    let phase = Phase::of(&smoothed, 1.0);
+    let noise = 1e-3;
+    // E|δx|² is the variance of the smoothed γ, and E|δx²/2|² half of its square
+    let expected = noise + slope.norm_sqr() * 0.02 + 0.5 * curvature.norm_sqr() * 0.02_f64.powi(2);
+    let strange = |deviations: f64, chi_square: Option<f64>| {
+        let observed = value + deviations * expected.sqrt() * gamma(0.6, 0.8);
+        verdict(1.0, chi_square, smoothed).is_strange(0, &line_at(observed, noise), &phase)
+    };
+    assert!(strange(4.001, Some(9.0)) && !strange(3.999, Some(9.0)));
+    // asked only where it surprised the filter
+    assert!(!strange(5.0, Some(3.999)) && strange(5.0, Some(4.0)) && !strange(5.0, None));
+}
+
+#[test]
+fn doubts_come_in_the_order_of_their_weight() {
+    let at = gamma(0.2, 2.0);
+    let smoothed = Smoothed {
+        gamma: at,
+        variance: 2e-4,
+    };
+    let line = line_at(FreeEnd.expand(at)[0], 1e-6);
+    let ask = |verdict: &Verdict, at: Complex64, confidence: f64, roots, rivals| {
+        let mut confidence = confidence;
+        let smoothed = Smoothed {
+            gamma: at,
+            variance: 2e-4,
+        };
+        let best = Phase::of(&smoothed, 1.0);
+        let doubt = verdict.doubt(0, &line, &best, &mut confidence, roots, rivals);
+        (doubt, confidence)
+    };
+    let clear = verdict(1.0, Some(1.0), smoothed);
+    let roots = (at, gamma(0.2, 4.2));
+    assert_eq!(ask(&clear, at, 0.995, roots, (0.0, None)), (None, 0.995));
+    // exactly what is demanded is enough
+    assert_eq!(ask(&clear, at, 0.99, roots, (0.0, None)), (None, 0.99));
+    let lost = Verdict {
+        determined: false,
+        ..verdict(1.0, Some(1.0), smoothed)
+    };
+    assert_eq!(
+        ask(&lost, at, 0.995, roots, (0.0, None)),
+        (Some(BranchDoubt::Undetermined), 0.0)
+    );
+    assert_eq!(
+        ask(
+            &verdict(6.5, Some(1.0), smoothed),
+            at,
+            0.995,
+            roots,
+            (0.0, None)
+        ),
+        (
+            Some(BranchDoubt::Erratic {
+                chi_square: 6.5,
+                limit: 6.0
+            }),
+            0.0
+        )
+    );
+    // a standard error of 0.01: five below 0 are a turn, three are noise
+    let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.995, roots, (0.0, None));
+    let Some(BranchDoubt::Turned {
+        damping_length,
+        deviations,
+    }) = doubt
+    else {
+        panic!("{doubt:?}");
+    };
+    assert!((damping_length + 0.05).abs() < 1e-15 && relative(deviations, 5.0) < 1e-9);
+    assert!(confidence.abs() < 1e-15);
+    let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.995, roots, (0.0, None));
+    assert_eq!(doubt, None);
+    // half of what is missing belongs to another speed, or it is the other root
+    let (doubt, confidence) = ask(&clear, at, 0.9, roots, (0.06, Some(4.0)));
+    assert_eq!(
+        doubt,
+        Some(BranchDoubt::SeveralSpeeds {
+            chosen: 500.0,
+            other: 250.0
+        })
+    );
+    assert!((confidence - 0.9).abs() < 1e-15);
+    let (doubt, _) = ask(&clear, at, 0.9, roots, (0.04, Some(4.0)));
+    assert_eq!(
+        doubt,
+        Some(BranchDoubt::OtherRoot {
+            confidence: 0.9,
+            least: 0.99,
+            other: 4.2
+        })
+    );
+    // a rival does not matter where the confidence is high, nor another root that is the same
+    assert_eq!(ask(&clear, at, 0.995, roots, (0.06, Some(4.0))).0, None);
+    let same = (at, at + gamma(0.0, 0.004));
+    assert_eq!(ask(&clear, at, 0.9, same, (0.0, None)).0, None);
+    let negative = (gamma(-0.001, 2.0), gamma(0.2, 4.2));
+    assert_eq!(
+        ask(&clear, at, 0.995, negative, (0.0, None)).0,
+        Some(BranchDoubt::NegativeDamping {
+            damping_length: -0.001
+        })
+    );
+}
