@@ -1,7 +1,8 @@
 use super::*;
-use crate::least_squares::Linearisation;
+use crate::least_squares::{Linearisation, Termination};
 use crate::test::RodTestData;
 use rodwave::InelasticRod;
+use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::Maxwell;
 use rodwave::lumped::{self, LumpedRod};
 
