@@ -88,7 +88,7 @@ fn tests_of_rods() {
             d.excitation
                 .iter_mut()
                 .chain(&mut d.response)
-                .for_each(|v| *v *= x)
+                .for_each(|v| *v *= x);
         })
     });
     sweep("window", |x| test().with_window(x).map(|t| t.times()));
