@@ -44,6 +44,33 @@ pub struct Balance {
     pub observed_restitution: Option<f64>,
 }
 
+impl Balance {
+    /// Whether no number of it has overflowed, nor the work that the others are measured by been lost.
+    pub(crate) fn is_within_range(&self) -> bool {
+        let optional = [
+            self.momentum_before,
+            self.restitution,
+            self.energy_before,
+            self.momentum_residual,
+            self.observed_restitution,
+        ];
+        let numbers = [
+            self.impulse,
+            self.dissipated_in_contact,
+            self.stored_in_contact,
+            self.energy_residual,
+        ];
+        optional
+            .into_iter()
+            .chain(self.velocity_after)
+            .chain(self.translation_after)
+            .flatten()
+            .chain(numbers)
+            .chain(self.inner)
+            .all(f64::is_finite)
+    }
+}
+
 /// What a balance is made of.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Account<'a> {

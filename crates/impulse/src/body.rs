@@ -78,13 +78,16 @@ impl<B: ImpactBody + ?Sized> ImpactBody for &B {
     }
 }
 
+/// Most lines of a spectrum: a gibibyte.
+const MOST_LINES: usize = 1 << 26;
+
 /// Mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$, as [`StickProblem`](crate::StickProblem) takes them.
 ///
 /// The element at 0 Hz is zero: it is infinite for a free body and never read.
 ///
 /// # Errors
 ///
-/// [`ImpulseError::NonPhysical`] for the step; [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured
+/// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines; [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured
 /// body with other or too few lines; what the body reports.
 pub fn lines_of<B: ImpactBody + ?Sized>(
     body: &B,
@@ -92,6 +95,13 @@ pub fn lines_of<B: ImpactBody + ?Sized>(
     n_lines: usize,
 ) -> Result<Vec<Complex64>, ImpulseError> {
     crate::error::check_positive("frequency step [Hz]", frequency_step_hz)?;
+    if n_lines > MOST_LINES {
+        return Err(ImpulseError::NonPhysical {
+            quantity: "number of lines",
+            value: n_lines as f64,
+            expected: "at most 2^26",
+        });
+    }
     if let Domain::Lines {
         frequency_step_hz: found_hz,
         n_lines: found,

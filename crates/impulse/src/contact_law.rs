@@ -104,6 +104,15 @@ impl ContactLaw {
         Self::hertz(4.0 / 3.0 * radius.sqrt() / compliance)
     }
 
+    /// Refuses constants that no constructor gives: the variants can be written by hand.
+    pub(crate) fn check(&self) -> Result<(), ImpulseError> {
+        match self {
+            Self::Rigid | Self::Tabulated(_) => Ok(()),
+            Self::Linear { stiffness } => Self::linear(*stiffness).map(|_| ()),
+            Self::Hertz { coefficient } => Self::hertz(*coefficient).map(|_| ()),
+        }
+    }
+
     /// Force at the approach `delta`, on the path that `memory` tells.
     pub(crate) fn force(&self, memory: Memory, delta: f64) -> f64 {
         let pressed = delta.max(0.0);

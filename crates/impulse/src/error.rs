@@ -210,6 +210,12 @@ pub enum ImpulseError {
         /// What it violates.
         expected: &'static str,
     },
+    /// A result, or a square on the way to it, is too large or too small for a number.
+    #[error("the {what} leaves the range of numbers")]
+    OutOfRange {
+        /// What was computed.
+        what: &'static str,
+    },
     /// No spectral line is left to compute a force from.
     #[error("none of the {n_lines} lines can be used")]
     NoUsableLine {
@@ -250,6 +256,17 @@ pub(crate) fn check_interval(what: &'static str, from: f64, to: f64) -> Result<(
         Ok(())
     } else {
         Err(ImpulseError::EmptyInterval { what, from, to })
+    }
+}
+
+/// Accepts finite lines only.
+pub(crate) fn check_lines_finite(
+    what: &'static str,
+    lines: &[Complex64],
+) -> Result<(), ImpulseError> {
+    match lines.iter().position(|line| !line.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(ImpulseError::NonFinite { what, index }),
     }
 }
 

@@ -14,6 +14,9 @@ use crate::{ForceHistory, ImpulseError, fourier};
 /// Draws below which a quantile of 95 % would rest on fewer than ten of them.
 const FEWEST_DRAWS: usize = 200;
 
+/// Most numbers that draws may have together: two gibibytes.
+const MOST_NUMBERS: usize = 1 << 28;
+
 /// The random error of a force history, to first order in what it comes from.
 ///
 /// It is a sum of parts that are independent of each other: one from circular errors of spectral lines, which has the same standard deviation at
@@ -235,6 +238,7 @@ impl ForceError {
         random: &mut impl Rng,
     ) -> Result<ForceBand, ImpulseError> {
         check_level(level)?;
+        check_draws(n_draws, 1)?;
         if n_draws < FEWEST_DRAWS {
             return Err(ImpulseError::TooShort {
                 what: "set of draws",
@@ -306,6 +310,13 @@ impl ForceError {
         level: f64,
         factor: f64,
     ) -> Result<ForceBand, ImpulseError> {
+        if !factor.is_finite() {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "level of a band",
+                value: level,
+                expected: "a probability with finite limits",
+            });
+        }
         let force = history.force();
         if force.len() != self.standard_error.len() {
             return Err(ImpulseError::LengthMismatch {
@@ -364,6 +375,19 @@ pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
         .enumerate()
         .skip_while(|(i, _)| (*i as f64) < position);
     above.next().map_or(f64::NAN, |(_, value)| *value)
+}
+
+/// Refuses a set of draws, with so many numbers each, that no memory holds.
+pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), ImpulseError> {
+    if n_draws.saturating_mul(numbers_each) <= MOST_NUMBERS {
+        Ok(())
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity: "number of draws, each with its history,",
+            value: n_draws as f64,
+            expected: "draws with at most 2^28 numbers together",
+        })
+    }
 }
 
 pub(crate) fn check_level(level: f64) -> Result<f64, ImpulseError> {

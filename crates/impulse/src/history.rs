@@ -45,6 +45,14 @@ impl ForceHistory {
             });
         }
         check_samples("force history", &force)?;
+        let end = start_time + force.len() as f64 * time_step;
+        if !end.is_finite() {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "end of the force history [s]",
+                value: end,
+                expected: "a finite value",
+            });
+        }
         Ok(Self {
             start_time,
             time_step,

@@ -197,6 +197,7 @@ impl<'a> Impact<'a> {
             source,
         };
         check_positive("impact velocity [m/s]", self.velocity)?;
+        self.law.check()?;
         check_positive("interval [s]", interval)?;
         let synthesis = DampedSynthesis::new(duration, interval)
             .and_then(|synthesis| synthesis.smoothed(SMOOTHING * interval))
@@ -264,7 +265,7 @@ impl<'a> Impact<'a> {
     ///
     /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
     /// [`ImpulseError::RigidFaces`] where two masses meet without anything soft between; [`ImpulseError::ActiveFaces`] and
-    /// [`ImpulseError::Diverged`] for mobilities that make energy; as [`Kernel::of`].
+    /// [`ImpulseError::Diverged`] for mobilities that make energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
         self.discretised(duration)?.predict()
     }
@@ -281,6 +282,7 @@ impl<'a> Impact<'a> {
     /// As [`Impact::predict`].
     pub fn discretised(&self, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
         check_positive("impact velocity [m/s]", self.velocity)?;
+        self.law.check()?;
         let grid = self.grid(duration)?;
         for (name, body) in [("first", self.first), ("second", self.second)] {
             check_mass(name, body, duration)?;

@@ -56,7 +56,7 @@ impl ImpedanceHead {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the step; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a line above 0 Hz.
+    /// [`ImpulseError::NonPhysical`] for the step or a negative variance; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a line above 0 Hz.
     pub fn face_mobility(
         self,
         accelerance: &[Complex64],
@@ -75,6 +75,9 @@ impl ImpedanceHead {
             mobility: vec![Complex64::ZERO; accelerance.len()],
             variance: vec![0.0; accelerance.len()],
         };
+        for &value in variance.iter().skip(1).filter(|value| value.is_finite()) {
+            check_not_negative("variance of the accelerance [1/kg^2]", value)?;
+        }
         let lines = accelerance.iter().zip(variance).enumerate().skip(1);
         for (index, (measured, variance)) in lines {
             let omega = TAU * frequency_step_hz * index as f64;

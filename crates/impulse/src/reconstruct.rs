@@ -249,6 +249,22 @@ impl<'a> Reconstruction<'a> {
                 return Err(ImpulseError::UnknownLine { index, n_lines });
             }
         }
+        if let Regularisation::Tikhonov { penalty, .. } = self.regularisation {
+            let grid = Grid {
+                n_samples: self.sensors.first().map_or(0, |s| s.response.len()),
+                sampling_rate_hz: self.sampling_rate_hz,
+            };
+            let last = grid.n_lines() - 1;
+            if ![1, last]
+                .map(|line| penalty.weight(grid.omega(line)))
+                .iter()
+                .all(|w| w.is_normal())
+            {
+                return Err(ImpulseError::OutOfRange {
+                    what: "penalty, a power of the sampling rate,",
+                });
+            }
+        }
         if self.is_non_negative {
             if self.support.is_none() {
                 return Err(ImpulseError::NoSupport);

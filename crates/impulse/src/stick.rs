@@ -264,8 +264,13 @@ impl StickProblem<'_> {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => 0.0,
             ZeroLine::SquareWave => mean(quiet),
         };
-        let squares: Vec<f64> = quiet.iter().map(|force| (force - end).powi(2)).collect();
-        let relative_level = mean(&squares).sqrt() / history.peak().force.abs();
+        // relative to the peak: no square then leaves the range of numbers
+        let peak = history.peak().force.abs();
+        let squares: Vec<f64> = quiet
+            .iter()
+            .map(|force| ((force - end) / peak).powi(2))
+            .collect();
+        let relative_level = mean(&squares).sqrt();
         if relative_level <= SETTLED {
             Settlement::Settled
         } else {

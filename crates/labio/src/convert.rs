@@ -116,8 +116,9 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::kind`].
+    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if its arrays have unequal lengths.
     pub fn to_kind(&self, kind: ResponseKind) -> Result<Self, LabioError> {
+        self.check_shape()?;
         let from = self.kind()?;
         let exchange = from.is_motion_over_force() != kind.is_motion_over_force();
         let motion_over_force = kind.derivatives() - from.derivatives();
@@ -131,14 +132,15 @@ impl FrequencyResponse {
             let factor = self.laplace_variable(line).powi(power);
             let multiplied = self.values[line] * factor;
             let value = if exchange {
-                multiplied.inv()
+                multiplied.finv() // no square that could leave the range of numbers
             } else {
                 multiplied
             };
             if self.validity[line] != LineValidity::Valid {
                 continue;
             }
-            if !value.is_finite() {
+            // a reciprocal is zero only where the response is beyond the range of its own
+            if !value.is_finite() || exchange && value == Complex64::ZERO {
                 converted.invalidate(line, LineValidity::NotDefined);
                 continue;
             }
@@ -151,6 +153,10 @@ impl FrequencyResponse {
                     factor.norm_sqr()
                 };
                 variance[line] *= scale;
+            }
+            let variance = converted.variance.as_ref().map_or(0.0, |v| v[line]);
+            if !variance.is_finite() {
+                converted.invalidate(line, LineValidity::NotDefined);
             }
         }
         let motion = |channel: &Channel| Channel::new(channel.name(), kind.motion());

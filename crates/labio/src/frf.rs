@@ -21,6 +21,9 @@ const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
 /// Overlapped segments that are worth less than this many independent ones are nearer to one average than to two.
 const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
+/// A square below this has fewer digits than a number: it is within the precision of the smallest normal one.
+const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+
 /// How the frequency response was formed from the averaged spectra of input x and output y.
 ///
 /// With noise of relative level $`a = N_x/G_{xx}`$ on the input and $`b = N_y/G_{yy}`$ on the output, uncorrelated with everything,
@@ -43,9 +46,9 @@ pub enum Estimator {
 pub enum LineValidity {
     /// The line is a measurement; how good, its coherence and random error say.
     Valid,
-    /// The input auto-spectrum is zero or at the rounding of the transform.
+    /// The input auto-spectrum is zero, at the rounding of the transform, or below 1e-292, where squares lose their digits.
     NoInput,
-    /// The output auto-spectrum is zero or at the rounding of the transform.
+    /// The output auto-spectrum is zero, at the rounding of the transform, or below 1e-292.
     NoOutput,
     /// Input and output are both there, but their cross-spectrum is zero within rounding: H2 and Hv do not exist.
     NoCorrelation,
@@ -143,6 +146,33 @@ impl FrequencyResponse {
     pub(crate) fn laplace_variable(&self, line: usize) -> Complex64 {
         let sigma = self.added_damping.map_or(0.0, |window| window.decay_rate());
         Complex64::new(sigma, std::f64::consts::TAU * self.frequency_hz[line])
+    }
+
+    /// Refuses a response whose arrays have been given other lengths than each other.
+    pub(crate) fn check_shape(&self) -> Result<(), LabioError> {
+        let expected = self.values.len();
+        let lengths = [
+            ("frequencies of a response", Some(self.frequency_hz.len())),
+            ("validities of a response", Some(self.validity.len())),
+            (
+                "coherences of a response",
+                self.coherence.as_ref().map(Vec::len),
+            ),
+            (
+                "variances of a response",
+                self.variance.as_ref().map(Vec::len),
+            ),
+        ];
+        for (what, found) in lengths {
+            if let Some(found) = found.filter(|found| *found != expected) {
+                return Err(LabioError::CountMismatch {
+                    what,
+                    found,
+                    expected,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Refuses a response with lines that carry no information.
@@ -248,9 +278,10 @@ impl AveragedSpectra {
         })
     }
 
-    /// The level of an auto-spectrum of mean `mean` below which there is only the rounding of its transform.
+    /// The level of an auto-spectrum of mean `mean` below which there is only the rounding of its transform, or so little that squares
+    /// have lost digits at the lower end of the range of numbers.
     pub(crate) fn least_signal(&self, mean: f64) -> f64 {
-        self.transform_rounding().powi(2) * mean
+        (self.transform_rounding().powi(2) * mean).max(LEAST_SQUARE)
     }
 }
 

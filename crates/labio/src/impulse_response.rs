@@ -35,6 +35,7 @@ impl FrequencyResponse {
     /// [`LabioError::MissingLines`] if a line carries no information: zero would be as much of an invention as any other
     /// number.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
+        self.check_shape()?;
         self.check_complete("an impulse response")?;
         let n_lines = self.n_samples / 2 + 1;
         let (Some(spacing_hz), true) = (self.frequency_hz.get(1), self.values.len() == n_lines)
@@ -49,6 +50,13 @@ impl FrequencyResponse {
         let mut values = dft::inverse(&self.values, self.n_samples);
         for value in &mut values {
             *value *= sampling_rate_hz;
+        }
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(LabioError::NonFiniteSample {
+                channel: "impulse response".to_owned(),
+                index,
+                value: values[index],
+            });
         }
         Ok(ImpulseResponse {
             input: self.input.clone(),
@@ -102,7 +110,12 @@ impl ImpulseResponse {
     /// counts as before.)
     #[must_use]
     pub fn acausal_part(&self) -> f64 {
-        let energy = |values: &[f64]| values.iter().map(|h| h * h).sum::<f64>();
+        // relative to the largest: no square then leaves the range of numbers
+        let largest = self.values.iter().fold(0.0_f64, |top, h| top.max(h.abs()));
+        if largest == 0.0 {
+            return 0.0;
+        }
+        let energy = |values: &[f64]| values.iter().map(|h| (h / largest).powi(2)).sum::<f64>();
         let before = energy(&self.values[self.n_causal()..]);
         let after = energy(self.causal_values());
         if before > 0.0 {

@@ -74,7 +74,7 @@ pub fn integrate(
             *line / Complex64::new(0.0, TAU * f)
         };
     }
-    Ok(dft::inverse(&lines, samples.len()))
+    in_range("integral", dft::inverse(&lines, samples.len()))
 }
 
 /// The derivative with respect to time of `samples` taken at `sampling_rate_hz` \[Hz\], as one period of a periodic history:
@@ -99,7 +99,19 @@ pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>,
             Complex64::new(0.0, TAU * k as f64 * spacing_hz)
         };
     }
-    Ok(dft::inverse(&lines, samples.len()))
+    in_range("derivative", dft::inverse(&lines, samples.len()))
+}
+
+/// Accepts a result that has stayed within the range of numbers.
+fn in_range(what: &str, result: Vec<f64>) -> Result<Vec<f64>, LabioError> {
+    match result.iter().position(|value| !value.is_finite()) {
+        None => Ok(result),
+        Some(index) => Err(LabioError::NonFiniteSample {
+            channel: what.to_owned(),
+            index,
+            value: result[index],
+        }),
+    }
 }
 
 fn integrate_from_rest(
@@ -125,7 +137,7 @@ fn integrate_from_rest(
     let half_step = 0.5 / sampling_rate_hz;
     let mut integral = 0.0;
     let mut previous: Option<f64> = None;
-    Ok(samples
+    let integrals = samples
         .iter()
         .map(|sample| {
             let value = sample - offset;
@@ -135,7 +147,8 @@ fn integrate_from_rest(
             previous = Some(value);
             integral
         })
-        .collect())
+        .collect();
+    in_range("integral", integrals)
 }
 
 fn check(samples: &[f64], sampling_rate_hz: f64) -> Result<(), LabioError> {

@@ -147,6 +147,9 @@ impl MergedResponse {
                 expected: 1,
             });
         };
+        for test in tests {
+            test.check_shape()?;
+        }
         for (index, test) in tests.iter().enumerate().skip(1) {
             check_alike(first, test, index)?;
         }
@@ -265,6 +268,10 @@ fn check_alike(
             found.to_string(),
             expected.to_string(),
         );
+    }
+    let (found, expected) = (test.values.len(), first.values.len());
+    if found != expected {
+        return differ("number of lines", found.to_string(), expected.to_string());
     }
     for (found, expected) in test.frequency_hz.iter().zip(&first.frequency_hz) {
         if (found - expected).abs() > FREQUENCY_TOLERANCE * expected {

@@ -71,6 +71,10 @@ impl Record {
                 expected: 2,
             });
         }
+        check_finite(
+            "end of the record [s]",
+            start_time + samples.ncols() as f64 / sampling_rate_hz,
+        )?;
         channel::check_distinct(&channels)?;
         for (row, channel) in samples.rows().into_iter().zip(&channels) {
             check_samples(row, channel.name())?;

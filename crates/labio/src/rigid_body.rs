@@ -147,7 +147,8 @@ impl RigidBody {
 
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
         // A M - 1 = e s^2 (this body), and A M = a + b s^2 (whatever was measured); the scale keeps the sums near 1
-        let scale = (TAU * band.to_hz).powi(2);
+        let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);
+        let scale = (TAU * band.to_hz.min(highest_hz)).powi(2);
         let in_band: Vec<usize> = (0..accelerance.values.len())
             .filter(|line| {
                 (band.from_hz..=band.to_hz).contains(&accelerance.frequency_hz[*line])

@@ -115,6 +115,7 @@ impl Window {
                 expected: fewest,
             });
         }
+        check_length(n_samples)?;
         let (periodic, symmetric) = (n_samples, n_samples - 1);
         let weights = match self {
             Self::Rectangular => vec![1.0; n_samples],
@@ -203,6 +204,22 @@ impl SampledWindow {
             .map(|(i, w)| w * Complex64::cis(-PI * i as f64 / n))
             .sum();
         midway.norm() / (self.coherent_gain * n).abs()
+    }
+}
+
+/// Most samples of a window or a transform: two gibibytes a channel.
+const LONGEST: usize = 1 << 28;
+
+/// Refuses a length that no memory holds.
+pub(crate) fn check_length(n_samples: usize) -> Result<(), LabioError> {
+    if n_samples <= LONGEST {
+        Ok(())
+    } else {
+        Err(LabioError::CountMismatch {
+            what: "samples of a window or a transform, at most",
+            found: n_samples,
+            expected: LONGEST,
+        })
     }
 }
 

@@ -139,11 +139,21 @@ impl Weights {
                 });
             }
         }
+        let Some(steps) = settings
+            .passes
+            .checked_mul(features.len())
+            .filter(|n| *n > 0)
+        else {
+            return Err(MaxwellidError::Setting {
+                setting: "number of passes",
+                value: settings.passes as f64,
+                expected: "at least 1, and a number of steps that can be counted",
+            });
+        };
         let mut order: Vec<usize> = (0..features.len()).collect();
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         let mut weights = vec![vec![0.0; length]; classes];
         let mut mean = vec![vec![0.0; length]; classes];
-        let steps = settings.passes * features.len();
         let (mut step, mut averaged) = (0_usize, 0_usize);
         for _ in 0..settings.passes {
             order.shuffle(&mut random);
@@ -221,9 +231,14 @@ impl Weights {
     }
 
     /// P_i for the features of a pattern, as they come: values outside 0 to 1 are possible.
-    #[must_use]
-    pub fn adequacies(&self, features: &[f64]) -> Vec<f64> {
-        self.of_class.iter().map(|own| dot(own, features)).collect()
+    ///
+    /// # Errors
+    ///
+    /// [`MaxwellidError::WrongLength`] for other features than those of the samples.
+    pub fn adequacies(&self, features: &[f64]) -> Result<Vec<f64>, MaxwellidError> {
+        let expected = self.of_class.first().map_or(0, Vec::len);
+        check_count("set of features", features.len(), expected)?;
+        Ok(self.of_class.iter().map(|own| dot(own, features)).collect())
     }
 }
 
@@ -242,7 +257,49 @@ fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), Ma
             unequal,
         });
     }
-    Ok((length, class_of.iter().max().map_or(0, |top| top + 1)))
+    check_finite_samples(features)?;
+    Ok((length, n_classes(class_of)?))
+}
+
+/// Number of classes, which are numbered without gaps: there are no more of them than samples.
+pub(crate) fn n_classes(class_of: &[usize]) -> Result<usize, MaxwellidError> {
+    match class_of.iter().max() {
+        Some(&top) if top >= class_of.len() => Err(MaxwellidError::Setting {
+            setting: "class of a standard sample",
+            value: top as f64,
+            expected: "a number below that of the samples",
+        }),
+        top => Ok(top.map_or(0, |top| top + 1)),
+    }
+}
+
+/// Accepts samples that are finite throughout.
+pub(crate) fn check_finite_samples(samples: &[Vec<f64>]) -> Result<(), MaxwellidError> {
+    match samples.iter().flatten().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(&value) => Err(MaxwellidError::Setting {
+            setting: "feature of a standard sample",
+            value,
+            expected: "a finite value",
+        }),
+    }
+}
+
+/// Accepts as many numbers as are expected.
+pub(crate) fn check_count(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), MaxwellidError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(MaxwellidError::WrongLength {
+            what,
+            found,
+            expected,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -294,7 +351,7 @@ mod tests {
         let (features, classes) = cloud();
         let limit = Weights::least_squares(&features, &classes, 0.0).unwrap();
         for phi in &features {
-            let sum: f64 = limit.adequacies(phi).iter().sum();
+            let sum: f64 = limit.adequacies(phi).unwrap().iter().sum();
             assert!((sum - 1.0).abs() < 1e-12, "{sum}");
         }
     }
@@ -313,7 +370,7 @@ mod tests {
             let cases = features.iter().zip(&classes);
             cases
                 .flat_map(|(phi, class)| {
-                    let adequacies = weights.adequacies(phi).into_iter().enumerate();
+                    let adequacies = weights.adequacies(phi).unwrap().into_iter().enumerate();
                     adequacies.map(|(i, p)| (f64::from(u8::from(i == *class)) - p).abs())
                 })
                 .sum::<f64>()

@@ -15,6 +15,7 @@
 //!
 //! Theory: `docs/theory/adequacy.md#conformal-p-values`.
 
+use crate::adequacy::{check_finite_samples, n_classes};
 use crate::error::MaxwellidError;
 
 /// p-values of a pattern for the laws of `class_of`, from projected or plain patterns of the standard samples.
@@ -46,7 +47,9 @@ pub fn p_values(
             unequal,
         });
     }
-    let classes = class_of.iter().max().map_or(0, |top| top + 1);
+    check_finite_samples(samples)?;
+    check_finite_samples(std::slice::from_ref(&pattern.to_vec()))?;
+    let classes = n_classes(class_of)?;
     (0..classes)
         .map(|class| {
             let own: Vec<&Vec<f64>> = samples

@@ -22,6 +22,7 @@ use rodwave::inelastic::InelasticLaw;
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
+use crate::model::check_cell;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::{Provenance, RodTest, RodTestData};
 
@@ -277,6 +278,13 @@ impl Design<'_> {
     ) -> Result<Vec<RodTest>, MaxwellidError> {
         if self.tests.is_empty() {
             return Err(MaxwellidError::NoTest);
+        }
+        for test in self
+            .tests
+            .iter()
+            .chain(planned.map(|planned| &planned.test))
+        {
+            check_cell(self.cell, test.length)?;
         }
         self.tests
             .iter()

@@ -246,6 +246,16 @@ pub enum MaxwellidError {
         /// The first sample whose length is another.
         unequal: Option<usize>,
     },
+    /// A list does not have the length that another one fixes.
+    #[error("the {what} has {found} numbers, expected {expected}")]
+    WrongLength {
+        /// Name of the list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it should have.
+        expected: usize,
+    },
     /// A setting has no meaning.
     #[error("{setting} is {value}, expected {expected}")]
     Setting {

@@ -11,7 +11,7 @@ use crate::historical;
 use crate::least_squares::{
     Evaluations, Minimum, ScaledDecomposition, minimise, minimise_to, sum_of_squares,
 };
-use crate::model::RodModel;
+use crate::model::{RodModel, check_cell};
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
@@ -511,6 +511,11 @@ impl<M: RodModel> Fit<M> {
                         expected: "a finite value above 0",
                     },
                 });
+            }
+        }
+        if let Some(cell) = self.cell {
+            for test in tests {
+                check_cell(cell, test.length)?;
             }
         }
         crate::test::check_together(tests)?;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rodwave::band_limited::SampledHistory;
 use rodwave::{DirectProblem, InelasticRod};
 
+use crate::error::MaxwellidError;
 use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 
 /// The question put to a model: a rod at rest, driven at x = -L by v_e, free at x = 0.
@@ -89,6 +90,22 @@ const LOG_MODULUS_STEP: f64 = 0.1;
 /// Bounds of E \[Pa\]: softer than any gel, stiffer than diamond.
 const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
 
+/// Most cells of a grid: their characteristics alone fill as many megabytes.
+const MOST_CELLS: f64 = 1_048_576.0;
+
+/// Refuses a cell that is no length, or so short that no memory holds the grid of a rod of `length` \[m\].
+pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
+    if cell.is_finite() && cell > 0.0 && length / cell <= MOST_CELLS {
+        Ok(())
+    } else {
+        Err(MaxwellidError::Setting {
+            setting: "cell of the grid [m]",
+            value: cell,
+            expected: "a finite value above 0, not below a millionth of the rod",
+        })
+    }
+}
+
 /// Fewest cells of a grid.
 const FEWEST_CELLS: f64 = 16.0;
 
@@ -123,6 +140,7 @@ fn direct_problem<L: IdentifiableLaw>(
 ) -> Option<DirectProblem<L>> {
     let (log_modulus, of_law) = parameters.split_first()?;
     let law = law.with_parameters(of_law).ok()?;
+    check_cell(rod.cell, rod.length).ok()?;
     let cells = (rod.length / rod.cell).ceil().max(FEWEST_CELLS) as usize;
     let rod = InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()?;
     DirectProblem::new(rod, cells).ok()
@@ -200,6 +218,7 @@ impl<L: IdentifiableLaw> RodModel for L {
         direct_problem(self, rod, parameters)?
             .free_end_velocity(rod.excitation, rod.times)
             .ok()
+            .filter(|velocity| velocity.iter().all(|v| v.is_finite()))
     }
 
     fn linearised_response(

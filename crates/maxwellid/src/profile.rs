@@ -19,6 +19,7 @@ use crate::identifiability::Verdict;
 use crate::least_squares::{
     LeastSquares, Linearisation, ScaledDecomposition, minimise, sum_of_squares,
 };
+use crate::model::check_cell;
 use crate::selection::{Candidate, Contest, Ground, PosteriorProblem, Prior};
 use crate::test::RodTest;
 
@@ -86,6 +87,9 @@ pub fn profiles(
     tests: &[RodTest],
     cell: f64,
 ) -> Result<Vec<Profile>, MaxwellidError> {
+    for test in tests {
+        check_cell(cell, test.length)?;
+    }
     let ground = Ground::of(tests)?;
     let prior = candidate.prior(ground.modulus, ground.duration);
     let contest = Contest {

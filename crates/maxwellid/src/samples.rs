@@ -13,6 +13,7 @@
 
 use faer::Mat;
 
+use crate::adequacy::{check_count, check_finite_samples};
 use crate::error::MaxwellidError;
 use crate::fit::DEFAULT_CELL;
 use crate::parallel::map_in_order;
@@ -172,6 +173,10 @@ impl KarhunenLoeve {
     fn of(patterns: &[Vec<f64>], components: usize) -> Result<Self, MaxwellidError> {
         let count = patterns.len();
         let length = patterns.first().map_or(0, Vec::len);
+        for pattern in patterns {
+            check_count("pattern", pattern.len(), length)?;
+        }
+        check_finite_samples(patterns)?;
         let mean: Vec<f64> = (0..length)
             .map(|k| patterns.iter().map(|p| p[k]).sum::<f64>() / count as f64)
             .collect();
@@ -204,9 +209,14 @@ impl KarhunenLoeve {
     }
 
     /// Coordinates of a pattern.
-    #[must_use]
-    pub fn project(&self, pattern: &[f64]) -> Vec<f64> {
-        self.axes
+    ///
+    /// # Errors
+    ///
+    /// [`MaxwellidError::WrongLength`] for a pattern of other tests than those of the samples.
+    pub fn project(&self, pattern: &[f64]) -> Result<Vec<f64>, MaxwellidError> {
+        check_count("pattern", pattern.len(), self.mean.len())?;
+        Ok(self
+            .axes
             .iter()
             .map(|axis| {
                 axis.iter()
@@ -214,7 +224,7 @@ impl KarhunenLoeve {
                     .map(|(a, (p, m))| a * (p - m))
                     .sum()
             })
-            .collect()
+            .collect())
     }
 
     /// Share of the variance of the samples that the components hold.
@@ -255,7 +265,10 @@ mod tests {
             .collect();
         let projection = KarhunenLoeve::of(&patterns, 2).unwrap();
         assert!((projection.explained() - 1.0).abs() < 1e-12);
-        let projected: Vec<Vec<f64>> = patterns.iter().map(|p| projection.project(p)).collect();
+        let projected: Vec<Vec<f64>> = patterns
+            .iter()
+            .map(|p| projection.project(p).unwrap())
+            .collect();
         for i in 0..2 {
             for j in 0..2 {
                 let product: f64 = projected.iter().map(|z| z[i] * z[j]).sum::<f64>() / 50.0;

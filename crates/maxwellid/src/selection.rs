@@ -48,6 +48,7 @@ use crate::error::MaxwellidError;
 use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
 use crate::least_squares::Termination;
+use crate::model::check_cell;
 use crate::test::RodTest;
 
 /// A comparison of candidates to be made.
@@ -196,6 +197,9 @@ impl Selection {
     /// # Errors
     /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
+        for test in tests {
+            check_cell(self.cell, test.length)?;
+        }
         let ground = Ground::of(tests)?;
         let samples: usize = ground.times.iter().map(Vec::len).sum();
         let most = self

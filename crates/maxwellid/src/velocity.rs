@@ -5,9 +5,6 @@
 //! because it has no tuning that depends on the data, no memory beyond m samples, exactly linear phase, and a noise whose
 //! covariance is known in closed form: it is a finite sum of the noise of the displacement.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-
 use crate::error::MaxwellidError;
 
 /// A finite-difference differentiator v_k = Σ d_j u_{k+j}, j = -m..m.
@@ -49,16 +46,38 @@ impl Differentiator {
             half_width as f64,
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
-        let power = |x: f64, k: usize| (0..k).fold(1.0, |p, _| p * x);
-        let basis = Mat::from_fn(points.len(), degree + 1, |i, k| power(points[i], k));
-        // the slope at 0 is the coefficient of the first power: the row e₁ᵀ (AᵀA)⁻¹Aᵀ = (A R⁻¹ R⁻ᵀ e₁)ᵀ
-        let normal = basis.transpose() * &basis;
-        let unit = Mat::from_fn(degree + 1, 1, |k, _| if k == 1 { 1.0 } else { 0.0 });
-        let solution = normal.partial_piv_lu().solve(&unit);
-        let weights = &basis * solution;
-        Ok(Self {
-            weights: (0..points.len()).map(|i| weights[(i, 0)] / scale).collect(),
-        })
+        // Gram's polynomials qₖ, orthonormal over the points, by x qₖ₋₁ less its part along those before; the slope at 0 goes with
+        // it. Powers of x would be dependent to rounding from degree 20 on.
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let constant = (points.len() as f64).sqrt().recip();
+        let mut polynomials: Vec<(Vec<f64>, f64)> = vec![(vec![constant; points.len()], 0.0)];
+        let mut weights = vec![0.0; points.len()];
+        for _ in 0..degree {
+            let Some((before, slope_before)) = polynomials.last() else {
+                break;
+            };
+            let mut next: Vec<f64> = before.iter().zip(&points).map(|(q, x)| q * x).collect();
+            // (x q)' = q + x q'
+            let mut slope = before[half_width] + points[half_width] * slope_before;
+            for _ in 0..2 {
+                for (other, its_slope) in &polynomials {
+                    let along = dot(&next, other);
+                    next.iter_mut()
+                        .zip(other)
+                        .for_each(|(q, o)| *q -= along * o);
+                    slope -= along * its_slope;
+                }
+            }
+            let length = dot(&next, &next).sqrt();
+            next.iter_mut().for_each(|q| *q /= length);
+            slope /= length;
+            // the slope of the fit is the sum of those of the polynomials, each with its coefficient
+            for (weight, q) in weights.iter_mut().zip(&next) {
+                *weight += slope * q / scale;
+            }
+            polynomials.push((next, slope));
+        }
+        Ok(Self { weights })
     }
 
     /// The weights d_j for a sampling interval of 1, j = -m..m.
@@ -91,6 +110,9 @@ impl Differentiator {
     /// Lowest frequency, as a share of the sampling rate, at which the gain is off by `tolerance`; searched to 1e-4.
     #[must_use]
     pub fn bandwidth(&self, tolerance: f64) -> f64 {
+        if tolerance.is_nan() {
+            return f64::NAN;
+        }
         (1..5000)
             .map(|k| f64::from(k) * 1e-4)
             .find(|f| (self.gain(*f) - 1.0).abs() > tolerance)

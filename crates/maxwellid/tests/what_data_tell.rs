@@ -129,19 +129,19 @@ fn the_classifier_of_the_paper_is_what_it_is() {
     let projected: Vec<Vec<f64>> = samples
         .patterns
         .iter()
-        .map(|p| projection.project(p))
+        .map(|p| projection.project(p).unwrap())
         .collect();
     let features: Vec<Vec<f64>> = projected.iter().map(|z| Basis::Linear.of(z)).collect();
     let limit = Weights::least_squares(&features, &samples.class_of, 0.0).unwrap();
-    let measured = projection.project(&samples.measured(&tests));
-    let adequacies = limit.adequacies(&Basis::Linear.of(&measured));
+    let measured = projection.project(&samples.measured(&tests)).unwrap();
+    let adequacies = limit.adequacies(&Basis::Linear.of(&measured)).unwrap();
     assert!(
         (adequacies.iter().sum::<f64>() - 1.0).abs() < 1e-10,
         "{adequacies:?}"
     );
     let found =
         Weights::robbins_monro(&features, &samples.class_of, &RobbinsMonro::default()).unwrap();
-    let by_recursion = found.adequacies(&Basis::Linear.of(&measured));
+    let by_recursion = found.adequacies(&Basis::Linear.of(&measured)).unwrap();
     for (a, b) in by_recursion.iter().zip(&adequacies) {
         assert!((a - b).abs() < 0.02, "{by_recursion:?} {adequacies:?}");
     }
@@ -150,7 +150,7 @@ fn the_classifier_of_the_paper_is_what_it_is() {
         .iter()
         .zip(&samples.class_of)
         .filter(|(phi, class)| {
-            let p = limit.adequacies(phi);
+            let p = limit.adequacies(phi).unwrap();
             (0..3).max_by(|a, b| p[*a].total_cmp(&p[*b])) == Some(**class)
         })
         .count();

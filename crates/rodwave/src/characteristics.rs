@@ -208,9 +208,21 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 found: end,
             });
         }
-        Ok((last / self.time_step()).floor() as usize + 3)
+        let steps = (last / self.time_step()).floor();
+        if steps <= MOST_STEPS {
+            Ok(steps as usize + 3)
+        } else {
+            Err(RodwaveError::NonPhysical {
+                quantity: "number of time steps of the grid",
+                value: steps,
+                expected: "at most 2^22",
+            })
+        }
     }
 }
+
+/// Most time steps of a march: no record has as many samples, and no memory is asked for more.
+const MOST_STEPS: f64 = 4_194_304.0;
 
 #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
 fn time_at(n: usize, step: f64) -> f64 {

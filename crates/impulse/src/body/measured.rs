@@ -310,13 +310,15 @@ impl MeasuredBody {
         crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
         // least squares for (Re(iωGM) - 1) = -e ω²
         let (mut moment, mut square, mut found) = (0.0, 0.0, 0);
+        // relative to the last line: no fourth power then leaves the range of numbers
+        let unit = self.omega(self.mobility.len() - 1);
         for (line, value) in self.mobility.iter().enumerate().skip(1) {
             let frequency_hz = line as f64 * self.frequency_step_hz;
             if frequency_hz >= from_hz && frequency_hz <= to_hz {
                 let omega = self.omega(line);
                 let excess = (Complex64::new(0.0, omega) * value).re * weighed.mass - 1.0;
-                moment -= excess * omega.powi(2);
-                square += omega.powi(4);
+                moment -= excess * (omega / unit).powi(2);
+                square += (omega / unit).powi(4);
                 found += 1;
             }
         }
@@ -333,7 +335,7 @@ impl MeasuredBody {
         let low = (1..self.mobility.len()).take_while(|line| (*line as f64) * step < from_hz);
         for line in low {
             let omega = self.omega(line);
-            let rigid = self.rigid(line) * (1.0 - elastic * omega.powi(2));
+            let rigid = self.rigid(line) * (1.0 - elastic * (omega / unit).powi(2));
             if let Some(value) = completed.mobility.get_mut(line) {
                 *value = rigid;
             }
@@ -343,6 +345,7 @@ impl MeasuredBody {
                 *variance = rigid.norm_sqr() * relative.powi(2);
             }
         }
+        crate::error::check_lines_finite("completed mobility", &completed.mobility)?;
         Ok(completed)
     }
 

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::ImpulseError;
-use crate::error::check_samples;
+use crate::error::{check_not_negative, check_samples};
 
 /// Standard errors that chance is allowed.
 const COVERAGE: f64 = 4.0;
@@ -49,6 +49,14 @@ impl Reciprocity {
         }
         check_samples("variance of the forward mobility", variances[0])?;
         check_samples("variance of the backward mobility", variances[1])?;
+        for &variance in variances[0].iter().chain(variances[1]) {
+            check_not_negative("variance of a mobility [(m/(N s))^2]", variance)?;
+        }
+        // relative to the largest line: no square then leaves the range of numbers
+        let lines = forward.iter().chain(backward);
+        let largest = lines
+            .filter(|line| line.is_finite())
+            .fold(f64::MIN_POSITIVE, |top, line| top.max(line.norm()));
         let mut found = Self {
             relative_difference: 0.0,
             contradicting_lines: 0,
@@ -64,15 +72,11 @@ impl Reciprocity {
                     index: line,
                 });
             }
-            let square = (there - back).norm_sqr();
-            difference += square;
-            scale += there.norm() * back.norm();
-            let error = (first + second).sqrt();
-            let distance = if square > 0.0 {
-                square.sqrt() / error
-            } else {
-                0.0
-            };
+            let apart = (there - back).norm();
+            difference += (apart / largest).powi(2);
+            scale += there.norm() / largest * (back.norm() / largest);
+            let error = first.sqrt().hypot(second.sqrt());
+            let distance = if apart > 0.0 { apart / error } else { 0.0 };
             if distance > COVERAGE {
                 found.contradicting_lines += 1;
             }

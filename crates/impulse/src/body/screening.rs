@@ -185,7 +185,8 @@ impl Screening {
         // the energy of n independent lines scatters by (2/n)^½ of itself
         let chance = 1.0 + COVERAGE * (2.0 / self.n_judged as f64).sqrt();
         let allowed = ACAUSAL.max(causality.expected_from_noise.unwrap_or(0.0) * chance);
-        if causality.acausal_part > allowed {
+        // a part that is no number is no better
+        if causality.acausal_part > allowed || causality.acausal_part.is_nan() {
             flags.push(ScreeningFlag::Acausal {
                 part: causality.acausal_part,
                 allowed,
@@ -263,7 +264,12 @@ impl MeasuredBody {
             .map(|(line, value)| value * roll_off(line))
             .collect();
         let n_samples = 2 * (rolled.len() - 1);
-        let samples = fourier::to_samples(&rolled, n_samples);
+        let mut samples = fourier::to_samples(&rolled, n_samples);
+        // relative to the largest: no square then leaves the range of numbers
+        let largest = samples.iter().fold(0.0_f64, |top, g| top.max(g.abs()));
+        if largest > 0.0 {
+            samples.iter_mut().for_each(|g| *g /= largest);
+        }
         let energy = |samples: &[f64]| samples.iter().map(|g| g * g).sum::<f64>();
         let near = NEAR_IMPULSE.min(n_samples / 8);
         let ahead = samples.get(n_samples / 2..n_samples - near);
@@ -273,7 +279,7 @@ impl MeasuredBody {
         let expected_from_noise = self.variance().map(|variances| {
             let lines = variances.iter().enumerate();
             let noise: f64 = lines
-                .map(|(line, variance)| 2.0 * variance * roll_off(line).powi(2))
+                .map(|(line, variance)| 2.0 * variance / largest / largest * roll_off(line).powi(2))
                 .sum();
             // spread evenly over the period; samples are unscaled sums over both sides
             share(noise * (n_samples / 2 - near) as f64)

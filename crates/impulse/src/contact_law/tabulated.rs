@@ -22,7 +22,7 @@ impl TabulatedContact {
     /// # Errors
     ///
     /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ and F are finite and grow from
-    /// point to point.
+    /// point to point, with slopes and energies within the range of numbers.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
         if points.len() < 2 {
             return Err(ImpulseError::TooShort {
@@ -60,7 +60,16 @@ impl TabulatedContact {
                 );
             }
             let so_far = energy.last().copied().unwrap_or(0.0);
-            energy.push(so_far + 0.5 * (point.0 - before.0) * (point.1 + before.1));
+            let up_to_here = so_far + 0.5 * (point.0 - before.0) * (point.1 + before.1);
+            let slope = (point.1 - before.1) / (point.0 - before.0);
+            if !(up_to_here.is_finite() && up_to_here > so_far && slope.is_finite()) {
+                return wrong(
+                    index,
+                    point,
+                    "a piece whose slope and energy are within the range of numbers",
+                );
+            }
+            energy.push(up_to_here);
             before = point;
         }
         Ok(Self {

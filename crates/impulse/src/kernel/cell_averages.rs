@@ -23,6 +23,9 @@ const SMEARED: usize = 16;
 /// Periods for a body on the frequency axis, in durations: what rings may take three of them to die out.
 const AXIS_PERIODS: usize = 8;
 
+/// Most points of the period of a measured body: a gibibyte.
+const MOST_POINTS: f64 = 134_217_728.0;
+
 pub(super) fn weights<B: ImpactBody + ?Sized>(
     body: &B,
     grid: TimeGrid,
@@ -135,7 +138,14 @@ fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
 fn measured_points(frequency_step_hz: f64, grid: TimeGrid) -> Result<usize, ImpulseError> {
     let points = 1.0 / (frequency_step_hz * grid.time_step);
     let whole = points.round();
-    if (points / whole - 1.0).abs() > 1e-9 || whole > 1e9 {
+    if whole > MOST_POINTS {
+        return Err(ImpulseError::NonPhysical {
+            quantity: "period of the measured lines over the time step",
+            value: points,
+            expected: "at most 2^27",
+        });
+    }
+    if (points / whole - 1.0).abs() > 1e-9 {
         return Err(ImpulseError::NonPhysical {
             quantity: "period of the measured lines over the time step",
             value: points,

@@ -94,17 +94,27 @@ impl CalibrationScatter {
         let additive = quiet / n_quiet as f64;
         // an error with force below the one without is scatter of the estimate
         let with_force = (loud - additive * n_loud as f64).max(0.0);
-        Ok(Self {
+        let scatter = Self {
             without_force: additive.sqrt(),
             relative: (with_force / force_squares).sqrt(),
             n_blows: blows.len(),
-        })
+        };
+        if scatter.without_force.is_finite() && scatter.relative.is_finite() {
+            Ok(scatter)
+        } else {
+            Err(ImpulseError::OutOfRange {
+                what: "scatter of the calibration blows",
+            })
+        }
     }
 
     /// The error of `history`, reconstructed as the blows were, over the samples `window`; outside it is nothing.
     #[must_use]
     pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
         let force = history.force();
+        // what of the window lies in the record
+        let first = window.start.min(force.len());
+        let window = first..window.end.clamp(first, force.len());
         let inside = force.get(window.clone()).unwrap_or_default();
         let errors = inside
             .iter()

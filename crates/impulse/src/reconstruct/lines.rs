@@ -9,6 +9,9 @@ use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
 /// Lines of a record of `n_samples` samples.
+/// A square below this has fewer digits than a number: it is within the precision of the smallest normal one.
+const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
     pub(super) n_samples: usize,
@@ -124,7 +127,13 @@ impl Transformed<'_> {
         if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
             return Err(ImpulseError::SpectrumOverflow { index: line });
         }
-        Ok((lines.power[line] <= 0.0).then_some(reason))
+        if lines.power[line] < LEAST_POWER {
+            // its digits are lost: no force can be had from it
+            lines.power[line] = 0.0;
+            lines.cross[line] = Complex64::ZERO;
+            return Ok(Some(reason));
+        }
+        Ok(None)
     }
 
     /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of the lines `force`: that of the responses as stated, or
@@ -174,6 +183,9 @@ impl Transformed<'_> {
 
     /// ‖x - h*F‖/‖x‖ over all sensors and the lines of each that were not left out, by Parseval's relation.
     pub(super) fn relative_residual(&self, force: &[Complex64]) -> f64 {
+        // relative to the largest line: no square then leaves the range of numbers
+        let lines = self.responses.iter().flatten();
+        let largest = lines.fold(0.0_f64, |top, x| top.max(x.norm()));
         let (mut left, mut all) = (0.0, 0.0);
         for (sensor, response) in self.sensors.iter().zip(&self.responses) {
             for (line, x) in response.iter().enumerate() {
@@ -181,8 +193,8 @@ impl Transformed<'_> {
                     continue;
                 }
                 let missing = x - sensor.frequency_response[line] * force[line];
-                left += self.grid.sides(line) * missing.norm_sqr();
-                all += self.grid.sides(line) * x.norm_sqr();
+                left += self.grid.sides(line) * (missing / largest).norm_sqr();
+                all += self.grid.sides(line) * (x / largest).norm_sqr();
             }
         }
         if all > 0.0 { (left / all).sqrt() } else { 0.0 }

@@ -191,9 +191,13 @@ impl ResponseEnd {
         let n = response.len();
         let n_end = n.div_ceil(Self::PARTS);
         let end = response.get(n - n_end..).unwrap_or_default();
-        let mean_square = end.iter().map(|x| x * x).sum::<f64>() / n_end as f64;
         let peak = response.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        let relative_level = mean_square.sqrt() / peak;
+        if peak == 0.0 {
+            return Self::DiedOut;
+        }
+        // relative to the peak: no square then leaves the range of numbers
+        let mean_square = end.iter().map(|x| (x / peak).powi(2)).sum::<f64>() / n_end as f64;
+        let relative_level = mean_square.sqrt();
         if relative_level > Self::DIED_OUT {
             Self::CutOff { relative_level }
         } else {

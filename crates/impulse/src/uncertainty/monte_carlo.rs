@@ -5,7 +5,7 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::StickUncertainty;
-use crate::force_error::{check_level, quantile};
+use crate::force_error::{check_draws, check_level, quantile};
 use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
 
 /// Below this a standard deviation is hardly known.
@@ -52,6 +52,7 @@ impl StickUncertainty<'_> {
             });
         }
         let (_, n_shown) = problem.n_samples();
+        check_draws(n_draws, n_shown)?;
         let mut result = MonteCarlo {
             stick_mean: vec![0.0; n_shown],
             stick_deviation: vec![0.0; n_shown],

@@ -21,11 +21,13 @@ impl Rating {
     ///
     /// [`LabioError::UnknownUnit`], or [`LabioError::NonPhysical`] if the value is not finite.
     pub fn new(value: f64, unit: &str) -> Result<Self, LabioError> {
-        Ok(Self {
+        let rating = Self {
             value: check_finite("rated value", value)?,
             unit: Unit::parse(unit)?,
             uncertainty: 0.0,
-        })
+        };
+        check_finite("rated value in SI", rating.si())?;
+        Ok(rating)
     }
 
     /// The same with a standard uncertainty, in the same unit.

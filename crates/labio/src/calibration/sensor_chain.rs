@@ -355,6 +355,8 @@ impl SensorChain {
 
 fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
     check_positive(what, rating.value())?;
+    // in SI, where a prefix may have taken it out of the range of numbers
+    check_positive(what, rating.si())?;
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::{Estimator, FrequencyResponse, LineValidity};
-use crate::error::check_positive;
+use crate::error::{check_finite, check_positive};
 use crate::{Channel, LabioError};
 
 /// Lines that a response has at least.
@@ -45,6 +45,10 @@ impl FrequencyResponse {
                 expected: FEWEST_LINES,
             });
         }
+        check_finite(
+            "highest line of a frequency response [Hz]",
+            (values.len() - 1) as f64 * line_spacing_hz,
+        )?;
         let validity: Vec<LineValidity> = values
             .iter()
             .map(|value| {
@@ -112,7 +116,10 @@ impl FrequencyResponse {
                     expected: "a number above 0 and at most 1",
                 });
             }
-            *slot = self.values[line].norm_sqr() * (1.0 - c) / (n_averages as f64 * c);
+            *slot = check_finite(
+                "variance of a line",
+                self.values[line].norm_sqr() * (1.0 - c) / (n_averages as f64 * c),
+            )?;
         }
         self.n_averages = n_averages;
         self.effective_averages = n_averages as f64;
@@ -147,7 +154,7 @@ impl FrequencyResponse {
 
     fn check_lines(&self, what: &'static str, found: usize) -> Result<(), LabioError> {
         if found == self.values.len() {
-            Ok(())
+            self.check_shape()
         } else {
             Err(LabioError::CountMismatch {
                 what,

@@ -109,12 +109,20 @@ pub fn find_hits_in_blocks(
         fed: 0,
         pending: VecDeque::new(),
         bounds: Bounds::default(),
+        lost: None,
     };
     let mut log = HitLog::new(trigger.channel());
     let mut block = Array2::zeros((channels.len(), BLOCK));
     loop {
         let n = source.read_block(&mut block)?;
-        let (filled, _) = block.view().split_at(ndarray::Axis(1), n.min(BLOCK));
+        if n > BLOCK {
+            return Err(LabioError::CountMismatch {
+                what: "samples read into a block, at most",
+                found: n,
+                expected: BLOCK,
+            });
+        }
+        let (filled, _) = block.view().split_at(ndarray::Axis(1), n);
         cutter.feed(filled);
         while let Some((fired, samples)) = cutter.next(n == 0) {
             let time = fired as f64 / rate_hz;
@@ -144,7 +152,12 @@ pub fn find_hits_in_blocks(
         }
     }
     if log.hits().is_empty() {
-        let reasons = vec![cutter.bounds.not_triggered(trigger)];
+        let mut reasons = vec![cutter.bounds.not_triggered(trigger)];
+        // a hit may have been where the samples were lost
+        reasons.extend(cutter.lost.map(|index| Reason::NonFinite {
+            channel: trigger.channel().to_owned(),
+            index,
+        }));
         log.push(Hit::new(0.0, None, reasons));
     }
     Ok(log)
@@ -223,6 +236,8 @@ struct Cutter {
     /// Samples on which the trigger fired and whose hits are not complete.
     pending: VecDeque<usize>,
     bounds: Bounds,
+    /// First sample of the trigger channel that is no number.
+    lost: Option<usize>,
 }
 
 impl Cutter {
@@ -234,6 +249,9 @@ impl Cutter {
         if let Some(row) = block.rows().into_iter().nth(self.row) {
             for (index, &sample) in (self.fed..).zip(row) {
                 self.bounds.widen(sample);
+                if !sample.is_finite() {
+                    self.lost.get_or_insert(index);
+                }
                 if self.scanner.fires(index, sample) {
                     self.pending.push_back(index);
                 }

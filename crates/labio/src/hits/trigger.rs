@@ -154,7 +154,7 @@ impl Trigger {
             return Err(LabioError::TooFewSamples {
                 what: "the hit that the trigger takes",
                 found: length,
-                expected: (before + 1).max(2),
+                expected: before.saturating_add(1).max(2),
             });
         }
         let hold_off = match self.hold_off {

@@ -107,6 +107,9 @@ fn bessel(order: u32, s: Complex64) -> Complex64 {
         let next = phi + s * s * before / ((2.0 * n - 1.0) * (2.0 * n - 3.0));
         (before, phi) = (phi, next);
     }
+    if !s.is_nan() && !phi.is_finite() {
+        return Complex64::ZERO; // so far above the cut-off that the polynomial leaves the range of numbers
+    }
     phi.inv()
 }
 

@@ -33,11 +33,20 @@ impl Converter {
                 expected: "a number from 1 to 32",
             });
         }
-        Ok(Self {
+        let converter = Self {
             bits,
             range,
             dither: false,
-        })
+        };
+        if converter.step().is_normal() {
+            Ok(converter)
+        } else {
+            Err(LabioError::NonPhysical {
+                quantity: "range of the converter",
+                value: range,
+                expected: "a range whose step is within the range of numbers",
+            })
+        }
     }
 
     /// With dither.

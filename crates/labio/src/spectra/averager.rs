@@ -6,6 +6,7 @@ use super::{AveragedSpectra, Detrend};
 use crate::channel::{self, Channel};
 use crate::dft::Dft;
 use crate::error::check_positive;
+use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
 /// Two sampling rates are the same if they differ relatively by less than this: over a record of a million samples the
@@ -70,6 +71,7 @@ impl SpectrumAverager {
     ) -> Result<Self, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         channel::check_distinct(channels)?;
+        check_length(n_samples)?;
         let (weights, gains) = weigh(window, n_samples)?;
         let n_channels = channels.len();
         if n_channels == 0 {
@@ -327,15 +329,19 @@ impl SpectrumAverager {
                 });
             }
         }
-        let (found_hz, expected_hz) = (hit.sampling_rate_hz(), self.sampling_rate_hz);
-        if (found_hz - expected_hz).abs() > SAMPLING_RATE_TOLERANCE * expected_hz {
-            return Err(LabioError::SamplingRateMismatch {
-                found_hz,
-                expected_hz,
-            });
-        }
-        Ok(())
+        check_same_rate(hit.sampling_rate_hz(), self.sampling_rate_hz)
     }
+}
+
+/// Accepts a sampling rate that is another one to its last digits only.
+pub(super) fn check_same_rate(found_hz: f64, expected_hz: f64) -> Result<(), LabioError> {
+    if (found_hz - expected_hz).abs() > SAMPLING_RATE_TOLERANCE * expected_hz {
+        return Err(LabioError::SamplingRateMismatch {
+            found_hz,
+            expected_hz,
+        });
+    }
+    Ok(())
 }
 
 /// What a window does to the level and the bandwidth of noise.
@@ -389,6 +395,13 @@ impl Averaged<'_> {
         }
         let time_step = 1.0 / self.sampling_rate_hz;
         let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
+        if !two_sided.is_normal() {
+            return Err(LabioError::NonPhysical {
+                quantity: "sampling rate [Hz]",
+                value: self.sampling_rate_hz,
+                expected: "a rate whose square is within the range of numbers",
+            });
+        }
         let n_samples = self.n_samples;
         let scale = |line: usize| {
             if line == 0 || 2 * line == n_samples {

@@ -1,7 +1,8 @@
 //! The noise of a channel while nothing happens: from the samples before each hit.
 
+use super::averager::check_same_rate;
 use super::{Detrend, Welch};
-use crate::{LabioError, Record};
+use crate::{LabioError, Record, channel};
 
 /// Longest segment of samples that is transformed: noise has no fine structure that a hit of a few thousand samples could show.
 const LONGEST_SEGMENT: usize = 64;
@@ -43,7 +44,8 @@ impl RestNoise {
     /// # Errors
     ///
     /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than 16 silent samples or a hit with fewer,
-    /// [`LabioError::UnknownChannel`].
+    /// [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit that is not like
+    /// the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
         if n_silent < FEWEST_SAMPLES {
             return Err(LabioError::TooFewSamples {
@@ -62,7 +64,17 @@ impl RestNoise {
         let segment = n_silent.min(LONGEST_SEGMENT);
         let welch = Welch::new(segment)?.with_detrend(Detrend::Mean);
         let mut density = vec![0.0; segment / 2 + 1];
-        for hit in hits {
+        let (_, measured) = channel::find(first.channels(), channel)?;
+        for (index, hit) in hits.iter().enumerate() {
+            let (_, found) = channel::find(hit.channels(), channel)?;
+            if found != measured {
+                return Err(LabioError::ChannelMismatch {
+                    index,
+                    found: found.to_string(),
+                    expected: measured.to_string(),
+                });
+            }
+            check_same_rate(hit.sampling_rate_hz(), first.sampling_rate_hz())?;
             let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
             for (sum, value) in density.iter_mut().zip(spectra.power_density(channel)?) {
                 *sum += value;
@@ -91,6 +103,9 @@ impl RestNoise {
     /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which lies between 0 and the Nyquist frequency.
     #[must_use]
     pub fn density_at(&self, frequency_hz: f64) -> f64 {
+        if frequency_hz.is_nan() {
+            return f64::NAN;
+        }
         let place = (frequency_hz / self.step_hz).max(0.0);
         let last = self.density.len() - 1;
         #[expect(

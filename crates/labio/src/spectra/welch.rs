@@ -101,6 +101,7 @@ impl Welch {
     /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
     /// [`SpectrumAverager::spectra`].
     pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
+        self.check_longer_than_a_segment(record.n_samples())?;
         let mut averager = self.averager(record.channels(), record.sampling_rate_hz())?;
         let samples = record.samples();
         let samples = samples.as_standard_layout();
@@ -184,19 +185,25 @@ impl Welch {
             .map(|averager| averager.with_detrend(self.detrend))
     }
 
+    fn check_longer_than_a_segment(&self, n_available: usize) -> Result<(), LabioError> {
+        if n_available >= self.n_samples {
+            Ok(())
+        } else {
+            Err(LabioError::TooFewSamples {
+                what: "the record to be cut into segments",
+                found: n_available,
+                expected: self.n_samples,
+            })
+        }
+    }
+
     fn averages(
         &self,
         averager: SpectrumAverager,
         n_available: usize,
     ) -> Result<AveragedSpectra, LabioError> {
         let n_segments = averager.n_averages();
-        if n_segments == 0 {
-            return Err(LabioError::TooFewSamples {
-                what: "the record to be cut into segments",
-                found: n_available,
-                expected: self.n_samples,
-            });
-        }
+        self.check_longer_than_a_segment(n_available)?;
         let window = self.window.sample(self.n_samples)?;
         averager.into_averages(window.independent_averages(n_segments, self.hop())?)
     }

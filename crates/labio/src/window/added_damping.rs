@@ -78,6 +78,7 @@ impl AddedDamping {
     /// [`LabioError::NonPhysical`] for the sampling rate.
     pub fn weights(&self, n_samples: usize, sampling_rate_hz: f64) -> Result<Vec<f64>, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        super::check_length(n_samples)?;
         Ok((0..n_samples)
             .map(|n| (-self.decay_rate * n as f64 / sampling_rate_hz).exp())
             .collect())

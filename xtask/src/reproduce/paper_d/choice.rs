@@ -175,8 +175,8 @@ fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Er
         .patterns
         .iter()
         .map(|pattern| projection.project(pattern))
-        .collect();
-    let measured = projection.project(&samples.measured(tests));
+        .collect::<Result<_, _>>()?;
+    let measured = projection.project(&samples.measured(tests))?;
     let features: Vec<Vec<f64>> = projected.iter().map(|z| Basis::Linear.of(z)).collect();
     let adequacies = |correction| -> Result<Vec<f64>, Error> {
         let settings = RobbinsMonro {
@@ -184,7 +184,7 @@ fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Er
             ..RobbinsMonro::default()
         };
         let weights = Weights::robbins_monro(&features, &samples.class_of, &settings)?;
-        Ok(weights.adequacies(&Basis::Linear.of(&measured)))
+        Ok(weights.adequacies(&Basis::Linear.of(&measured))?)
     };
     Ok([
         adequacies(Correction::LeastMeanSquare)?,

@@ -303,14 +303,14 @@ fn classifier(claims: &mut Claims) {
         let features: Vec<Vec<f64>> = samples
             .patterns
             .iter()
-            .map(|pattern| Basis::Linear.of(&projection.project(pattern)))
-            .collect();
-        let measured = Basis::Linear.of(&projection.project(&samples.measured(&tests)));
+            .map(|pattern| Ok(Basis::Linear.of(&projection.project(pattern)?)))
+            .collect::<Ours<_>>()?;
+        let measured = Basis::Linear.of(&projection.project(&samples.measured(&tests))?);
         let limit = Weights::least_squares(&features, &samples.class_of, 0.0)?;
-        let limit = limit.adequacies(&measured);
+        let limit = limit.adequacies(&measured)?;
         let settings = RobbinsMonro::default();
         let recursion = Weights::robbins_monro(&features, &samples.class_of, &settings)?;
-        let recursion = recursion.adequacies(&measured);
+        let recursion = recursion.adequacies(&measured)?;
         Ok([
             limit.iter().sum::<f64>(),
             largest(recursion.iter().zip(&limit).map(|(a, b)| (a - b).abs())),

@@ -1,0 +1,241 @@
+//! Ten million samples, and requests that no memory holds.
+
+use labio::hits::{Criteria, Extent, Reason, Trigger, find_hits, find_hits_in_blocks};
+use labio::{
+    AddedDamping, BlockSource, Channel, ForceWindow, LabioError, LowFrequency, Provenance,
+    Quantity, Record, SpectrumAverager, Welch, Window, integrate,
+};
+use ndarray::{Array2, Axis};
+
+use crate::{INPUT, channels, record};
+
+/// Samples of a record that are handed out in blocks; what comes after them is a lie of so many more.
+struct Played {
+    channels: Vec<Channel>,
+    samples: Array2<f64>,
+    at: usize,
+    lie: usize,
+}
+
+impl BlockSource for Played {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn sampling_rate_hz(&self) -> f64 {
+        1e6
+    }
+
+    fn n_samples(&self) -> Option<u64> {
+        None
+    }
+
+    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+        let n = block.ncols().min(self.samples.ncols() - self.at);
+        let (from, _) = self.samples.view().split_at(Axis(1), self.at + n);
+        let (_, from) = from.split_at(Axis(1), self.at);
+        let (mut to, _) = block.view_mut().split_at(Axis(1), n);
+        to.assign(&from);
+        self.at += n;
+        Ok(if n == 0 { 0 } else { n + self.lie })
+    }
+}
+
+/// A hit every hundred thousand samples of ten million: found, integrated and averaged in one pass each.
+#[test]
+fn ten_million_samples() {
+    const N: usize = 10_000_000;
+    let every = 100_000;
+    let samples = Array2::from_shape_fn((1, N), |(_, k)| {
+        let since = k % every;
+        // a half sine of 100 samples on a floor of a least significant digit
+        let noise = if k % 3 == 0 { 1e-3 } else { 0.0 };
+        if (5000..5100).contains(&since) {
+            100.0 * (std::f64::consts::PI * (since - 5000) as f64 / 100.0).sin()
+        } else {
+            noise
+        }
+    });
+    let force = vec![Channel::new(INPUT, Quantity::Force).unwrap()];
+    let long = Record::new(
+        samples.clone(),
+        1e6,
+        0.0,
+        force.clone(),
+        Provenance::computed("t"),
+    )
+    .unwrap();
+    let trigger = Trigger::new(INPUT, 10.0, Extent::Samples(4096))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(512));
+    let criteria = Criteria::default();
+    let log = find_hits(&long, &trigger, &criteria).unwrap();
+    assert_eq!(log.hits().len(), N / every);
+    let mut source = Played {
+        channels: force,
+        samples,
+        at: 0,
+        lie: 0,
+    };
+    let streamed =
+        find_hits_in_blocks(&mut source, &Provenance::computed("t"), &trigger, &criteria).unwrap();
+    assert_eq!(streamed.accepted().count(), log.accepted().count());
+    assert!(log.accepted().count() == N / every);
+
+    let row = long.channel(INPUT).unwrap().to_vec();
+    let impulse = integrate(&row, 1e6, LowFrequency::AtRest { n_samples: 3 }).unwrap();
+    // a hundred half sines of 2/π 100 N 100 µs, on a floor whose mean is taken for the zero
+    let expected = 100.0 * 2.0 / std::f64::consts::PI * 100.0 * 100e-6;
+    assert!(
+        (impulse[N - 1] / expected - 1.0).abs() < 1e-3,
+        "{}",
+        impulse[N - 1]
+    );
+
+    let spectra = Welch::new(1 << 16)
+        .unwrap()
+        .with_overlap(0)
+        .unwrap()
+        .spectra(&long)
+        .unwrap();
+    assert_eq!(spectra.n_averages(), N >> 16);
+    assert!(spectra.auto(INPUT).unwrap().iter().all(|g| g.is_finite()));
+}
+
+#[test]
+fn lengths_that_no_memory_holds_are_refused() {
+    for n in [usize::MAX, usize::MAX / 2, 1 << 50] {
+        assert!(Window::Rectangular.sample(n).is_err());
+        assert!(Window::HannPeriodic.sample(n).is_err());
+        assert!(AddedDamping::new(1.0).unwrap().weights(n, 1.0).is_err());
+        assert!(
+            ForceWindow::new(0.0, 1.0, 0.0)
+                .unwrap()
+                .weights(n, 1.0)
+                .is_err()
+        );
+        assert!(SpectrumAverager::new(&channels(), n, 1.0, Window::Rectangular).is_err());
+        let short = record([&[1.0; 8], &[1.0; 8]], 1.0);
+        assert!(matches!(
+            Welch::new(n).unwrap().spectra(&short),
+            Err(LabioError::TooFewSamples { found: 8, .. })
+        ));
+        let mut source = Played {
+            channels: channels(),
+            samples: Array2::ones((2, 8)),
+            at: 0,
+            lie: 0,
+        };
+        assert!(
+            Welch::new(n)
+                .unwrap()
+                .spectra_of_stream(&mut source)
+                .is_err()
+        );
+        let late = Trigger::new(INPUT, 0.5, Extent::Samples(n))
+            .unwrap()
+            .with_pre_trigger(Extent::Samples(n));
+        assert!(matches!(
+            find_hits(&short, &late, &Criteria::default()),
+            Err(LabioError::TooFewSamples { .. })
+        ));
+        let patient = Trigger::new(INPUT, 0.5, Extent::Samples(n)).unwrap();
+        assert!(find_hits(&short, &patient, &Criteria::default()).is_ok());
+        assert!(short.part(0..n).is_err());
+    }
+}
+
+#[test]
+fn a_source_that_lies_about_its_block_is_refused() {
+    let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();
+    let mut source = Played {
+        channels: channels(),
+        samples: Array2::ones((2, 8)),
+        at: 0,
+        lie: 1 << 20,
+    };
+    let refused = find_hits_in_blocks(
+        &mut source,
+        &Provenance::computed("t"),
+        &trigger,
+        &Criteria::default(),
+    );
+    assert!(matches!(refused, Err(LabioError::CountMismatch { .. })));
+}
+
+/// The blow itself was lost: that there was no trigger is not all there is to say.
+#[test]
+fn lost_samples_of_an_untriggered_stream_are_told() {
+    let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();
+    let mut samples = Array2::zeros((2, 50));
+    samples[(0, 30)] = f64::NAN;
+    let mut source = Played {
+        channels: channels(),
+        samples,
+        at: 0,
+        lie: 0,
+    };
+    let log = find_hits_in_blocks(
+        &mut source,
+        &Provenance::computed("t"),
+        &trigger,
+        &Criteria::default(),
+    )
+    .unwrap();
+    let reasons = log.hits()[0].reasons();
+    assert!(
+        matches!(
+            reasons,
+            [
+                Reason::NotTriggered { .. },
+                Reason::NonFinite { index: 30, .. }
+            ]
+        ),
+        "{reasons:?}"
+    );
+}
+
+/// One sample, none, and rates that do not divide.
+#[test]
+fn the_shortest_records() {
+    let one = Record::new(
+        Array2::ones((2, 1)),
+        1.0,
+        0.0,
+        channels(),
+        Provenance::computed("t"),
+    );
+    let none = Record::new(
+        Array2::ones((2, 0)),
+        1.0,
+        0.0,
+        channels(),
+        Provenance::computed("t"),
+    );
+    let nothing = Record::new(
+        Array2::ones((0, 0)),
+        1.0,
+        0.0,
+        Vec::new(),
+        Provenance::computed("t"),
+    );
+    for refused in [one, none, nothing] {
+        assert!(matches!(refused, Err(LabioError::TooFewSamples { .. })));
+    }
+    for rate in [1.0 / 3.0, std::f64::consts::PI, 44_100.0 / 7.0] {
+        let two = record([&[1.0, 2.0], &[3.0, 5.0]], rate);
+        let spectra = crate::averaged(&[two.clone(), two.clone()]);
+        assert_eq!(spectra.frequency_hz().len(), 2);
+        let half = spectra.frequency_hz()[1];
+        assert!((half / rate - 0.5).abs() < 1e-15);
+        assert!(integrate(&[1.0, 2.0], rate, LowFrequency::MeanRemoved).is_ok());
+        let trigger = Trigger::new(INPUT, 1.5, Extent::Seconds(2.0 / rate)).unwrap();
+        assert_eq!(
+            find_hits(&two, &trigger, &Criteria::default())
+                .unwrap()
+                .hits()
+                .len(),
+            1
+        );
+    }
+}

@@ -1,0 +1,57 @@
+//! What holds whatever a laboratory brings: laws over random records, and the ends of the range of numbers.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a failure here is the failure that the test reports"
+)]
+
+mod extremes_sizes;
+mod extremes_values;
+mod properties_histories;
+mod properties_npz;
+mod properties_responses;
+mod properties_spectra;
+
+use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
+use ndarray::Array2;
+use proptest::prelude::*;
+
+pub(crate) const INPUT: &str = "force";
+pub(crate) const OUTPUT: &str = "response";
+
+pub(crate) fn channels() -> Vec<Channel> {
+    vec![
+        Channel::new(INPUT, Quantity::Force).unwrap(),
+        Channel::new(OUTPUT, Quantity::Acceleration).unwrap(),
+    ]
+}
+
+pub(crate) fn record(rows: [&[f64]; 2], rate_hz: f64) -> Record {
+    let samples = Array2::from_shape_fn((2, rows[0].len()), |(row, n)| rows[row][n]);
+    Record::new(
+        samples,
+        rate_hz,
+        0.0,
+        channels(),
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+/// Hits of one length, with whatever samples.
+pub(crate) fn any_hits(least: usize) -> impl Strategy<Value = (Vec<Record>, f64)> {
+    let rate = prop_oneof![1e-3..1e7_f64, Just(51_200.0), Just(1.0 / 3.0)];
+    (4..90_usize, least..7, rate).prop_flat_map(|(n, hits, rate)| {
+        let row = || prop::collection::vec(-1e3..1e3_f64, n);
+        prop::collection::vec((row(), row()), hits).prop_map(move |hits| {
+            let hits = hits.iter().map(|(x, y)| record([x, y], rate)).collect();
+            (hits, rate)
+        })
+    })
+}
+
+pub(crate) fn averaged(hits: &[Record]) -> AveragedSpectra {
+    AveragedSpectra::of(hits, Window::Rectangular).unwrap()
+}

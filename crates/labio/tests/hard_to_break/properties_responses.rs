@@ -1,0 +1,146 @@
+//! The six kinds of a response, merges, and impulse responses.
+
+use labio::{
+    Channel, Estimator, FrequencyResponse, LineValidity, MergedResponse, Quantity, ResponseKind,
+};
+use num_complex::Complex64;
+use proptest::prelude::*;
+
+use crate::{INPUT, OUTPUT, any_hits, averaged};
+
+const KINDS: [ResponseKind; 6] = [
+    ResponseKind::Receptance,
+    ResponseKind::Mobility,
+    ResponseKind::Accelerance,
+    ResponseKind::DynamicStiffness,
+    ResponseKind::Impedance,
+    ResponseKind::DynamicMass,
+];
+
+fn response(values: Vec<Complex64>, spacing_hz: f64) -> FrequencyResponse {
+    let force = Channel::new(INPUT, Quantity::Force).unwrap();
+    let motion = Channel::new(OUTPUT, Quantity::Acceleration).unwrap();
+    FrequencyResponse::of_lines(force, motion, spacing_hz, values).unwrap()
+}
+
+fn any_response() -> impl Strategy<Value = FrequencyResponse> {
+    let value =
+        (-10.0..10.0_f64, -10.0..10.0_f64).prop_map(|(re, im)| Complex64::new(re + 0.01, im));
+    let values = prop::collection::vec(value, 3..40);
+    // a mobility in whatever units
+    (values, -200..200_i32, 1e-2..1e3_f64).prop_map(|(values, power, spacing)| {
+        let factor = 10.0_f64.powi(power);
+        response(values.iter().map(|v| v * factor).collect(), spacing)
+    })
+}
+
+proptest! {
+    /// There and back over any two kinds, in units that make the numbers as large as they may be.
+    #[test]
+    fn kinds_invert_each_other(given in any_response(), via in 0..6_usize, over in 0..6_usize) {
+        let back = given.to_kind(KINDS[via]).unwrap().to_kind(KINDS[over]).unwrap()
+            .to_kind(ResponseKind::Accelerance).unwrap();
+        prop_assert_eq!(&back.output, &given.output);
+        for line in 1..given.values.len() {
+            prop_assert_eq!(back.validity[line], LineValidity::Valid);
+            // a few roundings of products, quotients and powers
+            let apart = (back.values[line] - given.values[line]).norm();
+            prop_assert!(apart < 1e-13 * given.values[line].norm());
+        }
+    }
+
+    /// A relative error belongs to the line, whatever the kind.
+    #[test]
+    fn relative_errors_survive_every_kind((hits, _) in any_hits(3), via in 0..6_usize) {
+        let given = averaged(&hits).h1(INPUT, OUTPUT).unwrap();
+        let other = given.to_kind(KINDS[via]).unwrap();
+        let errors = given.random_error().unwrap().into_iter().zip(other.random_error().unwrap());
+        for (line, (a, b)) in errors.enumerate() {
+            if given.validity[line] == LineValidity::Valid && other.validity[line] == LineValidity::Valid {
+                prop_assert!((a.magnitude - b.magnitude).abs() <= 1e-12 * a.magnitude);
+            }
+        }
+    }
+
+    /// Which hammer is named first does not matter, shares are parts, and a test merged with itself stays what it is.
+    #[test]
+    fn hammers_are_equal((first, _) in any_hits(3), seed in 0..1000_u32) {
+        let other: Vec<_> = first.iter().map(|hit| {
+            let lift = f64::from(seed) / 500.0;
+            let rows: Vec<Vec<f64>> = hit.samples().rows().into_iter()
+                .map(|row| row.iter().enumerate().map(|(n, x)| x + lift * (n as f64).sin()).collect()).collect();
+            crate::record([&rows[0], &rows[1]], hit.sampling_rate_hz())
+        }).collect();
+        let [a, b] = [averaged(&first), averaged(&other)];
+        let [x, y] = [&a, &b].map(|spectra| spectra.h1(INPUT, OUTPUT).unwrap());
+        let there = MergedResponse::by_inverse_variance(&[x.clone(), y.clone()]).unwrap();
+        let back = MergedResponse::by_inverse_variance(&[y, x.clone()]).unwrap();
+        let itself = MergedResponse::by_inverse_variance(&[x.clone(), x.clone()]).unwrap();
+        for line in 0..x.values.len() {
+            if there.response.validity[line] != LineValidity::Valid {
+                continue;
+            }
+            let scale = there.response.values[line].norm();
+            prop_assert!((there.response.values[line] - back.response.values[line]).norm() <= 1e-12 * scale);
+            prop_assert!((there.shares.column(line).sum() - 1.0).abs() < 1e-14);
+            if x.validity[line] == LineValidity::Valid {
+                prop_assert!((itself.response.values[line] - x.values[line]).norm() <= 1e-14 * x.values[line].norm());
+            }
+        }
+        let larger = MergedResponse::by_larger_input(&[&a, &b], Estimator::H1, INPUT, OUTPUT).unwrap();
+        let turned = MergedResponse::by_larger_input(&[&b, &a], Estimator::H1, INPUT, OUTPUT).unwrap();
+        for line in 0..x.values.len() {
+            let levels = [&a, &b].map(|spectra| spectra.auto(INPUT).unwrap()[line]);
+            // of equals the first named is taken
+            if levels[0].to_bits() != levels[1].to_bits() && larger.response.validity[line] == LineValidity::Valid {
+                prop_assert_eq!(larger.response.values[line], turned.response.values[line]);
+            }
+        }
+    }
+
+    /// Lines to impulse response and back, in any units.
+    #[test]
+    fn impulse_responses_keep_the_lines(given in any_response()) {
+        let mut given = given;
+        let last = given.values.len() - 1;
+        for line in [0, last] {
+            given.values[line].im = 0.0; // a real history shows no other part of them
+        }
+        let impulse = given.impulse_response().unwrap();
+        let largest = given.values.iter().fold(0.0_f64, |top, v| top.max(v.norm()));
+        for (there, back) in given.values.iter().zip(impulse.lines()) {
+            prop_assert!((there - back).norm() < 1e-13 * largest);
+        }
+        prop_assert!((0.0..=1.0).contains(&impulse.acausal_part()));
+    }
+
+    /// The part ahead of the impulse is a ratio: it has no unit.
+    #[test]
+    fn the_acausal_part_has_no_unit(given in any_response(), power in -150..150_i32) {
+        let plain: Vec<Complex64> = given.values.iter().map(|v| v / given.values[0].norm()).collect();
+        let other = plain.iter().map(|v| v * 2.0_f64.powi(power * 3)).collect();
+        let part = |values| response(values, 1.0).impulse_response().unwrap().acausal_part();
+        prop_assert!((part(plain) - part(other)).abs() < 1e-14);
+    }
+}
+
+/// Fields are public: arrays that no longer fit are refused and never indexed.
+#[test]
+fn a_response_with_arrays_of_unequal_lengths_is_refused() {
+    let mut short = response(vec![Complex64::ONE; 5], 1.0)
+        .with_variance(vec![0.1; 5])
+        .unwrap();
+    short.validity.pop();
+    let text =
+        |result: Result<FrequencyResponse, labio::LabioError>| result.unwrap_err().to_string();
+    assert_eq!(
+        text(short.to_kind(ResponseKind::Mobility)),
+        "validities of a response: found 4, expected 5"
+    );
+    assert!(short.clone().impulse_response().is_err());
+    assert!(short.clone().with_coherence(vec![0.5; 5], 3).is_err());
+    assert!(short.clone().with_variance(vec![0.5; 5]).is_err());
+    assert!(short.passivity(2.0).is_err());
+    let other = response(vec![Complex64::ONE; 5], 1.0);
+    assert!(MergedResponse::by_inverse_variance(&[other, short]).is_err());
+}
