@@ -12,6 +12,9 @@ use num_complex::Complex64;
 use super::anchor::Anchors;
 use super::path::{Passage, Sight, State, WANDER};
 
+/// Most half waves among which a course may begin; more cannot be told apart, and would fill the memory.
+const MOST_BEGINNINGS: f64 = 2e5;
+
 /// Standard deviation of the phase \[rad\] above which a course branches out into the roots of a line.
 const LOST_PHASE: f64 = 0.7;
 /// Farthest root into which it does, in standard deviations.
@@ -276,6 +279,9 @@ impl Courses {
         let length = sight.length;
         let highest = omega * greatest_transit.min(length / anchors.slowest);
         let lowest = omega * length / anchors.fastest;
+        if (highest - lowest).is_nan() || highest - lowest > MOST_BEGINNINGS * PI {
+            return; // no course: the lines remain undetermined
+        }
         let down = (omega / first_omega).ln();
         let alive = &mut self.alive;
         sight

@@ -164,10 +164,11 @@ impl<'a> Arrivals<'a> {
             distance(a).total_cmp(&distance(b))
         });
         let first_wave = |channel: &Channel<'a>| {
-            let arrival = self.blow + self.samples_of(channel.distance / speed);
+            let way = self.samples_of(channel.distance / speed);
+            let arrival = self.blow.saturating_add(way);
             channel
                 .samples
-                .get(arrival..arrival + length)
+                .get(arrival..arrival.saturating_add(length))
                 .ok_or(CmodError::TooFewSamples {
                     what: "the record from the arrival of the first wave",
                     found: channel.samples.len().saturating_sub(arrival),
