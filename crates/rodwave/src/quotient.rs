@@ -4,12 +4,13 @@ use num_complex::Complex64;
 
 /// a/b.
 ///
-/// The plain quotient goes through |b|², which overflows above 1e154 and loses its digits below 1e-154. Only there is it done
+/// The plain quotient goes through ab* and |b|², which overflow above 1e154 or so and lose their digits below 1e-154. Only there is it done
 /// otherwise, so that all other results keep their last bit.
 #[inline]
 pub(crate) fn quotient(a: Complex64, b: Complex64) -> Complex64 {
-    if b.norm_sqr().is_normal() {
-        a / b
+    let plain = a / b;
+    if b.norm_sqr().is_normal() && plain.is_finite() {
+        plain
     } else {
         scaled(a, b)
     }

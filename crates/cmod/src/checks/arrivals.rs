@@ -159,6 +159,13 @@ impl<'a> Arrivals<'a> {
         check_positive("wave speed [m/s]", speed)?;
         check_positive("duration of the first wave [s]", duration)?;
         let length = self.samples_of(duration);
+        if length == 0 {
+            return Err(CmodError::TooFewSamples {
+                what: "the first wave",
+                found: 0,
+                expected: 1,
+            });
+        }
         let nearest = (0..self.channels.len()).min_by(|a, b| {
             let distance = |index: &usize| self.channels.get(*index).map_or(0.0, |c| c.distance);
             distance(a).total_cmp(&distance(b))
@@ -195,6 +202,12 @@ impl<'a> Arrivals<'a> {
             let power: f64 = wave.iter().map(|a| a * a).sum();
             let scatter = (noise.mean_square * noise.persistence * power).sqrt();
             let z = product / scatter;
+            if !z.is_finite() {
+                return Err(CmodError::NoNoise {
+                    what: "the first wave, against the noise of channel",
+                    index,
+                });
+            }
             if z < least.0 {
                 least = (z, Some(index));
             }

@@ -105,6 +105,8 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
         }
         spacing = a;
     }
+    // of distances so unequal that their quotient overflows nothing is known
+    check_not_negative("common spacing of the gauges [m]", spacing)?;
     Ok((spacing > 10.0 * tolerance).then_some(spacing))
 }
 

@@ -10,5 +10,6 @@
 
 mod hostile_estimates;
 mod hostile_models;
+mod properties_round_trips;
 mod specimen;
 mod sweep;

@@ -288,7 +288,7 @@ impl RelaxationFlow for NortonFlow {
             let relaxed = stress * self.factor_of_overflow(ratio);
             let n = self.excess;
             // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} does not depend on σ0 any more
-            by_parameter[0] = relaxed * ((n * self.advance).ln() / n - 1.0) / n;
+            by_parameter[0] = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
             by_parameter[1] = -relaxed / n;
             return RelaxedStress {
                 stress: relaxed,

@@ -8,7 +8,10 @@
               the last bit"
 )]
 
+mod extremes_media;
 mod hostile_bodies;
 mod hostile_histories;
 mod hostile_laws;
+mod properties_chains;
+mod properties_marches;
 mod sweep;
