@@ -83,7 +83,6 @@ impl PronyStandIn {
     /// `law` is nowhere positive or leaves no room for a spring.
     #[expect(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a handful of branches a decade over the decades that f64 has"
     )]
     pub fn new(
