@@ -66,9 +66,12 @@ pub use tracker::{
     TrackedBranches, TrackedLine,
 };
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 
 use num_complex::Complex64;
+
+/// A ratio above which cosh x is e^x/2 to far below rounding.
+const HUGE: f64 = 1e100;
 
 /// Closed-form solution of cosh(γL) = Ψ, but for the integers s and n (paper A, eqs. 3-4; paper B, eqs. 8-9).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,6 +88,9 @@ impl FreeEndRoot {
     /// digits, and β from sine and cosine, so that it keeps its digits near π/2.
     #[must_use]
     pub fn of(acceleration_ratio: Complex64) -> Self {
+        if acceleration_ratio.l1_norm() > HUGE {
+            return Self::of_huge(acceleration_ratio);
+        }
         let Complex64 { re, im } = acceleration_ratio;
         let a = 0.5 * ((1.0 - re) * (1.0 + re) - im * im);
         let c = a.hypot(im);
@@ -103,6 +109,17 @@ impl FreeEndRoot {
             damping_length: sinh_squared.sqrt().asinh(),
             angle,
             principal_phase: phase.copysign(im),
+        }
+    }
+
+    /// cosh x = e^x/2 to far below rounding, where the squares of Ψ would overflow.
+    fn of_huge(acceleration_ratio: Complex64) -> Self {
+        let phase = acceleration_ratio.arg();
+        Self {
+            // a quarter, because the magnitude itself may overflow
+            damping_length: (0.25 * acceleration_ratio).norm().ln() + 3.0 * LN_2,
+            angle: phase.abs().min(PI - phase.abs()),
+            principal_phase: phase,
         }
     }
 

@@ -163,8 +163,8 @@ pub fn noise_of_cut_pulse(
         check_positive("frequency [Hz]", lowest)?;
     }
     let cut = edges[0].hypot(edges[1]);
-    let at = |f: &f64| noise.hypot(cut / (TAU * f));
-    Ok(frequency_hz.iter().map(at).collect())
+    let at = |f: &f64| check_not_negative("noise of a spectrum", noise.hypot(cut / (TAU * f)));
+    frequency_hz.iter().map(at).collect()
 }
 
 impl SectionRatio for SeparatePulses {

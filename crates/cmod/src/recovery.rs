@@ -181,7 +181,8 @@ impl ThreeElement {
     /// Recovery after `load`, which begins at rest and ends with unloading (eqs. 4, 5).
     ///
     /// # Errors
-    /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many steps.
+    /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many steps;
+    /// [`CmodError::NonPhysical`] where stress or rate overflow.
     pub fn recovery(&self, load: &LoadHistory) -> Result<Recovery, CmodError> {
         Recovery::after(*self, load)
     }

@@ -25,6 +25,33 @@ pub trait VelocityHistory: Sync {
 ///
 /// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ = β/(2π `half_width`)
 /// and a ripple of order e^{-β}.
+/// Accepts times of a response that the excitation reaches, and returns the last of them.
+pub(crate) fn check_times(
+    times: &[f64],
+    excitation: &dyn VelocityHistory,
+) -> Result<f64, RodwaveError> {
+    let mut last = 0.0_f64;
+    for &time in times {
+        if !time.is_finite() || time < 0.0 {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "time of the response [s]",
+                value: time,
+                expected: "a finite value not below 0",
+            });
+        }
+        last = last.max(time);
+    }
+    let end = excitation.end();
+    // a whole number of sampling intervals may exceed the end by rounding
+    if last > end * (1.0 + 1e-12) {
+        return Err(RodwaveError::ExcitationTooShort {
+            needed: last,
+            found: end,
+        });
+    }
+    Ok(last)
+}
+
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
     if u.abs() >= 1.0 {
@@ -89,6 +116,11 @@ impl SampledHistory {
     )]
     pub fn new(samples: &[f64], sampling_rate_hz: f64) -> Result<Self, RodwaveError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
+        let fine_rate = check_positive(
+            "rate of the interpolation, 32 times that of the samples [Hz]",
+            sampling_rate_hz * OVERSAMPLING as f64,
+        )?;
+        check_positive("sampling interval [s]", sampling_rate_hz.recip())?;
         check_samples("excitation", samples)?;
         let [.., last] = samples else {
             return Err(too_few(0));
@@ -124,7 +156,7 @@ impl SampledHistory {
             })
             .collect();
         let fine_count = LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD;
-        let fine = (0..fine_count)
+        let fine: Vec<f64> = (0..fine_count)
             .map(|index| {
                 let position = index.cast_signed() - LEAD.cast_signed();
                 let base = position.div_euclid(OVERSAMPLING.cast_signed());
@@ -137,9 +169,10 @@ impl SampledHistory {
                     .sum()
             })
             .collect();
+        check_samples("interpolated excitation", &fine)?;
         Ok(Self {
             fine,
-            fine_rate: sampling_rate_hz * OVERSAMPLING as f64,
+            fine_rate,
             end: (count - 1) as f64 / sampling_rate_hz,
         })
     }
@@ -156,7 +189,8 @@ impl SampledHistory {
         let position = time * self.fine_rate + LEAD as f64;
         let last = (self.fine.len() - 3) as f64;
         let index = position.floor().clamp(1.0, last);
-        (index as usize, (position - index).clamp(-1.0, 2.0))
+        // a time that is no number is at no index; what is read there then becomes NaN
+        ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
     #[inline]

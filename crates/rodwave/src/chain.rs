@@ -197,7 +197,8 @@ impl<V: Argument> Chain<V> {
     /// The termination is not in it. For the limits of the product see [`transition`](crate::transition).
     ///
     /// # Errors
-    /// As [`Chain::mobility`], and [`RodwaveError::InElement`] where the matrix of an element overflows.
+    /// As [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an element overflows, and
+    /// [`RodwaveError::NonPhysical`] where the product does.
     pub fn transition_matrix(&self, omega: f64) -> Result<TransitionMatrix, RodwaveError> {
         let argument = V::on_axis(omega)?;
         let mut product = TransitionMatrix::identity();
@@ -208,7 +209,7 @@ impl<V: Argument> Chain<V> {
                 .map_err(|source| in_element(index, source))?;
             product = matrix * product;
         }
-        Ok(product)
+        product.checked()
     }
 
     /// A section \[m\] behind the near face of `element`, counted from 0 at the impact face.

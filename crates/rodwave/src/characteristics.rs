@@ -19,8 +19,8 @@
 //!
 //! Theory: `docs/theory/direct-problem.md`.
 
-use crate::band_limited::VelocityHistory;
-use crate::error::RodwaveError;
+use crate::band_limited::{VelocityHistory, check_times};
+use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
 use crate::inelastic::{InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, lanes};
 use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
@@ -74,17 +74,12 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// Cuts `rod` into `cells` equal cells.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells.
-    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27.
     pub fn new(rod: InelasticRod<L>, cells: usize) -> Result<Self, RodwaveError> {
-        if cells < FEWEST_CELLS {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of cells",
-                value: cells as f64,
-                expected: "at least 8",
-            });
-        }
-        Ok(Self { rod, cells })
+        check_cells(cells, FEWEST_CELLS, "from 8 to 2^27")?;
+        let problem = Self { rod, cells };
+        check_positive("time step [s]", problem.time_step())?;
+        Ok(problem)
     }
 
     /// The rod.
@@ -125,10 +120,12 @@ impl<L: InelasticLaw> DirectProblem<L> {
             march.advance(excitation.at(time_at(n, step)));
             history.push(march.free_end_velocity());
         }
-        Ok(times
+        let velocity: Vec<f64> = times
             .iter()
             .map(|time| Quintic::around(time / step).value(&history))
-            .collect())
+            .collect();
+        check_samples("velocity of the free end", &velocity)?;
+        Ok(velocity)
     }
 
     /// v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
@@ -171,58 +168,25 @@ impl<L: InelasticLaw> DirectProblem<L> {
         for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
             *derivative += 0.5 * time * point.slope(&history) / step;
         }
+        let velocity = at_times(&history);
+        check_samples("velocity of the free end", &velocity)?;
         Ok(Response {
             by_log_modulus,
             by_parameter: derivatives.collect(),
-            velocity: at_times(&history),
+            velocity,
         })
     }
 
     /// Checks `times` and returns the number of steps that the interpolation at the last of them needs.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "times are checked to be finite and not negative"
-    )]
     fn steps_until(
         &self,
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<usize, RodwaveError> {
-        let mut last = 0.0_f64;
-        for &time in times {
-            if !time.is_finite() || time < 0.0 {
-                return Err(RodwaveError::NonPhysical {
-                    quantity: "time of the response [s]",
-                    value: time,
-                    expected: "a finite value not below 0",
-                });
-            }
-            last = last.max(time);
-        }
-        let end = excitation.end();
-        // a whole number of sampling intervals may exceed the end by rounding
-        if last > end * (1.0 + 1e-12) {
-            return Err(RodwaveError::ExcitationTooShort {
-                needed: last,
-                found: end,
-            });
-        }
-        let steps = (last / self.time_step()).floor();
-        if steps <= MOST_STEPS {
-            Ok(steps as usize + 3)
-        } else {
-            Err(RodwaveError::NonPhysical {
-                quantity: "number of time steps of the grid",
-                value: steps,
-                expected: "at most 2^22",
-            })
-        }
+        let last = check_times(times, excitation)?;
+        Ok(check_steps((last / self.time_step()).floor())? + 3)
     }
 }
-
-/// Most time steps of a march: no record has as many samples, and no memory is asked for more.
-const MOST_STEPS: f64 = 4_194_304.0;
 
 #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
 fn time_at(n: usize, step: f64) -> f64 {

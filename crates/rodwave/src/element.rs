@@ -217,7 +217,9 @@ impl Segment {
     ) -> Result<Self, RodwaveError> {
         let length = check_positive("length [m]", length)?;
         let area_ratio = check_positive("ratio of the end areas", far.area / near.area)?;
-        Ok(Self::between(profile, near.area, area_ratio.sqrt(), length))
+        let segment = Self::between(profile, near.area, area_ratio.sqrt(), length);
+        check_positive("volume [m^3]", segment.volume())?;
+        Ok(segment)
     }
 
     fn between(profile: Profile, near_area: f64, radius_ratio: f64, length: f64) -> Self {
@@ -302,7 +304,7 @@ impl Segment {
     /// At ω = 0 a solid gives the identity.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (αL > 700; the chain has no
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain has no
     /// such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,

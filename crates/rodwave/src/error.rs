@@ -134,6 +134,58 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
     }
 }
 
+/// Accepts numbers that are all finite.
+pub(crate) fn check_all_finite(
+    quantity: &'static str,
+    values: impl IntoIterator<Item = f64>,
+) -> Result<(), RodwaveError> {
+    values
+        .into_iter()
+        .try_for_each(|value| check_finite(quantity, value).map(drop))
+}
+
+/// Most cells of a march: several arrays of a gigabyte each.
+const MOST_CELLS: usize = 1 << 27;
+
+/// Accepts a number of cells that a march needs and a memory holds.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "for the message of the refusal only"
+)]
+pub(crate) fn check_cells(
+    cells: usize,
+    fewest: usize,
+    expected: &'static str,
+) -> Result<usize, RodwaveError> {
+    if (fewest..=MOST_CELLS).contains(&cells) {
+        Ok(cells)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "number of cells",
+            value: cells as f64,
+            expected,
+        })
+    }
+}
+
+/// Accepts a number of time steps, not rounded yet, that a march can make and whose histories a memory holds.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked to be between 0 and 1e9"
+)]
+pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
+    if (0.0..=1e9).contains(&steps) {
+        Ok(steps as usize)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "number of time steps",
+            value: steps,
+            expected: "at most 1e9",
+        })
+    }
+}
+
 /// Accepts a history whose samples are all finite.
 pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
     match samples.iter().position(|sample| !sample.is_finite()) {

@@ -9,7 +9,7 @@ pub mod strains_in_a_frame;
 
 use self::displacement_pair::DisplacementPair;
 use crate::band_limited::{Recorder, SampledHistory};
-use crate::error::RodwaveError;
+use crate::error::{RodwaveError, check_steps};
 use crate::impact::{ImpactBalance, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
@@ -78,13 +78,20 @@ impl<L: InelasticLaw> ImpactTest<L> {
             crate::error::check_positive(quantity, value)?;
         }
         let interval = 1.0 / recorder.rate_hz;
+        let Some(count @ 1..) = samples_before.checked_add(samples_after) else {
+            return Err(RodwaveError::TooFewSamples {
+                history: "the record",
+                found: 0,
+                expected: 1,
+            });
+        };
+        check_steps(FINER as f64 * count as f64)?;
         let duration = samples_after as f64 * interval + recorder.reach();
         let history = self.run(cell, duration)?;
         // velocities of the chain are half a step late
         let filtered = |velocity: &[f64], time: f64| {
             recorder.filtered(velocity, history.step, time - 0.5 * history.step)
         };
-        let count = samples_before + samples_after;
         let time_of = |k: usize| k as f64 * interval - samples_before as f64 * interval;
         let sampled = |velocity: &[f64]| -> Vec<f64> {
             (0..count).map(|k| filtered(velocity, time_of(k))).collect()

@@ -85,6 +85,9 @@ const SLOWEST: f64 = 1e4;
 /// Rounding of the least-squares problem, relative to |E|, with room: sums of some hundred terms.
 const ROUNDING: f64 = 1e-10;
 
+/// Widest band, as the ratio of its ends: with it grows the grid of relaxation times, and the work as its square.
+const WIDEST: f64 = 1e50;
+
 /// The causal material nearest to given values of a complex modulus, and how far it is from them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -218,6 +221,7 @@ impl KramersKronig {
                 .collect()
         });
         let threshold = threshold(modulus, scale, scatter);
+        check_finite("threshold of the residual", threshold)?;
         let n = omega.len() as f64;
         // Far below the threshold the verdict is clear, and a closer fit says nothing more.
         let enough = 0.1 * threshold * n.sqrt();
@@ -322,6 +326,14 @@ fn check(omega: &[f64], modulus: &[Complex64]) -> Result<Band, RodwaveError> {
         "slowest relaxation time of the grid [s]",
         SLOWEST / band.lowest,
     )?;
+    let width = band.highest / band.lowest;
+    if width > WIDEST {
+        return Err(RodwaveError::NonPhysical {
+            quantity: "ratio of the highest to the lowest frequency",
+            value: width,
+            expected: "at most 1e50",
+        });
+    }
     Ok(band)
 }
 

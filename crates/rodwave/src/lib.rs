@@ -65,6 +65,7 @@ pub mod line;
 pub mod lumped;
 pub mod medium;
 pub mod modulus;
+mod quotient;
 mod rod;
 pub mod slenderness;
 mod sliding_window;

@@ -89,12 +89,10 @@ impl Body {
             });
         }
         for (index, segment) in segments.iter().enumerate() {
-            check_positive("sum of the moduli of the branches [Pa]", segment.modulus()).map_err(
-                |source| RodwaveError::InElement {
-                    index,
-                    source: Box::new(source),
-                },
-            )?;
+            segment.check().map_err(|source| RodwaveError::InElement {
+                index,
+                source: Box::new(source),
+            })?;
         }
         Ok(Self {
             segments,
@@ -185,7 +183,7 @@ impl Line {
                 return Err(RodwaveError::LengthMismatch {
                     what: "list of contacts",
                     found: contacts,
-                    expected: index + 1,
+                    expected: index.saturating_add(1),
                 });
             }
         }
@@ -296,7 +294,7 @@ impl Line {
             return Err(RodwaveError::LengthMismatch {
                 what: "list of bodies of a line",
                 found: self.bodies.len(),
-                expected: gauge.body + 1,
+                expected: gauge.body.saturating_add(1),
             });
         };
         let length = body.length();

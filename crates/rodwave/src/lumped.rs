@@ -8,8 +8,8 @@
 //!
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
-use crate::band_limited::VelocityHistory;
-use crate::error::RodwaveError;
+use crate::band_limited::{VelocityHistory, check_times};
+use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
 use crate::inelastic::InelasticLaw;
 use crate::interpolation::{cubic, cubic_at};
 use crate::rod::InelasticRod;
@@ -63,13 +63,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         cells: usize,
         courant_number: f64,
     ) -> Result<Self, RodwaveError> {
-        if cells < 4 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of cells",
-                value: cells as f64,
-                expected: "at least 4",
-            });
-        }
+        check_cells(cells, 4, "from 4 to 2^27")?;
         if !(courant_number > 0.0 && courant_number <= 0.95) {
             return Err(RodwaveError::NonPhysical {
                 quantity: "Courant number",
@@ -77,13 +71,15 @@ impl<L: InelasticLaw> LumpedRod<L> {
                 expected: "above 0 and at most 0.95",
             });
         }
-        let dx = rod.length() / cells as f64;
+        let dx = check_positive("cell length [m]", rod.length() / cells as f64)?;
+        let dt = check_positive("time step [s]", courant_number * dx / rod.wave_speed())?;
+        check_positive("mass of a cell over its area [kg/m^2]", rod.density() * dx)?;
         Ok(Self {
             law: rod.law().clone(),
             modulus: rod.modulus(),
             density: rod.density(),
             dx,
-            dt: courant_number * dx / rod.wave_speed(),
+            dt,
             velocity: vec![0.0; cells + 1],
             stress: vec![0.0; cells],
             inelastic_rate: vec![0.0; cells],
@@ -129,7 +125,9 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        let around = std::array::from_fn(|k| self.velocity[base as usize + k - 1]);
+        // a place that is no number is at no node; what is read there then becomes NaN
+        let first = (base as usize).max(1) - 1;
+        let around = std::array::from_fn(|k| self.velocity[first + k]);
         cubic(around, position - base).value
     }
 
@@ -222,13 +220,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Vec<f64>, RodwaveError> {
-        let end = times.iter().copied().fold(0.0, f64::max);
-        if end > excitation.end() * (1.0 + 1e-12) {
-            return Err(RodwaveError::ExcitationTooShort {
-                needed: end,
-                found: excitation.end(),
-            });
-        }
+        let end = check_times(times, excitation)?;
+        check_steps(end / self.dt)?;
         // velocities at (n + 1/2) dt
         let mut history = Vec::new();
         let mut time = 0.5 * self.dt;
@@ -239,9 +232,11 @@ impl<L: InelasticLaw> LumpedRod<L> {
             history.push(self.velocity[self.velocity.len() - 1]);
             time += self.dt;
         }
-        Ok(times
+        let velocity: Vec<f64> = times
             .iter()
             .map(|t| cubic_at(&history, t / self.dt - 0.5).value)
-            .collect())
+            .collect();
+        check_samples("velocity of the free end", &velocity)?;
+        Ok(velocity)
     }
 }

@@ -23,6 +23,7 @@ use crate::RodwaveError;
 use crate::element::check_laplace_variable;
 use crate::error::{check_finite, check_positive, check_propagation};
 use crate::modulus::{ComplexModulus, LaplaceModulus, fourth_order_difference};
+use crate::quotient::quotient;
 
 /// How harmonic waves propagate in a material once its density is known.
 ///
@@ -65,7 +66,7 @@ impl<M: ComplexModulus> PropagationLaw for M {
 
 /// γ = s (E/ρ)^{-1/2} with the root of positive real part.
 fn root(modulus: Complex64, s: Complex64, density: f64) -> Complex64 {
-    s / (modulus / density).sqrt()
+    quotient(s, (modulus / density).sqrt())
 }
 
 /// A linearly viscoelastic material of given density.
@@ -233,7 +234,7 @@ impl<M: LaplaceModulus> Medium<M> {
 ///
 /// # Errors
 /// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω = 0 a propagation
-/// coefficient tells nothing about the modulus.
+/// coefficient tells nothing about the modulus. Also for a modulus that overflows.
 pub fn modulus_from_propagation(
     propagation_coefficient: Complex64,
     omega: f64,
@@ -245,8 +246,10 @@ pub fn modulus_from_propagation(
     )?;
     let omega = check_finite("angular frequency [rad/s]", omega)?;
     let density = check_positive("density [kg/m^3]", density)?;
-    let velocity = Complex64::new(0.0, omega) / propagation_coefficient;
-    Ok(density * velocity * velocity)
+    let velocity = quotient(Complex64::new(0.0, omega), propagation_coefficient);
+    let modulus = density * velocity * velocity;
+    check_finite("magnitude of the complex modulus [Pa]", modulus.norm())?;
+    Ok(modulus)
 }
 
 /// Propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\] at `omega` [rad/s] in a material
@@ -255,7 +258,8 @@ pub fn modulus_from_propagation(
 /// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus keeps its meaning, α < 0.
 ///
 /// # Errors
-/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0.
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0;
+/// [`RodwaveError::NoPropagation`] for a γ that overflows.
 pub fn propagation_from_modulus(
     modulus: Complex64,
     omega: f64,
@@ -264,5 +268,6 @@ pub fn propagation_from_modulus(
     check_positive("magnitude of the complex modulus [Pa]", modulus.norm())?;
     let omega = check_finite("angular frequency [rad/s]", omega)?;
     let density = check_positive("density [kg/m^3]", density)?;
-    Ok(root(modulus, Complex64::new(0.0, omega), density))
+    let s = Complex64::new(0.0, omega);
+    check_propagation(root(modulus, s, density), s)
 }

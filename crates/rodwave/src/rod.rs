@@ -27,12 +27,16 @@ impl<L: InelasticLaw> InelasticRod<L> {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all three are finite and above 0.
     pub fn new(length: f64, density: f64, modulus: f64, law: L) -> Result<Self, RodwaveError> {
-        Ok(Self {
+        let rod = Self {
             length: check_positive("length [m]", length)?,
             density: check_positive("density [kg/m^3]", density)?,
             modulus: check_positive("Young's modulus [Pa]", modulus)?,
             law,
-        })
+        };
+        check_positive("wave speed [m/s]", rod.wave_speed())?;
+        check_positive("specific impedance [Pa s/m]", rod.specific_impedance())?;
+        check_positive("transit time [s]", rod.transit_time())?;
+        Ok(rod)
     }
 
     /// Length \[m\].

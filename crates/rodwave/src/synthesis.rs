@@ -35,6 +35,7 @@ use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
 use crate::RodwaveError;
+use crate::error::check_samples;
 
 /// A history at equal intervals.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +78,11 @@ fn to_samples(mut lines: Vec<Complex64>) -> Vec<f64> {
 }
 
 /// Accepts lines that are finite and as many as `expected`.
+/// Accepts samples of a synthesis that did not overflow.
+fn check_synthesized(samples: &[f64]) -> Result<(), RodwaveError> {
+    check_samples("the synthesized history", samples)
+}
+
 fn check_lines(
     name: &'static str,
     lines: &[Complex64],

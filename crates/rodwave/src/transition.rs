@@ -50,6 +50,7 @@ use num_complex::Complex64;
 use crate::RodwaveError;
 use crate::element::{Lumped, ScaledTransition};
 use crate::error::{check_finite, check_positive};
+use crate::quotient::quotient;
 
 /// Largest αL of one element: e^{700} is just below the largest number.
 const LARGEST_DAMPING: f64 = 700.0;
@@ -113,12 +114,13 @@ impl TransitionMatrix {
             characteristic_impedance.norm(),
         )?;
         let (cosh, sinh) = (gamma_length.cosh(), gamma_length.sinh());
-        Ok(Self {
+        Self {
             entries: [
                 [cosh, characteristic_impedance * sinh],
-                [sinh / characteristic_impedance, cosh],
+                [quotient(sinh, characteristic_impedance), cosh],
             ],
-        })
+        }
+        .checked()
     }
 
     /// A rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the velocity is common, the force jumps by iωmv.
@@ -161,12 +163,21 @@ impl TransitionMatrix {
             });
         }
         let growth = scaled.exponent.exp();
-        Ok(Self {
+        Self {
             entries: [
                 [scaled.p11 * growth, scaled.p12 * growth],
                 [scaled.p21 * growth, scaled.p22 * growth],
             ],
-        })
+        }
+        .checked()
+    }
+
+    /// Accepts entries that are numbers.
+    pub(crate) fn checked(self) -> Result<Self, RodwaveError> {
+        for entry in self.entries.as_flattened() {
+            check_finite("magnitude of an entry of the matrix", entry.norm())?;
+        }
+        Ok(self)
     }
 
     /// The entries, row by row: N from (N, v), then v from (N, v).

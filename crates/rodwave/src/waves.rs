@@ -117,13 +117,23 @@ impl TravellingWaves {
         check_sections(positions, values)?;
         let first = positions.iter().copied().fold(f64::INFINITY, f64::min);
         let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let reach = check_finite("distance between the sections [m]", last - first)?;
+        check_finite("phase between the sections [rad]", gamma.im * reach)?;
+        // the size cancels, and squares of very large and very small values leave the range of a double
+        let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
+        let size = check_finite("size of the values at the sections", size)?;
+        let size = if (1e-140..1e140).contains(&size) || size == 0.0 {
+            1.0
+        } else {
+            size
+        };
 
         // values = p·forward + n·backward; both columns at most 1 in magnitude
         let rows = || {
             positions.iter().zip(values).map(|(x, value)| {
                 let forward = (-gamma * (x - first)).exp();
                 let backward = (-gamma * (last - x)).exp();
-                (forward, backward, *value)
+                (forward, backward, value / size)
             })
         };
         let forward_squared: f64 = rows().map(|(f, _, _)| f.norm_sqr()).sum();
@@ -150,16 +160,20 @@ impl TravellingWaves {
         let unexplained: f64 = rows()
             .map(|(f, b, q)| (q - forward * f - backward * b).norm_sqr())
             .sum();
-        let total: f64 = values.iter().map(Complex64::norm_sqr).sum();
+        let total: f64 = rows().map(|(_, _, q)| q.norm_sqr()).sum();
+        check_finite(
+            "magnitude of the waves at the sections",
+            (forward * size).norm() + (backward * size).norm(),
+        )?;
         Ok(WaveSeparation {
             waves: Self {
                 propagation_coefficient,
                 forward: Amplitude {
-                    value: forward,
+                    value: forward * size,
                     position: first,
                 },
                 backward: Amplitude {
-                    value: backward,
+                    value: backward * size,
                     position: last,
                 },
             },

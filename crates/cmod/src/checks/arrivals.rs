@@ -159,15 +159,23 @@ impl<'a> Arrivals<'a> {
         check_positive("wave speed [m/s]", speed)?;
         check_positive("duration of the first wave [s]", duration)?;
         let length = self.samples_of(duration);
+        if length == 0 {
+            return Err(CmodError::TooFewSamples {
+                what: "the first wave",
+                found: 0,
+                expected: 1,
+            });
+        }
         let nearest = (0..self.channels.len()).min_by(|a, b| {
             let distance = |index: &usize| self.channels.get(*index).map_or(0.0, |c| c.distance);
             distance(a).total_cmp(&distance(b))
         });
         let first_wave = |channel: &Channel<'a>| {
-            let arrival = self.blow + self.samples_of(channel.distance / speed);
+            let way = self.samples_of(channel.distance / speed);
+            let arrival = self.blow.saturating_add(way);
             channel
                 .samples
-                .get(arrival..arrival + length)
+                .get(arrival..arrival.saturating_add(length))
                 .ok_or(CmodError::TooFewSamples {
                     what: "the record from the arrival of the first wave",
                     found: channel.samples.len().saturating_sub(arrival),
@@ -194,6 +202,12 @@ impl<'a> Arrivals<'a> {
             let power: f64 = wave.iter().map(|a| a * a).sum();
             let scatter = (noise.mean_square * noise.persistence * power).sqrt();
             let z = product / scatter;
+            if !z.is_finite() {
+                return Err(CmodError::NoNoise {
+                    what: "the first wave, against the noise of channel",
+                    index,
+                });
+            }
             if z < least.0 {
                 least = (z, Some(index));
             }

@@ -244,7 +244,8 @@ impl Uncertainty {
 /// `degrees_of_freedom`, else the normal one.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1 and the degrees of freedom are above 0.
+/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom are above 0, and the factor
+/// is a number.
 pub fn coverage_factor(
     probability: f64,
     degrees_of_freedom: Option<f64>,
@@ -260,8 +261,12 @@ pub fn coverage_factor(
     let tail = 0.5 * (1.0 - probability);
     let quantile = match degrees_of_freedom {
         None => Normal::standard().inverse_cdf(tail),
+        Some(freedom) if freedom >= MANY && freedom.is_finite() => {
+            quantile_of_many(Normal::standard().inverse_cdf(tail), freedom)
+        }
         Some(freedom) => {
             let freedom = check_positive("degrees of freedom", freedom)?;
+            check_positive("half of the degrees of freedom", 0.5 * freedom)?;
             let student =
                 StudentsT::new(0.0, 1.0, freedom).map_err(|_| CmodError::NonPhysical {
                     quantity: "degrees of freedom",
@@ -271,7 +276,29 @@ pub fn coverage_factor(
             student.inverse_cdf(tail)
         }
     };
-    Ok(-quantile)
+    if quantile.is_finite() {
+        Ok(-quantile)
+    } else {
+        Err(CmodError::NonPhysical {
+            quantity: "probability of coverage",
+            value: probability,
+            expected: "one whose quantile is a number: less close to 1, or more degrees of freedom",
+        })
+    }
+}
+
+/// Degrees of freedom from which Student's distribution is expanded about the normal one; the inverse of the incomplete beta
+/// function does not end for very many.
+const MANY: f64 = 1e4;
+
+/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term is z⁹/(1000 ν⁴), below
+/// 1e-11 for every tail that a double can hold.
+fn quantile_of_many(z: f64, freedom: f64) -> f64 {
+    let w = z * z;
+    let first = (w + 1.0) / 4.0;
+    let second = ((5.0 * w + 16.0) * w + 3.0) / 96.0;
+    let third = (((3.0 * w + 19.0) * w + 17.0) * w - 15.0) / 384.0;
+    z * (1.0 + (first + (second + third / freedom) / freedom) / freedom)
 }
 
 /// Standard errors of one line, to first order.

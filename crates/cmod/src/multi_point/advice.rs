@@ -105,8 +105,13 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
         }
         spacing = a;
     }
+    // of distances so unequal that their quotient overflows nothing is known
+    check_not_negative("common spacing of the gauges [m]", spacing)?;
     Ok((spacing > 10.0 * tolerance).then_some(spacing))
 }
+
+/// Most half waves between neighbouring gauges whose frequencies are listed.
+const MOST_HALF_WAVES: f64 = 1e5;
 
 /// Frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a wavelength apart: ka = nπ with the
 /// [`common_spacing`] a. There the gauges see both waves alike and, but for the damping, γ cannot be found.
@@ -124,10 +129,18 @@ pub fn singular_frequencies<L: PropagationLaw>(
         return Ok(Vec::new());
     };
     let half_waves = |f: f64| medium.wave_number(TAU * f) * spacing / PI;
+    let most = half_waves(highest_hz);
+    if most.is_nan() || most > MOST_HALF_WAVES {
+        return Err(CmodError::NonPhysical {
+            quantity: "half waves in the common spacing at the highest frequency",
+            value: most,
+            expected: "at most 1e5",
+        });
+    }
     let mut found = Vec::new();
     let mut number = 1.0;
     let mut below = 0.0;
-    while half_waves(highest_hz) >= number {
+    while most >= number {
         let (mut low, mut high) = (below, highest_hz);
         // k increases with frequency: bisection, down to rounding
         while high - low > 1e-13 * highest_hz {

@@ -77,6 +77,9 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
         }
         previous = Some(position);
     }
+    if let (Some(first), Some(last)) = (positions.first(), positions.last()) {
+        check_positive("distance of the outermost gauges [m]", last - first)?;
+    }
     Ok(())
 }
 

@@ -73,7 +73,12 @@ pub(super) fn wave_speed(
             }
         }
         tried.push(best);
-        speed *= SPEED_RATIO;
+        let next = speed * SPEED_RATIO;
+        // a guess at the ends of the range of a double grows no more, or for ever
+        if next <= speed || next == f64::INFINITY {
+            break;
+        }
+        speed = next;
     }
     let mut scores = minima(&tried);
     scores.sort_by(|a, b| a.0.total_cmp(&b.0));

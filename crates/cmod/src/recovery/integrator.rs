@@ -9,7 +9,7 @@ pub(super) const UNKNOWNS: usize = 3;
 /// Values of the unknowns.
 pub(super) type Unknowns = [f64; UNKNOWNS];
 
-const MOST_STEPS: usize = 4_000_000;
+const MOST_STEPS: u32 = 4_000_000;
 /// Error of a step that rounding alone may cause, for unknowns of order 1.
 const ROUNDING: f64 = 1e-15;
 
@@ -73,6 +73,10 @@ pub(super) fn integrate(
         longest_step,
         tolerance,
     } = interval;
+    // hopeless from the start
+    if duration / longest_step > f64::from(MOST_STEPS) {
+        return Err(0.0);
+    }
     let mut values = start;
     let mut time = 0.0;
     let mut step = longest_step.min(duration);

@@ -32,10 +32,27 @@ impl Recovery {
         } else {
             0.0
         };
-        Ok(Self {
+        let recovery = Self {
             model,
             initial_dashpot_stress,
-        })
+        };
+        // a load or a rate may overflow though none of the parameters does
+        for (quantity, value) in [
+            (
+                "stress of the dashpot after the load [Pa]",
+                initial_dashpot_stress,
+            ),
+            ("initial rate of recovery [1/s]", recovery.initial_rate()),
+        ] {
+            if !value.is_finite() {
+                return Err(CmodError::NonPhysical {
+                    quantity,
+                    value,
+                    expected: "a finite value",
+                });
+            }
+        }
+        Ok(recovery)
     }
 
     /// Stress of the dashpot right after unloading \[Pa\]; of opposite sign to the load.

@@ -127,7 +127,10 @@ impl<'a> MaterialCard<'a> {
                 solid.instantaneous_shear,
                 solid.instantaneous_bulk,
             ),
-            Moduli::LongTerm => ("LONG TERM", solid.long_term_shear(), solid.long_term_bulk()),
+            Moduli::LongTerm => {
+                check_long_term(&solid)?;
+                ("LONG TERM", solid.long_term_shear(), solid.long_term_bulk())
+            }
         };
         let young = 9.0 * compression * shear / (3.0 * compression + shear);
         let poisson = 0.5 * (3.0 * compression - 2.0 * shear) / (3.0 * compression + shear);
@@ -208,6 +211,7 @@ impl<'a> MaterialCard<'a> {
             column(0.0).repeat(5),
             format!("{:>10}", 0).repeat(8),
         );
+        check_long_term(&solid)?;
         let zero = column(0.0).repeat(2);
         let long_term = (solid.long_term_shear(), 0.0);
         let terms = solid
@@ -219,6 +223,11 @@ impl<'a> MaterialCard<'a> {
         }
         Ok(text)
     }
+}
+
+/// Accepts a long-term shear modulus that rounding has left above 0: it is what the terms leave of the instantaneous one.
+fn check_long_term(solid: &Isotropic) -> Result<(), CmodError> {
+    check_positive("long-term shear modulus [Pa]", solid.long_term_shear()).map(drop)
 }
 
 fn check_terms(program: &'static str, found: usize, most: usize) -> Result<(), CmodError> {

@@ -222,7 +222,10 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         }
     }
     let correlation = mixed / real.sqrt() / imaginary.sqrt();
-    if !(correlation.is_finite() && correlation.abs() < 1.0) {
+    let whitening = Whitening::of(point);
+    let has_weights = whitening.mixed.is_finite() && whitening.loss.is_finite();
+    // of a correlation within rounding of 1 nothing is left that could be a weight
+    if !(correlation.is_finite() && correlation.abs() < 1.0 && has_weights) {
         return refused(
             "correlation of storage and loss modulus",
             correlation,

@@ -400,10 +400,11 @@ pub(super) fn enough(
     scale: ErrorScale,
 ) -> Result<(), CmodError> {
     let spare = usize::from(scale == ErrorScale::FromResidual);
-    if 2 * data.len() < parameters + spare {
+    let expected = parameters.saturating_add(spare);
+    if 2 * data.len() < expected {
         return Err(CmodError::TooFewReadings {
             found: 2 * data.len(),
-            expected: parameters + spare,
+            expected,
         });
     }
     Ok(())

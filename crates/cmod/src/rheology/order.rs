@@ -79,7 +79,8 @@ impl PronyFit {
         options: &FitOptions,
     ) -> Result<Self, CmodError> {
         let options = options.checked()?;
-        enough(data, 1 + 2 * branches, options.error_scale)?;
+        let parameters = branches.saturating_mul(2).saturating_add(1);
+        enough(data, parameters, options.error_scale)?;
         let mut here = Refined::of(data, Series::best(data)).ok_or_else(no_law)?;
         while here.series.branches.len() > branches {
             let most = here.series.branches.len() - branches;

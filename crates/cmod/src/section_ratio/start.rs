@@ -55,7 +55,12 @@ pub(super) fn wave_speed(
             .map(|slowness| (score(equation, measured, slowness, &mut misfits), slowness))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         tried.extend(best);
-        speed *= SPEED_RATIO;
+        let next = speed * SPEED_RATIO;
+        // a guess at the ends of the range of a double grows no more, or for ever
+        if next <= speed || next == f64::INFINITY {
+            break;
+        }
+        speed = next;
     }
     let chosen = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     if !chosen.0.is_finite() {

@@ -77,6 +77,9 @@ pub fn variance_from_coherence(
         if coherence == 0.0 {
             return Ok(f64::INFINITY);
         }
+        if incoherent == 0.0 {
+            return Ok(0.0); // also where the square of the ratio overflows
+        }
         Ok(ratio.norm_sqr() * incoherent / ((averages - 1.0) * coherence))
     };
     let lines = acceleration_ratio.iter().zip(coherence).enumerate();

@@ -8,6 +8,7 @@ use super::{Argument, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{Lumped, ScaledTransition, Segment, check_static_impedance};
 use crate::error::{check_positive, check_propagation};
+use crate::quotient::quotient;
 
 /// One element of a chain.
 #[derive(Debug, Clone)]
@@ -113,7 +114,7 @@ impl<V: Argument> Element<V> {
         let inertia = argument.s() * (medium.density() * segment.area_at(distance)?);
         Ok(LocalWaves {
             propagation_coefficient: gamma,
-            characteristic_impedance: inertia / gamma,
+            characteristic_impedance: quotient(inertia, gamma),
         })
     }
 }

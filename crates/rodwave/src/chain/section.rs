@@ -6,6 +6,7 @@ use super::element::{Element, Parts};
 use super::face::Face;
 use super::{Argument, Chain, LaplaceVariable, in_element};
 use crate::RodwaveError;
+use crate::error::check_finite;
 use crate::transition::State;
 use crate::waves::TravellingWaves;
 
@@ -72,11 +73,14 @@ impl<'a, V: Argument> Section<'a, V> {
             .element
             .local_waves(self.distance, argument)
             .map_err(|source| in_element(self.index, source))?;
-        Ok(TravellingWaves::of_normal_force(
+        let waves = TravellingWaves::of_normal_force(
             state,
             local.propagation_coefficient,
             local.characteristic_impedance,
-        ))
+        );
+        let size = waves.forward_at(0.0).norm() + waves.backward_at(0.0).norm();
+        check_finite("magnitude of the waves at the section", size)?;
+        Ok(waves)
     }
 
     fn state_for(&self, argument: V) -> Result<State, RodwaveError> {

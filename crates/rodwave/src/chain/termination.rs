@@ -10,6 +10,7 @@ use super::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{CrossSection, check_static_impedance};
 use crate::error::{check_positive, check_propagation};
+use crate::quotient::quotient;
 
 /// What stands behind the last element of a chain, as a relation between N and v on its far face.
 ///
@@ -121,7 +122,7 @@ impl<V: Argument> Termination<V> {
                 }
                 // Z = sρA/γ (paper E, eq. 6)
                 let gamma = check_propagation(medium.propagation_coefficient(argument), s)?;
-                Face::of_impedance(s * (medium.density() * section.area()) / gamma)
+                Face::of_impedance(quotient(s * (medium.density() * section.area()), gamma))
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use num_complex::Complex64;
 
+use crate::quotient::quotient;
+
 /// The matrix `e^{exponent} [p11 p12; p21 p22]` for (N, v) on the far side from (N, v) on the near side.
 ///
 /// The determinant of the whole is 1.
@@ -46,7 +48,7 @@ impl ScaledHyperbolic {
         if x == Complex64::ZERO {
             Complex64::ONE
         } else {
-            self.sinh / x
+            quotient(self.sinh, x)
         }
     }
 }
@@ -98,7 +100,7 @@ impl ScaledTransition {
         Self {
             p11: hyperbolic.cosh,
             p12: inertia * s,
-            p21: hyperbolic.sinh * x / inertia,
+            p21: quotient(hyperbolic.sinh * x, inertia),
             p22: hyperbolic.cosh,
             exponent: hyperbolic.exponent,
         }
@@ -115,7 +117,7 @@ impl ScaledTransition {
         Self {
             p11: s + radius_ratio * bend,
             p12: inertia * (s + taper * w),
-            p21: hyperbolic.sinh * x / inertia,
+            p21: quotient(hyperbolic.sinh * x, inertia),
             p22: s + bend / radius_ratio,
             exponent: hyperbolic.exponent,
         }
@@ -147,7 +149,7 @@ impl ScaledTransition {
         Self {
             p11: p11 * radius_ratio,
             p12: inertia * t,
-            p21: x_squared_t / inertia,
+            p21: quotient(x_squared_t, inertia),
             p22: p22 / radius_ratio,
             exponent: hyperbolic.exponent,
         }

@@ -48,7 +48,8 @@ use crate::chain::{
     WaveMedium,
 };
 use crate::element::CrossSection;
-use crate::error::check_positive;
+use crate::error::{check_finite, check_positive};
+use crate::quotient::quotient;
 use crate::synthesis::{DampedSynthesis, FourierSynthesis};
 
 /// How [`EndAccelerationTest::record`] makes its histories.
@@ -343,7 +344,9 @@ impl<V: Argument> EndAccelerationTest<V> {
             "velocity of the free end per unit impulse [1/kg]",
             arriving.norm(),
         )?;
-        Ok(impacted.state(omega)?.velocity / arriving)
+        let ratio = quotient(impacted.state(omega)?.velocity, arriving);
+        check_finite("magnitude of the acceleration ratio", ratio.norm())?;
+        Ok(ratio)
     }
 
     /// The accelerations under a periodic `force` \[N\], for laws that are known on the real axis only.

@@ -334,7 +334,9 @@ impl<V: Argument> FrameMember<V> {
             let force = force_on_rod(excitation, s, rod, left.transpose()?);
             for (section, spectrum) in sections.iter().zip(&mut spectra) {
                 let strain = self.strain(V::on_axis(omega)?, section.state(omega)?);
-                spectrum.push(force * strain);
+                let strain = force * strain;
+                check_finite("magnitude of the strain", strain.norm())?;
+                spectrum.push(strain);
             }
         }
         Ok(spectra)

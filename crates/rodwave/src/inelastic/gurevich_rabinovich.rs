@@ -46,17 +46,21 @@ impl MaxwellGurevichRabinovich {
     /// The law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as the viscosity must be that follows
+    /// from them: |β| < 700 or so.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
         reference_stress: f64,
     ) -> Result<Self, RodwaveError> {
-        Ok(Self {
+        let law = Self {
             sharpness: check_finite("sharpness beta = reference stress / m", sharpness)?,
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
-        })
+        };
+        // the flow is computed from it
+        check_positive("viscosity [Pa s]", law.viscosity())?;
+        Ok(law)
     }
 
     /// Viscosity η [Pa s] at vanishing stress.
@@ -198,10 +202,15 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         return q;
     }
     let target = exponential_integral(y0) + q;
+    if target == f64::INFINITY {
+        return target;
+    }
     if target > E1_OF_ONE {
         // In z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton from the left rises to the root.
         let mut z = -target - EULER_GAMMA;
-        for _ in 0..60 {
+        // below, E1 is -z - γ to the last digit, and e^z vanishes at last
+        let most = if z < -40.0 { 0 } else { 60 };
+        for _ in 0..most {
             let y = z.exp();
             let correction = (exponential_integral(y) - target) * y.exp();
             z += correction;
@@ -216,6 +225,13 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         for _ in 0..60 {
             let value = exponential_integral(y);
             let correction = (value / target).ln() * y * value * y.exp();
+            if !correction.is_finite() {
+                // e^y overflows, and -ln E1 = y + ln y + 1/y to the sixth digit
+                for _ in 0..4 {
+                    y = -target.ln() - y.ln() - y.recip();
+                }
+                break;
+            }
             y += correction;
             if correction.abs() < 1e-15 * y {
                 break;

@@ -33,7 +33,7 @@ impl MaxwellNorton {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless κ and B are finite and above 0.
     pub fn new(exponent: f64, coefficient: f64) -> Result<Self, RodwaveError> {
-        check_positive("exponent kappa", exponent)?;
+        check_exponent(exponent)?;
         check_positive("coefficient B [Pa^kappa s]", coefficient)?;
         // in logarithms, because σ_ref^κ overflows long before the rate does
         let rate = (exponent * DEFAULT_REFERENCE_STRESS.ln() - coefficient.ln()).exp();
@@ -50,7 +50,7 @@ impl MaxwellNorton {
         reference_stress: f64,
     ) -> Result<Self, RodwaveError> {
         Ok(Self {
-            exponent: check_positive("exponent kappa", exponent)?,
+            exponent: check_exponent(exponent)?,
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         })
@@ -66,6 +66,20 @@ impl MaxwellNorton {
     #[must_use]
     pub fn coefficient(&self) -> f64 {
         (self.exponent * self.reference_stress.ln() - self.reference_rate.ln()).exp()
+    }
+}
+
+/// Accepts an exponent with which the flow can be computed. Long before the limit the law is that of a perfectly plastic
+/// material.
+fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
+    if exponent > 0.0 && exponent <= 1e6 {
+        Ok(exponent)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "exponent kappa",
+            value: exponent,
+            expected: "above 0 and at most 1e6",
+        })
     }
 }
 
@@ -130,7 +144,7 @@ impl NortonFlow {
             return 1.0 - self.short_decrement(a);
         }
         let x = n * a;
-        if x <= -1.0 {
+        if x <= -1.0 || n == 0.0 && a == f64::INFINITY {
             0.0 // κ < 1 and the stress has vanished within the step
         } else if x.abs() < 1e-300 {
             (-a).exp()
@@ -140,6 +154,19 @@ impl NortonFlow {
     }
 
     /// Whether the series of [`Self::short_decrement`] holds.
+    /// Whether κ > 1 and (σ0/σ_ref)^{κ-1} or what it multiplies has left the range of a double.
+    #[inline]
+    fn overflows(&self, a: f64) -> bool {
+        self.excess > 0.0 && self.advance > 0.0 && self.excess * a == f64::INFINITY
+    }
+
+    /// [`Self::factor`] for a step that [overflows](Self::overflows): (n a)^{-1/n}, n = κ - 1, in logarithms.
+    #[cold]
+    fn factor_of_overflow(&self, ratio: f64) -> f64 {
+        let n = self.excess;
+        (-((n * self.advance).ln() / n + ratio.ln())).exp().min(1.0)
+    }
+
     #[inline(always)]
     fn is_short(&self, a: f64) -> bool {
         a * (1.0 + self.excess.abs()) < SHORT
@@ -192,7 +219,13 @@ impl RelaxationFlow for NortonFlow {
         if stress == 0.0 {
             return 0.0;
         }
-        stress * self.factor(self.relative_step(stress).0)
+        let (a, ratio) = self.relative_step(stress);
+        stress
+            * if self.overflows(a) {
+                self.factor_of_overflow(ratio)
+            } else {
+                self.factor(a)
+            }
     }
 
     #[inline(always)]
@@ -251,6 +284,18 @@ impl RelaxationFlow for NortonFlow {
             };
         }
         let (a, ratio) = self.relative_step(stress);
+        if self.overflows(a) {
+            let relaxed = stress * self.factor_of_overflow(ratio);
+            let n = self.excess;
+            // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} does not depend on σ0 any more
+            by_parameter[0] = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
+            by_parameter[1] = -relaxed / n;
+            return RelaxedStress {
+                stress: relaxed,
+                by_stress: 0.0,
+                by_log_modulus: -relaxed / n,
+            };
+        }
         let factor = self.factor(a);
         let relaxed = stress * factor;
         if factor == 0.0 {

@@ -43,7 +43,8 @@ impl Grid {
         let longest = transit_times.iter().copied().fold(0.0, f64::max);
         let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
         let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();
-        if fewest * LARGEST_REFINEMENT > 1e9 {
+        // also where a quotient of transit times is no number
+        if fewest.is_nan() || fewest * LARGEST_REFINEMENT > 1e9 {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of cells of the longest segment",
                 value: fewest,

@@ -6,6 +6,7 @@ use super::ledger::Ledger;
 use super::march::{EndState, March};
 use super::tangent::Parameter;
 use crate::RodwaveError;
+use crate::error::{check_finite, check_steps};
 
 /// Histories of a [`Line`](super::Line).
 #[derive(Debug, Clone)]
@@ -85,11 +86,6 @@ impl EndHistory {
 
 impl LineHistory {
     /// Runs `march` until `duration` and records everything.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "duration and time step are finite and positive"
-    )]
     pub(super) fn record(
         mut march: March,
         duration: f64,
@@ -97,7 +93,7 @@ impl LineHistory {
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
         // a whole number of steps may be exceeded by rounding
-        let steps = (duration / march.grid().time_step * (1.0 - 1e-12)).ceil() as usize;
+        let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         let mut history = Self {
             grid: march.grid().clone(),
             gauges: vec![SectionHistory::default(); march.gauges.len()],
@@ -121,6 +117,8 @@ impl LineHistory {
             history.push_ends(&march);
         }
         history.ledger = march.ledger();
+        // what overflows anywhere in the line is soon in its energy
+        check_finite("energy of the line [J]", history.ledger.stored)?;
         Ok(history)
     }
 

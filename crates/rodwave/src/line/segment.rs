@@ -163,6 +163,16 @@ impl Segment {
         self.length / self.wave_speed()
     }
 
+    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish though its factors do not.
+    pub(super) fn check(&self) -> Result<(), RodwaveError> {
+        check_positive("sum of the moduli of the branches [Pa]", self.modulus())?;
+        check_positive("mass [kg]", self.mass())?;
+        check_positive("wave speed [m/s]", self.wave_speed())?;
+        check_positive("impedance [N s/m]", self.impedance())?;
+        check_positive("transit time [s]", self.transit_time())?;
+        Ok(())
+    }
+
     pub(super) fn branches(&self) -> &[Branch] {
         &self.branches
     }

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance};
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
@@ -80,6 +80,6 @@ impl TimeDomainModulus for Elastic {
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         after_step(time)?;
-        Ok(1.0 / self.modulus)
+        finite_compliance(1.0 / self.modulus)
     }
 }

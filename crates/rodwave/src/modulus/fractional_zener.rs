@@ -3,13 +3,16 @@
 use num_complex::Complex64;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::{after_step, fractional_decay};
+use super::time_domain::{
+    after_step, finite_compliance, fractional_decay, fractional_decay_of_power,
+};
 use super::zener::ModulusStep;
 use super::{
     ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus, check_exponent,
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::quotient;
 
 /// A solid with a broad, symmetric loss peak, and the Zener model for α = 1.
 ///
@@ -62,14 +65,17 @@ impl ComplexModulus for FractionalZener {
 
     fn slope(&self, omega: f64) -> Complex64 {
         let power = self.power(Complex64::new(0.0, omega));
-        self.step.increment() * self.exponent * power / (1.0 + power) / (1.0 + power)
+        quotient(
+            quotient(self.step.increment() * self.exponent * power, 1.0 + power),
+            1.0 + power,
+        )
     }
 }
 
 impl LaplaceModulus for FractionalZener {
     fn at_s(&self, s: Complex64) -> Complex64 {
         let power = self.power(s);
-        self.step.relaxed + self.step.increment() * power / (1.0 + power)
+        self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
     }
 }
 
@@ -107,8 +113,8 @@ impl DifferentiableModulus for FractionalZener {
     fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         let slope = self.slope(omega);
-        let by_exponent = if omega == 0.0 {
-            Complex64::ZERO // x ln x → 0
+        let by_exponent = if slope == Complex64::ZERO {
+            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
             slope * Complex64::new(0.0, omega * self.relaxation_time).ln() / self.exponent
         };
@@ -127,8 +133,9 @@ impl TimeDomainModulus for FractionalZener {
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let ratio = self.step.unrelaxed / self.step.relaxed;
-        let retardation_time = self.relaxation_time * ratio.powf(1.0 / self.exponent);
-        let decay = fractional_decay(self.exponent, after_step(time)? / retardation_time)?;
-        Ok((1.0 - (1.0 - 1.0 / ratio) * decay) / self.step.relaxed)
+        // ((t/τ)(E0/E1)^{1/α})^α: the retardation time itself overflows for small α
+        let power = (after_step(time)? / self.relaxation_time).powf(self.exponent) / ratio;
+        let decay = fractional_decay_of_power(self.exponent, power)?;
+        finite_compliance((1.0 - (1.0 - 1.0 / ratio) * decay) / self.step.relaxed)
     }
 }

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::quotient;
 
 /// One Maxwell model of a [`GeneralisedMaxwell`] law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,13 +122,13 @@ impl MaxwellBranch {
     /// Eᵢ sτᵢ/(1 + sτᵢ).
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
-        self.modulus * s_tau / (1.0 + s_tau)
+        quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 
     /// Derivative by ln ω, which is that by ln τᵢ.
     fn slope(&self, omega: f64) -> Complex64 {
         let s = Complex64::new(0.0, omega);
-        self.at_s(s) / (1.0 + s * self.relaxation_time)
+        quotient(self.at_s(s), 1.0 + s * self.relaxation_time)
     }
 }
 

@@ -7,6 +7,7 @@ use super::zener::ModulusStep;
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, check_exponent};
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::quotient;
 
 /// The empirical law of polymers through their glass transition (Havriliak & Negami, *Polymer* **8** (1967) 161).
 ///
@@ -70,7 +71,10 @@ impl ComplexModulus for HavriliakNegami {
         let power = self.power(Complex64::new(0.0, omega));
         let exponents = self.breadth_exponent * self.skewness_exponent;
         let decay = (1.0 + power).powf(-self.skewness_exponent);
-        self.step.increment() * exponents * decay * power / (1.0 + power)
+        quotient(
+            self.step.increment() * exponents * decay * power,
+            1.0 + power,
+        )
     }
 }
 
@@ -120,8 +124,8 @@ impl DifferentiableModulus for HavriliakNegami {
         let relaxed = Complex64::from(self.step.relaxed);
         let slope = self.slope(omega);
         let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
-        let by_breadth = if omega == 0.0 {
-            Complex64::ZERO // x ln x → 0
+        let by_breadth = if slope == Complex64::ZERO {
+            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
             slope * s_tau.ln() / self.breadth_exponent
         };

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance};
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
@@ -79,6 +79,6 @@ impl TimeDomainModulus for KelvinVoigt {
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let time = after_step(time)?;
-        Ok(-(-time * self.modulus / self.viscosity).exp_m1() / self.modulus)
+        finite_compliance(-(-time * self.modulus / self.viscosity).exp_m1() / self.modulus)
     }
 }

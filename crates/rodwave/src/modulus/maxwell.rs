@@ -3,10 +3,11 @@
 use num_complex::Complex64;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance};
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::quotient;
 
 /// A spring E in series with a dashpot η (Ödeen 1993, survey, eq. 2.5 with F = σ/η).
 ///
@@ -57,14 +58,14 @@ impl ComplexModulus for Maxwell {
 
     fn slope(&self, omega: f64) -> Complex64 {
         let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
-        self.modulus * s_tau / (1.0 + s_tau) / (1.0 + s_tau)
+        quotient(quotient(self.modulus * s_tau, 1.0 + s_tau), 1.0 + s_tau)
     }
 }
 
 impl LaplaceModulus for Maxwell {
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
-        self.modulus * s_tau / (1.0 + s_tau)
+        quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 }
 
@@ -97,6 +98,6 @@ impl TimeDomainModulus for Maxwell {
     }
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
-        Ok((1.0 + after_step(time)? / self.relaxation_time) / self.modulus)
+        finite_compliance((1.0 + after_step(time)? / self.relaxation_time) / self.modulus)
     }
 }

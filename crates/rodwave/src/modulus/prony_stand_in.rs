@@ -9,7 +9,7 @@ use super::{
     SpringPot,
 };
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_finite, check_positive};
 
 /// A law that is a relaxation throughout: analytic everywhere but on the negative real axis, where it has a cut.
 ///
@@ -67,6 +67,10 @@ const MARGIN_DECADES: f64 = 1.0;
 /// Decades of rates beyond these that are gathered into one branch on either side; what is further has less than 1e-8 of an effect.
 const TAIL_DECADES: f64 = 8.0;
 
+/// Most branches that are computed, those of the tails among them: the error is looked for at eight times as many frequencies,
+/// which takes time as the square.
+const MOST_BRANCHES: f64 = 2e3;
+
 impl PronyStandIn {
     /// The trapezoidal rule over ln x with `branches_a_decade` nodes, and a spring that makes E' right at the middle of `band`.
     ///
@@ -79,8 +83,6 @@ impl PronyStandIn {
     /// `law` is nowhere positive or leaves no room for a spring.
     #[expect(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "a handful of branches a decade over the decades that f64 has"
     )]
     pub fn new(
@@ -104,8 +106,17 @@ impl PronyStandIn {
             });
         }
         let decades = (band.to / band.from).log10() + 2.0 * MARGIN_DECADES;
-        let count = (decades * branches_a_decade).round().max(1.0) as usize;
-        let step = decades * LN_10 / count as f64;
+        let count = (decades * branches_a_decade).round().max(1.0);
+        let reach = (TAIL_DECADES * branches_a_decade).ceil();
+        if (count + reach).is_nan() || count + reach > MOST_BRANCHES {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "number of branches over the band and its tails",
+                value: count + reach,
+                expected: "at most 2000",
+            });
+        }
+        let step = decades * LN_10 / count;
+        let count = count as i32;
         let lowest = band.from.ln() - MARGIN_DECADES * LN_10;
         let node = |j: i32| {
             let rate = (lowest + (f64::from(j) + 0.5) * step).exp();
@@ -122,7 +133,6 @@ impl PronyStandIn {
             (one, two)
         };
         let reach = (TAIL_DECADES * LN_10 / step).ceil() as i32;
-        let count = count as i32;
         // below: s/(s + x) = 1 - x/s + x²/s²; the 1 belongs to the spring
         let (slow, slower) = tail(&mut (-reach..0), 1, 2);
         // above: s/(s + x) = s/x - s²/x²
@@ -138,7 +148,7 @@ impl PronyStandIn {
             })
             .collect();
         let middle = (band.from * band.to).sqrt();
-        let wanted = law.at_s(Complex64::new(0.0, middle)).re;
+        let wanted = law.try_at_s(Complex64::new(0.0, middle))?.re;
         let of_branches: f64 = branches
             .iter()
             .map(|branch| {
@@ -155,7 +165,14 @@ impl PronyStandIn {
                 let s = Complex64::new(0.0, omega);
                 (stand_in.at_s(s) / law.at_s(s) - 1.0).norm()
             })
-            .fold(0.0, f64::max);
+            // max would drop a NaN
+            .fold(
+                0.0,
+                |greatest, error| {
+                    if error <= greatest { greatest } else { error }
+                },
+            );
+        check_finite("greatest relative error of the stand-in", greatest_error)?;
         Ok(Self {
             law: stand_in,
             band,

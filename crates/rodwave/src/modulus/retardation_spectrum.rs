@@ -1,6 +1,6 @@
 //! Creep of a generalised Maxwell law: its retardation times and compliances.
 
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance};
 use super::{GeneralisedMaxwell, MaxwellBranch};
 use crate::RodwaveError;
 
@@ -73,7 +73,7 @@ impl RetardationSpectrum {
             .iter()
             .map(|element| -element.compliance * (-time / element.retardation_time).exp_m1())
             .sum();
-        Ok(self.instantaneous_compliance + self.fluidity * time + retarded)
+        finite_compliance(self.instantaneous_compliance + self.fluidity * time + retarded)
     }
 }
 

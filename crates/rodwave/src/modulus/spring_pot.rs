@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use statrs::function::gamma::gamma;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance, finite_modulus};
 use super::{
     ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus, check_fraction,
 };
@@ -78,7 +78,11 @@ impl SpringPot {
             (omega.abs() / self.reference_omega).ln(),
             FRAC_PI_2.copysign(omega),
         );
-        self.at(omega) * logarithm
+        let modulus = self.at(omega);
+        if modulus == Complex64::ZERO {
+            return Complex64::ZERO; // x ln x → 0, also where x has vanished in rounding
+        }
+        modulus * logarithm
     }
 }
 
@@ -121,11 +125,11 @@ impl DifferentiableModulus for SpringPot {
 impl TimeDomainModulus for SpringPot {
     fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
         let decay = (self.reference_omega * after_step(time)?).powf(-self.exponent);
-        Ok(self.modulus * decay / gamma(1.0 - self.exponent))
+        finite_modulus(self.modulus * decay / gamma(1.0 - self.exponent))
     }
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let growth = (self.reference_omega * after_step(time)?).powf(self.exponent);
-        Ok(growth / (self.modulus * gamma(1.0 + self.exponent)))
+        finite_compliance(growth / (self.modulus * gamma(1.0 + self.exponent)))
     }
 }

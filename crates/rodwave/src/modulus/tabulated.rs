@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::ComplexModulus;
 use super::monotone_cubic::MonotoneCubic;
+use super::{ComplexModulus, check_modulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -117,7 +117,7 @@ impl Tabulated {
     /// [`RodwaveError::OutsideTable`] where the table does not reach, 0 included.
     pub fn lookup(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         if self.covers(omega) {
-            Ok(self.interpolate(omega, MonotoneCubic::value))
+            check_modulus(self.interpolate(omega, MonotoneCubic::value))
         } else {
             Err(RodwaveError::OutsideTable {
                 quantity: "magnitude of the angular frequency [rad/s]",

@@ -4,7 +4,7 @@ use mittagleffler::MittagLeffler;
 
 use super::LaplaceModulus;
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_finite, check_positive};
 
 /// A law whose relaxation modulus and creep compliance have closed forms.
 ///
@@ -44,12 +44,27 @@ pub(super) fn after_step(time: f64) -> Result<f64, RodwaveError> {
     check_positive("time after the step [s]", time)
 }
 
+/// A relaxation modulus that did not overflow.
+pub(super) fn finite_modulus(modulus: f64) -> Result<f64, RodwaveError> {
+    check_finite("relaxation modulus [Pa]", modulus)
+}
+
+/// A creep compliance that did not overflow.
+pub(super) fn finite_compliance(compliance: f64) -> Result<f64, RodwaveError> {
+    check_finite("creep compliance [1/Pa]", compliance)
+}
+
 /// The decay from 1 to 0 of fractional relaxation, E_α(-(t/τ)^α) with the Mittag-Leffler function E_α, for 0 < α <= 1.
 ///
 /// For α = 1 it is e^{-t/τ}. The library is accurate in the absolute sense, to a few 1e-15 of the value 1 at t = 0, which
 /// is what a solid with E₀ > 0 needs.
 pub(super) fn fractional_decay(exponent: f64, time_ratio: f64) -> Result<f64, RodwaveError> {
-    let argument = -time_ratio.powf(exponent);
+    fractional_decay_of_power(exponent, time_ratio.powf(exponent))
+}
+
+/// [`fractional_decay`] from the power (t/τ)^α, where t/τ itself may overflow or vanish.
+pub(super) fn fractional_decay_of_power(exponent: f64, power: f64) -> Result<f64, RodwaveError> {
+    let argument = -power;
     if exponent >= 1.0 {
         return Ok(argument.exp());
     }

@@ -3,10 +3,11 @@
 use num_complex::Complex64;
 
 use super::differentiable::{exactly, named, write};
-use super::time_domain::after_step;
+use super::time_domain::{after_step, finite_compliance};
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::quotient;
 
 /// A spring in parallel with a Maxwell model: the simplest solid with a finite wave speed.
 ///
@@ -83,14 +84,17 @@ impl ComplexModulus for Zener {
 
     fn slope(&self, omega: f64) -> Complex64 {
         let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
-        self.step.increment() * s_tau / (1.0 + s_tau) / (1.0 + s_tau)
+        quotient(
+            quotient(self.step.increment() * s_tau, 1.0 + s_tau),
+            1.0 + s_tau,
+        )
     }
 }
 
 impl LaplaceModulus for Zener {
     fn at_s(&self, s: Complex64) -> Complex64 {
         let s_tau = s * self.relaxation_time;
-        self.step.relaxed + self.step.increment() * s_tau / (1.0 + s_tau)
+        self.step.relaxed + quotient(self.step.increment() * s_tau, 1.0 + s_tau)
     }
 }
 
@@ -136,6 +140,8 @@ impl TimeDomainModulus for Zener {
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let retardation_time = self.relaxation_time * self.step.unrelaxed / self.step.relaxed;
         let decay = (-after_step(time)? / retardation_time).exp();
-        Ok(1.0 / self.step.relaxed - (1.0 / self.step.relaxed - 1.0 / self.step.unrelaxed) * decay)
+        finite_compliance(
+            1.0 / self.step.relaxed - (1.0 / self.step.relaxed - 1.0 / self.step.unrelaxed) * decay,
+        )
     }
 }

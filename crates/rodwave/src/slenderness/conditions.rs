@@ -40,11 +40,20 @@ impl Slenderness {
         length: f64,
     ) -> Result<Self, RodwaveError> {
         let wave_number = check_positive("wave number [rad/m]", wave_number)?;
-        Ok(Self {
+        let slenderness = Self {
             wavelength: check_positive("wavelength [m]", std::f64::consts::TAU / wave_number)?,
             diameter: check_positive("diameter [m]", diameter)?,
             length: check_positive("length [m]", length)?,
-        })
+        };
+        check_positive(
+            "wavelength over diameter",
+            slenderness.wavelength_in_diameters(),
+        )?;
+        check_positive(
+            "wavelength over length",
+            slenderness.wavelength_in_lengths(),
+        )?;
+        Ok(slenderness)
     }
 
     /// Wavelength λ = 2π/k \[m\].

@@ -3,7 +3,8 @@
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_all_finite, check_finite, check_positive};
+use crate::quotient::quotient;
 
 /// Theory of longitudinal waves in a rod with lateral inertia.
 pub trait RodTheory {
@@ -162,11 +163,16 @@ impl CorrectedModulus {
         }
         let slope = self.by_poisson_ratio;
         let loss_factor_slope = (slope.im - slope.re * self.loss_factor()) / self.modulus.re;
-        Ok(ModulusError {
+        let error = ModulusError {
             storage_modulus: poisson_ratio_error * slope.re.abs(),
             loss_modulus: poisson_ratio_error * slope.im.abs(),
             loss_factor: poisson_ratio_error * loss_factor_slope.abs(),
-        })
+        };
+        check_all_finite(
+            "standard error by that of poisson's ratio",
+            [error.storage_modulus, error.loss_modulus, error.loss_factor],
+        )?;
+        Ok(error)
     }
 }
 
@@ -201,8 +207,18 @@ impl Scale {
         let velocity = (modulus / self.density).sqrt();
         let bar_number = (omega * self.length / velocity).powu(2);
         check_finite("magnitude of rho omega^2 l^2/E", bar_number.norm())?;
+        if omega != 0.0 {
+            check_positive("magnitude of rho omega^2 l^2/E", bar_number.norm())?;
+        }
         let phase_sign = Complex64::new(0.0, omega.signum());
-        Ok(solve(bar_number).map(|k| phase_sign * k.sqrt() / self.length))
+        let branch = solve(bar_number).map(|k| phase_sign * k.sqrt() / self.length);
+        if let FirstBranch::Found(gamma) = branch {
+            check_finite(
+                "magnitude of the propagation coefficient [1/m]",
+                gamma.norm(),
+            )?;
+        }
+        Ok(branch)
     }
 
     /// E from γ, with `solve` for B from K.
@@ -220,15 +236,27 @@ impl Scale {
         )?;
         let wave_number = -(propagation_coefficient * self.length).powu(2);
         check_positive("magnitude of gamma^2 l^2", wave_number.norm())?;
-        let velocity = Complex64::new(0.0, omega) / propagation_coefficient;
+        let velocity = quotient(Complex64::new(0.0, omega), propagation_coefficient);
         let apparent_modulus = self.density * velocity * velocity;
-        Ok(solve(wave_number).map(|root| {
+        let branch = solve(wave_number).map(|root| {
             let modulus = apparent_modulus * (wave_number / root.value);
             CorrectedModulus {
                 modulus,
                 apparent_modulus,
                 by_poisson_ratio: -modulus * (root.by_poisson_ratio / root.value),
             }
-        }))
+        });
+        if let FirstBranch::Found(found) = branch {
+            let numbers = [
+                found.modulus,
+                found.apparent_modulus,
+                found.by_poisson_ratio,
+            ];
+            check_all_finite(
+                "magnitude of the modulus or of its derivative [Pa]",
+                numbers.map(Complex64::norm),
+            )?;
+        }
+        Ok(branch)
     }
 }

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{SynthesizedHistory, check_lines, to_samples};
+use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
@@ -59,11 +59,17 @@ impl DampedSynthesis {
                 expected: "between 1 and 2^25",
             });
         }
-        Ok(Self {
+        let synthesis = Self {
             interval,
             half_count: steps as usize,
             smoothing: 0.0,
-        })
+        };
+        check_positive("damping of the transform [1/s]", synthesis.damping())?;
+        check_positive(
+            "greatest angular frequency of the transform [rad/s]",
+            std::f64::consts::PI / interval,
+        )?;
+        Ok(synthesis)
     }
 
     /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then begins at -8σ, so that
@@ -119,6 +125,7 @@ impl DampedSynthesis {
         for (index, sample) in samples.iter_mut().enumerate() {
             *sample *= scale * (damping * self.interval * index as f64).exp();
         }
+        check_synthesized(&samples)?;
         Ok(SynthesizedHistory {
             start,
             interval: self.interval,

@@ -2,9 +2,12 @@
 
 use num_complex::Complex64;
 
-use super::{SynthesizedHistory, check_lines, to_samples};
+use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
+
+/// Most lines of a spectrum: with its history, some gigabytes.
+const MOST_LINES: usize = 1 << 27;
 
 /// Histories from one-sided spectra.
 ///
@@ -36,8 +39,22 @@ impl FourierSynthesis {
                 expected: 2,
             });
         }
+        if n_lines > MOST_LINES {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "number of lines",
+                value: n_lines as f64,
+                expected: "at most 2^27",
+            });
+        }
+        check_positive("frequency step [Hz]", frequency_step_hz)?;
+        let highest = frequency_step_hz * n_lines as f64;
+        check_positive(
+            "greatest angular frequency of the spectrum [rad/s]",
+            std::f64::consts::TAU * highest,
+        )?;
+        check_positive("interval between samples [s]", 0.5 / highest)?;
         Ok(Self {
-            frequency_step_hz: check_positive("frequency step [Hz]", frequency_step_hz)?,
+            frequency_step_hz,
             n_lines,
         })
     }
@@ -59,6 +76,7 @@ impl FourierSynthesis {
         for sample in &mut samples {
             *sample *= self.frequency_step_hz;
         }
+        check_synthesized(&samples)?;
         Ok(SynthesizedHistory {
             start: 0.0,
             interval: 1.0 / (self.frequency_step_hz * samples.len() as f64),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::super::dashpot::Dashpot;
 use super::super::least_squares::{Ending, Linearised, minimise};
-use super::super::{RecoveryTest, ThreeElementParameters};
+use super::super::{RecoveryTest, ThreeElement, ThreeElementParameters};
 use super::prediction::scaled;
 use crate::error::{CmodError, check_positive};
 
@@ -149,13 +149,15 @@ impl SingleTestFit {
             }
             log_rate -= step;
             if step.abs() < 1e-9 {
-                return Ok(ThreeElementParameters {
+                let coefficient =
+                    (log_rate - parallel_modulus.ln() - m * reference_stress.ln()).exp();
+                let model = ThreeElement::new(ThreeElementParameters {
                     series_modulus,
                     parallel_modulus,
-                    coefficient: (log_rate - parallel_modulus.ln() - m * reference_stress.ln())
-                        .exp(),
+                    coefficient,
                     exponent: m,
-                });
+                })?;
+                return Ok(model.parameters());
             }
         }
         Err(CmodError::NoStart)

@@ -3,7 +3,7 @@
 use rodwave::modulus::GeneralisedMaxwell;
 
 use super::BulkBehaviour;
-use crate::error::CmodError;
+use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// G(t) = G(0) - Σ Gᵢ (1 - e^{-t/τᵢ}), and K(t) likewise.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,11 +41,24 @@ impl Isotropic {
                 .collect(),
             BulkBehaviour::Elastic => shear_terms(law, instantaneous_bulk)?,
         };
-        Ok(Self {
+        let solid = Self {
             instantaneous_shear,
             instantaneous_bulk,
             terms,
-        })
+        };
+        check_positive("instantaneous shear modulus [Pa]", instantaneous_shear)?;
+        // a card writes products of the two
+        check_positive(
+            "square of the instantaneous bulk modulus [Pa^2]",
+            instantaneous_bulk * instantaneous_bulk,
+        )?;
+        for term in &solid.terms {
+            check_not_negative("shear modulus of a term [Pa]", term.shear)?;
+            check_not_negative("bulk modulus of a term [Pa]", term.bulk)?;
+            check_positive("relaxation time of a term [s]", term.relaxation_time)?;
+            check_positive("rate of a term [1/s]", term.relaxation_time.recip())?;
+        }
+        Ok(solid)
     }
 
     pub(super) fn long_term_shear(&self) -> f64 {

@@ -1,0 +1,430 @@
+//! Random specimens, made in closed form by exponentials: every method gives their modulus back, counts waves that only grow, and
+//! says so the same way in every unit, thread and file.
+
+use num_complex::Complex64;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use cmod::branch::resolve;
+use cmod::estimate::{PlottedQuantity, coverage_factor};
+use cmod::multi_point::Quantity;
+use cmod::validity::AcceptanceLimits;
+use cmod::{
+    EndSection, FreeEnd, GaugeSpectra, GaugedRod, ModulusEstimate, MultiPoint, OneGauge, PulsedRod,
+    RodWithFreeEnd, SeparatePulses, ThreePoint, TwoPoint,
+};
+
+use super::specimen::{Specimen, strain_of_two_waves};
+
+fn cases(cases: u32, seed: u64) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+const LINES: usize = 160;
+
+fn any_specimen() -> impl Strategy<Value = Specimen> {
+    (
+        -1.0..1.0_f64,
+        7.5..11.0_f64,
+        2.5..4.0_f64,
+        -3.0..-0.5_f64,
+        0.0..0.05_f64,
+    )
+        .prop_map(|(length, modulus, density, loss, mass)| {
+            let length = 10f64.powf(length);
+            let (diameter, density) = (0.01 * length, 10f64.powf(density));
+            Specimen {
+                length,
+                diameter,
+                density,
+                end_mass: mass
+                    * density
+                    * 0.25
+                    * std::f64::consts::PI
+                    * diameter
+                    * diameter
+                    * length,
+                modulus: 10f64.powf(modulus),
+                loss_factor: 10f64.powf(loss),
+            }
+        })
+}
+
+/// Lines over the first four half waves, from far below the first.
+fn frequencies(specimen: &Specimen) -> Vec<f64> {
+    let step = 4.0 * specimen.fundamental_hz() / LINES as f64;
+    (1..=LINES).map(|k| step * k as f64).collect()
+}
+
+fn two_point(specimen: &Specimen) -> TwoPoint {
+    TwoPoint::new(cmod::Specimen {
+        length: specimen.length,
+        diameter: specimen.diameter,
+        density: specimen.density,
+        accelerometer_mass: specimen.end_mass,
+    })
+    .unwrap()
+    .with_limits(AcceptanceLimits::NONE)
+    .unwrap()
+}
+
+fn estimated(specimen: &Specimen) -> ModulusEstimate {
+    let frequency_hz = frequencies(specimen);
+    let ratio: Vec<Complex64> = frequency_hz
+        .iter()
+        .map(|f| specimen.motion_at(specimen.length, *f))
+        .collect();
+    let variance = vec![1e-12; LINES];
+    two_point(specimen)
+        .estimate(&frequency_hz, &ratio, &variance)
+        .unwrap()
+}
+
+/// Of the lines whose branch is sure, most of all, the modulus is that of the specimen: rounding of Ψ, 1e-16 or so, magnified as
+/// relative errors are.
+fn is_modulus_of(estimate: &ModulusEstimate, specimen: &Specimen, fewest: usize) {
+    let valid: Vec<_> = estimate.valid().collect();
+    assert!(
+        valid.len() >= fewest,
+        "{} valid lines of {specimen:?}",
+        valid.len()
+    );
+    for line in valid {
+        let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
+        let allowed = 1e-13 * (10.0 + line.error_amplification);
+        assert!(
+            error < allowed,
+            "{} Hz: {error:e} of {specimen:?}",
+            line.frequency_hz
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(32, 11))]
+
+    #[test]
+    fn accelerations_of_two_points(specimen in any_specimen()) {
+        let estimate = estimated(&specimen);
+        // below 2/5 half waves the wave is longer than five specimens
+        is_modulus_of(&estimate, &specimen, LINES / 2);
+        // waves counted never become fewer, and kL only grows
+        let mut before = 0.0;
+        for line in estimate.lines() {
+            let phase = line.wave_number() * specimen.length;
+            prop_assert!(phase > before, "{phase} after {before}");
+            before = phase;
+            prop_assert!(line.damping_coefficient() > 0.0);
+        }
+    }
+
+    #[test]
+    fn branches_never_go_back(specimen in any_specimen()) {
+        let light = Specimen { end_mass: 0.0, ..specimen };
+        let frequency_hz = frequencies(&light);
+        let ratio: Vec<_> = frequency_hz.iter().map(|f| light.motion_at(light.length, *f)).collect();
+        let mut before = (0, 0.0);
+        for root in resolve(&frequency_hz, &ratio).unwrap() {
+            let quadrant = (root.branch.half_waves(), root.gamma_length.im);
+            prop_assert!(quadrant.0 >= before.0 && quadrant.1 > before.1);
+            before = quadrant;
+        }
+    }
+
+    /// A second of another clock, a metre of another ruler: powers of two are exact, and the ratio has no unit.
+    #[test]
+    fn scales_are_a_matter_of_taste(specimen in any_specimen(), metre in -2..3_i32, second in 0..2_i32, kilogram in -30..30_i32) {
+        let (metre, second, kilogram) = (2f64.powi(metre), 2f64.powi(second), 2f64.powi(kilogram));
+        // wave speeds must stay where the search for them looks
+        prop_assume!((100.0..5000.0).contains(&((specimen.modulus / specimen.density).sqrt() * metre / second)));
+        prop_assume!((100.0..5000.0).contains(&(specimen.modulus / specimen.density).sqrt()));
+        let pascal = kilogram / (metre * second * second);
+        let scaled = Specimen {
+            length: specimen.length * metre,
+            diameter: specimen.diameter * metre,
+            density: specimen.density * (kilogram / metre.powi(3)),
+            end_mass: specimen.end_mass * kilogram,
+            modulus: specimen.modulus * pascal,
+            loss_factor: specimen.loss_factor,
+        };
+        let (here, there) = (estimated(&specimen), estimated(&scaled));
+        for (one, other) in here.valid().zip(there.valid()) {
+            prop_assert_eq!(one.index, other.index);
+            let allowed = 1e-13 * (10.0 + one.error_amplification);
+            prop_assert!((one.modulus * pascal / other.modulus - 1.0).norm() < allowed);
+        }
+    }
+
+    /// Strains of three equidistant gauges, and of five at any places.
+    #[test]
+    fn strains_of_several_gauges(specimen in any_specimen(), re in -0.9..0.9_f64, im in -0.4..0.4_f64, shift in 0.3..0.9_f64) {
+        let reflected = Complex64::new(re, im);
+        let frequency_hz: Vec<f64> = frequencies(&specimen).iter().map(|f| 0.5 * f).collect();
+        let length = specimen.length;
+        let spectra = |positions: &[f64]| -> Vec<Vec<Complex64>> {
+            let at = |x: &f64| frequency_hz.iter().map(|f| strain_of_two_waves(specimen.gamma(*f), *x, reflected)).collect();
+            positions.iter().map(at).collect()
+        };
+        let rod = |positions: &[f64]| GaugedRod {
+            positions: positions.to_vec(),
+            diameter: specimen.diameter,
+            density: specimen.density,
+        };
+        let three = [-length, 0.0, length];
+        let seen = spectra(&three);
+        let estimate = ThreePoint::new(rod(&three)).unwrap().with_limits(AcceptanceLimits::NONE).unwrap()
+            .estimate(&GaugeSpectra { frequency_hz: &frequency_hz, tests: &[&seen], noise: &vec![vec![1e-9; LINES]; 3] }).unwrap();
+        for line in estimate.valid() {
+            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
+            prop_assert!(error < 1e-13 * (10.0 + line.error_amplification), "{} Hz: {error:e}", line.frequency_hz);
+        }
+        prop_assert!(estimate.valid().count() > LINES / 4);
+        let several = [-length, -0.61 * length, 0.1 * length, shift * length, 1.3 * length];
+        let seen = spectra(&several);
+        let estimate = MultiPoint::new(rod(&several)).unwrap().with_limits(AcceptanceLimits::NONE).unwrap()
+            .with_wave_speed(1.02 * std::f64::consts::TAU * frequency_hz[0] / specimen.gamma(frequency_hz[0]).im).unwrap()
+            .estimate(&GaugeSpectra { frequency_hz: &frequency_hz, tests: &[&seen], noise: &vec![vec![1e-9; LINES]; 5] }).unwrap();
+        for line in estimate.modulus().valid() {
+            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
+            // the minimum of a sum of squares is found to the root of rounding of its slope
+            prop_assert!(error < 1e-10 * (10.0 + line.error_amplification), "{} Hz: {error:e}", line.frequency_hz);
+        }
+        prop_assert!(estimate.modulus().valid().count() > LINES / 4);
+    }
+}
+
+/// tan δ from 1e-9 to 10 for every method: what is called valid is right, to rounding as the method magnifies it, and where the losses
+/// cannot be seen in rounding the line is no more called valid than its stated error allows.
+#[test]
+fn all_but_lossless_and_all_but_fluid() {
+    let mut table = Vec::new();
+    for exponent in [-9, -8, -7, -6, -5, -4, -3, -2, -1, 0, 1] {
+        let specimen = Specimen {
+            loss_factor: 10f64.powi(exponent),
+            ..Specimen::polymer()
+        };
+        let frequency_hz = frequencies(&specimen);
+        let variance = vec![1e-30; LINES]; // rounding is all the noise there is
+        let rod = RodWithFreeEnd {
+            diameter: specimen.diameter,
+            density: specimen.density,
+            end_mass: 0.0,
+        };
+        let acceleration = |distance| EndSection {
+            distance,
+            quantity: Quantity::Acceleration,
+        };
+        let speed = std::f64::consts::TAU * frequency_hz[9] / specimen.gamma(frequency_hz[9]).im;
+        let ratio = |near: f64, far: f64| -> Vec<Complex64> {
+            let at = |f: &f64| specimen.motion_at(far, *f) / specimen.motion_at(near, *f);
+            frequency_hz.iter().map(at).collect()
+        };
+        let decay: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| strain_of_two_waves(specimen.gamma(*f), 0.4, Complex64::ZERO))
+            .collect();
+        let pulses = SeparatePulses::new(PulsedRod {
+            distance: 0.4,
+            diameter: specimen.diameter,
+            density: specimen.density,
+        });
+        let estimates = [
+            two_point(&specimen).estimate(&frequency_hz, &ratio(0.0, 1.0), &variance),
+            FreeEnd::new(rod, acceleration(1.0), acceleration(0.3))
+                .and_then(|method| method.with_wave_speed(speed))
+                .and_then(|method| method.estimate(&frequency_hz, &ratio(0.3, 1.0), &variance)),
+            pulses
+                .and_then(|method| method.with_wave_speed(speed))
+                .and_then(|method| method.estimate(&frequency_hz, &decay, &variance)),
+        ];
+        for (method, estimate) in estimates.into_iter().enumerate() {
+            let estimate = estimate.unwrap();
+            let mut worst: f64 = 0.0;
+            for line in estimate.valid() {
+                let storage = (line.modulus.re / specimen.modulus - 1.0).abs();
+                let loss = (line.loss_factor / specimen.loss_factor - 1.0).abs();
+                // a rounding of Ψ moves E by 1e-16 of it, magnified, in any direction: of tan δ that is 1/tan δ times more
+                let rounding = 1e-15 * (10.0 + line.error_amplification);
+                let seen = rounding * (1.0 + specimen.loss_factor + specimen.loss_factor.recip());
+                assert!(
+                    storage < rounding * (1.0 + specimen.loss_factor.powi(2)),
+                    "method {method}, tan δ 1e{exponent}: E' {storage:e}"
+                );
+                assert!(
+                    loss < seen * (1.0 + specimen.loss_factor),
+                    "method {method}, tan δ 1e{exponent}: {loss:e}"
+                );
+                worst = worst.max(loss);
+            }
+            table.push((method, exponent, estimate.valid().count(), worst));
+        }
+    }
+    // from 1e-6 to 0.1 every method has lines that it vouches for
+    for (method, exponent, valid, _) in &table {
+        if (-6..=-1).contains(exponent) {
+            assert!(
+                *valid > LINES / 4,
+                "method {method}, tan δ 1e{exponent}: {valid} valid lines"
+            );
+        }
+    }
+}
+
+/// One gauge at half the distance: whatever is called valid is right.
+#[test]
+fn one_gauge_from_lossless_to_fluid() {
+    for exponent in [-9, -6, -3, -1, 0, 1] {
+        let specimen = Specimen {
+            loss_factor: 10f64.powi(exponent),
+            ..Specimen::polymer()
+        };
+        let frequency_hz = frequencies(&specimen);
+        let rod = RodWithFreeEnd {
+            diameter: specimen.diameter,
+            density: specimen.density,
+            end_mass: 0.0,
+        };
+        let section = EndSection {
+            distance: 0.4,
+            quantity: Quantity::Strain,
+        };
+        // the wave reflected by the free end over the one that arrived: the way there and back, strains change sign
+        let ratio: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| -strain_of_two_waves(specimen.gamma(*f), 0.8, Complex64::ZERO))
+            .collect();
+        let speed = std::f64::consts::TAU * frequency_hz[9] / specimen.gamma(frequency_hz[9]).im;
+        let estimate = OneGauge::new(rod, section)
+            .and_then(|method| method.with_wave_speed(speed))
+            .and_then(|method| method.estimate(&frequency_hz, &ratio, &vec![1e-30; LINES]))
+            .unwrap();
+        for line in estimate.valid() {
+            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
+            assert!(
+                error < 1e-14 * (10.0 + line.error_amplification),
+                "tan δ 1e{exponent}: {error:e}"
+            );
+        }
+    }
+}
+
+/// Rods of a millimetre and of a kilometre are evaluated alike.
+#[test]
+fn rods_of_all_lengths() {
+    for length in [1e-3, 1e-2, 1.0, 1e2, 1e3] {
+        for density in [1e-3, 1150.0, 1e5] {
+            let specimen = Specimen {
+                length,
+                diameter: 0.01 * length,
+                density,
+                // a wave speed of 1600 m/s in all of them
+                modulus: density * 1600.0 * 1600.0,
+                ..Specimen::polymer()
+            };
+            is_modulus_of(&estimated(&specimen), &specimen, LINES / 2);
+        }
+    }
+}
+
+/// Many lines take memory and time in proportion.
+#[test]
+fn a_hundred_thousand_lines() {
+    let specimen = Specimen::polymer();
+    let step = 4.0 * specimen.fundamental_hz() / 1e5;
+    let frequency_hz: Vec<f64> = (1..=100_000_u32).map(|k| step * f64::from(k)).collect();
+    let ratio: Vec<Complex64> = frequency_hz
+        .iter()
+        .map(|f| specimen.motion_at(1.0, *f))
+        .collect();
+    let estimate = two_point(&specimen)
+        .estimate(&frequency_hz, &ratio, &vec![1e-12; 100_000])
+        .unwrap();
+    is_modulus_of(&estimate, &specimen, 50_000);
+}
+
+/// Lines asked from several threads are the lines asked from one.
+#[test]
+fn threads_make_no_difference() {
+    let specimen = Specimen::polymer();
+    let alone = estimated(&specimen);
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (0..4)
+            .map(|_| scope.spawn(|| estimated(&specimen)))
+            .collect();
+        for other in others {
+            assert_eq!(other.join().unwrap(), alone);
+        }
+    });
+}
+
+/// A table written and read again has every number to its last bit.
+#[test]
+fn files_keep_every_bit() {
+    let estimate = estimated(&Specimen::polymer());
+    let columns = estimate.columns();
+    let text = ron::to_string(&columns).unwrap();
+    let read: ron::Value = ron::from_str(&text).unwrap();
+    let mut written: Vec<f64> = columns
+        .iter()
+        .flat_map(|column| column.values.clone())
+        .collect();
+    let mut found = Vec::new();
+    numbers(&read, &mut found);
+    assert_eq!(found.len(), written.len());
+    for (found, written) in found.iter().zip(&mut written) {
+        assert_eq!(found.to_bits(), written.to_bits());
+    }
+    for quantity in [PlottedQuantity::LossFactor, PlottedQuantity::StorageModulus] {
+        let curve = estimate.curve(quantity, 2.0);
+        let read: ron::Value = ron::from_str(&ron::to_string(&curve).unwrap()).unwrap();
+        let mut found = Vec::new();
+        numbers(&read, &mut found);
+        assert!(found.len() >= 3 * estimate.valid().count());
+        assert!(found.iter().all(|number| number.is_finite()));
+    }
+}
+
+fn numbers(value: &ron::Value, into: &mut Vec<f64>) {
+    match value {
+        ron::Value::Number(number) => into.push(number.into_f64()),
+        ron::Value::Seq(entries) => entries.iter().for_each(|entry| numbers(entry, into)),
+        ron::Value::Map(map) => map.values().for_each(|entry| numbers(entry, into)),
+        ron::Value::Option(Some(entry)) => numbers(entry, into),
+        _ => {}
+    }
+}
+
+/// Student's factor goes down to the normal one without a step, for any number of averages. Values of mpmath 1.3.0 at 40 digits: the root of
+/// the regularised incomplete beta function.
+#[test]
+fn coverage_of_many_averages() {
+    let reference = [
+        (0.95, 1e2, 1.983_971_518_523_552_3),
+        (0.95, 1e3, 1.962_339_080_826_408_5),
+        (0.95, 9_999.0, 1.960_201_263_621_357_7),
+        (0.95, 1e4, 1.960_201_239_890_626_3),
+        (0.95, 1e6, 1.959_966_356_814_107),
+    ];
+    for (probability, freedom, expected) in reference {
+        let found = coverage_factor(probability, Some(freedom)).unwrap();
+        assert!(
+            (found / expected - 1.0).abs() < 1e-9,
+            "{freedom}: {found} {expected}"
+        );
+    }
+    let normal = coverage_factor(0.99, None).unwrap();
+    let mut before = f64::INFINITY;
+    for exponent in 0..=300 {
+        let found = coverage_factor(0.99, Some(10f64.powi(exponent))).unwrap();
+        assert!(
+            found <= before && found >= normal * (1.0 - 1e-12),
+            "1e{exponent}"
+        );
+        before = found;
+    }
+}

@@ -1,0 +1,49 @@
+//! Division of complex numbers whose squares leave the range of a double.
+
+use num_complex::Complex64;
+
+/// a/b.
+///
+/// The plain quotient goes through ab* and |b|², which overflow above 1e154 or so and lose their digits below 1e-154. Only there is it done
+/// otherwise, so that all other results keep their last bit.
+#[inline]
+pub(crate) fn quotient(a: Complex64, b: Complex64) -> Complex64 {
+    let plain = a / b;
+    if b.norm_sqr().is_normal() && plain.is_finite() {
+        plain
+    } else {
+        scaled(a, b)
+    }
+}
+
+#[cold]
+fn scaled(a: Complex64, b: Complex64) -> Complex64 {
+    let size = b.l1_norm();
+    if size.is_normal() {
+        (a / size) / (b / size)
+    } else {
+        // a denormal size has few digits, and its reciprocal overflows: 2^1000 keeps all that there are
+        const UP: f64 = 1.071_508_607_186_267_3e301;
+        let size = (b * UP).l1_norm();
+        (a * UP / size) / (b * UP / size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_cancel() {
+        let (a, b) = (Complex64::new(3.0, -2.0), Complex64::new(0.5, 4.0));
+        for exponent in [-1000, -540, -510, 0, 510, 540, 1000] {
+            // powers of two, so that nothing is rounded on the way
+            let scale = 2f64.powi(exponent);
+            let found = quotient(a * scale, b * scale);
+            assert!(((found - a / b) / (a / b)).norm() < 1e-15, "2^{exponent}");
+        }
+        let denormal = Complex64::new(0.0, 8.0 * 5e-324);
+        assert!((quotient(denormal, denormal) - 1.0).norm() < 1e-15);
+        assert!(!quotient(a, Complex64::ZERO).is_finite());
+    }
+}

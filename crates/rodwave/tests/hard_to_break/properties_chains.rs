@@ -1,0 +1,247 @@
+//! Laws of linear passive bodies that hold for chains of any elements.
+
+use num_complex::Complex64;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rodwave::chain::ChainBuilder;
+use rodwave::element::CrossSection;
+use rodwave::medium::Medium;
+use rodwave::modulus::{ConstantQ, Elastic, KelvinVoigt, Zener};
+use rodwave::{Chain, Termination};
+
+fn cases(seed: u64) -> ProptestConfig {
+    ProptestConfig {
+        cases: 128,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+/// An element by numbers: kind, material, two areas, and a length from which masses and stiffnesses follow too.
+type Part = (u8, u8, f64, f64, f64);
+
+fn any_part() -> impl Strategy<Value = Part> {
+    (
+        0..6_u8,
+        0..4_u8,
+        -5.0..-3.0_f64,
+        -5.0..-3.0_f64,
+        0.01..0.4_f64,
+    )
+        .prop_map(|(kind, material, near, far, length)| {
+            (kind, material, 10f64.powf(near), 10f64.powf(far), length)
+        })
+}
+
+fn any_parts() -> impl Strategy<Value = Vec<Part>> {
+    // a row of massless springs and dashpots that ends free has no impedance
+    prop::collection::vec(any_part(), 1..8)
+        .prop_filter("no mass", |parts| parts.iter().any(|part| part.0 < 4))
+}
+
+fn any_omega() -> impl Strategy<Value = f64> {
+    (1.0..5.0_f64).prop_map(|exponent| 10f64.powf(exponent))
+}
+
+/// Adds a part, or the same seen from its other end.
+fn with(
+    builder: ChainBuilder,
+    &(kind, material, near, far, length): &Part,
+    turned: bool,
+) -> ChainBuilder {
+    let (near, far) = if turned && (kind == 1 || kind == 2) {
+        (far, near)
+    } else {
+        (near, far)
+    };
+    let (first, second) = (CrossSection::of_area(near), CrossSection::of_area(far));
+    macro_rules! segment {
+        ($law:expr) => {{
+            let medium = Medium::new(1200.0, $law.unwrap()).unwrap();
+            match kind {
+                0 => builder.rod(&medium, first, length),
+                1 => builder.cone(&medium, first, second, length),
+                _ => builder.horn(&medium, first, second, length),
+            }
+        }};
+    }
+    match (kind, material) {
+        (3, _) => builder.mass(near * 1e3),
+        (4, _) => builder.spring(near * 1e10),
+        (5, _) => builder.dashpot(near * 1e7),
+        (_, 0) => segment!(Elastic::new(3e9)),
+        (_, 1) => segment!(Zener::new(1e9, 4e9, 1e-4)),
+        (_, 2) => segment!(ConstantQ::new(2e9, 0.2, 1e4)),
+        _ => segment!(KelvinVoigt::new(3e9, 1e3)),
+    }
+}
+
+fn chain(parts: &[Part]) -> Chain {
+    let row = parts.iter().fold(Chain::from_impact_face(), |row, part| {
+        with(row, part, false)
+    });
+    row.end(Termination::Free).unwrap()
+}
+
+fn reversed(parts: &[Part]) -> Chain {
+    let row = parts
+        .iter()
+        .rev()
+        .fold(Chain::from_impact_face(), |row, part| with(row, part, true));
+    row.end(Termination::Free).unwrap()
+}
+
+/// How many digits the recursion may lose: an undamped body near an antiresonance answers with the difference of two large
+/// numbers, which the growth of the product of matrices bounds.
+fn loss(chain: &Chain, omega: f64) -> f64 {
+    let [[a, b], [c, d]] = chain.transition_matrix(omega).unwrap().entries();
+    ((a * d).norm() + (b * c).norm()).max(1.0)
+}
+
+proptest! {
+    #![proptest_config(cases(1))]
+
+    /// det P = 1 for the whole chain: power is neither made nor kept in a joint.
+    #[test]
+    fn the_determinant_of_a_chain_is_one(parts in any_parts(), omega in any_omega()) {
+        let chain = chain(&parts);
+        let lost = loss(&chain, omega);
+        prop_assume!(lost < 1e12);
+        let determinant = chain.transition_matrix(omega).unwrap().determinant();
+        // phases of up to some hundred radians, each rounded once for every element
+        prop_assert!((determinant - 1.0).norm() < 1e-12 * lost, "{determinant}");
+    }
+
+    /// A body turned end for end answers at its far face as it did at its impact face.
+    #[test]
+    fn a_turned_body_has_its_mobilities_exchanged(parts in any_parts(), omega in any_omega()) {
+        let (there, back) = (chain(&parts), reversed(&parts));
+        let lost = loss(&there, omega);
+        prop_assume!(lost < 1e10);
+        for (one, other) in [
+            (there.mobility(omega), back.far_face_mobility(omega)),
+            (there.far_face_mobility(omega), back.mobility(omega)),
+        ] {
+            let (one, other) = (one.unwrap(), other.unwrap());
+            prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
+        }
+    }
+
+    /// A force at one face moves the other face as the same force there moves the first.
+    #[test]
+    fn transfer_mobilities_are_reciprocal(parts in any_parts(), omega in any_omega()) {
+        // a massless last element, so that the far face is a section that can be asked
+        let ended = |parts: &[Part], turned: bool| {
+            let row = Chain::from_impact_face();
+            let row = if turned {
+                parts.iter().rev().fold(row, |row, part| with(row, part, true))
+            } else {
+                parts.iter().fold(row, |row, part| with(row, part, false))
+            };
+            row.mass(0.0).end(Termination::Free).unwrap()
+        };
+        let transfer = |chain: &Chain| {
+            let last = chain.section(chain.n_elements() - 1, 0.0).unwrap();
+            last.state(omega).unwrap().velocity
+        };
+        let (there, back) = (ended(&parts, false), ended(&parts, true));
+        let lost = loss(&there, omega);
+        prop_assume!(lost < 1e10);
+        let (one, other) = (transfer(&there), transfer(&back));
+        prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
+    }
+
+    /// The power that enters flows along the body and only becomes less; what is lost in each element is not negative, and
+    /// nothing leaves a free end.
+    #[test]
+    fn power_only_dwindles_on_its_way(parts in any_parts(), omega in any_omega()) {
+        let chain = chain(&parts);
+        let entering = chain.mobility(omega).unwrap();
+        prop_assert!(entering.re >= -1e-12 * entering.norm());
+        // flow of power over the squared force, -Re(N v*)
+        let flow = |element: usize| {
+            let state = chain.section(element, 0.0).unwrap().state(omega).unwrap();
+            let size = state.normal_force.norm() * state.velocity.norm();
+            (-(state.normal_force * state.velocity.conj()).re, size)
+        };
+        let mut before = entering.re;
+        let mut largest = entering.norm();
+        for element in 0..chain.n_elements() {
+            let (power, size) = flow(element);
+            largest = largest.max(size);
+            // rounding of flows that are almost purely reactive
+            prop_assert!(power <= before + 1e-11 * largest, "element {element}: {power} after {before}");
+            prop_assert!(power >= -1e-11 * largest);
+            before = power;
+        }
+    }
+
+    /// A real force gives a real velocity: what is asked at -ω is the conjugate.
+    #[test]
+    fn negative_frequencies_are_conjugate(parts in any_parts(), omega in any_omega()) {
+        let chain = chain(&parts);
+        let (plus, minus) = (chain.mobility(omega).unwrap(), chain.mobility(-omega).unwrap());
+        prop_assert_eq!(plus.conj(), minus);
+    }
+
+    /// Metres, seconds and kilograms are a matter of taste: powers of two are exact, and so is the scaled mobility.
+    #[test]
+    fn units_are_a_matter_of_taste(
+        length in 0.01..2.0_f64, area in 1e-6..1e-2_f64, omega in any_omega(), m in -20..20_i32, s in -20..20_i32, kg in -20..20_i32,
+    ) {
+        let (metre, second, kilogram) = (2f64.powi(m), 2f64.powi(s), 2f64.powi(kg));
+        let pascal = kilogram / (metre * second * second);
+        let mobility = |metre: f64, second: f64, kilogram: f64, pascal: f64| {
+            let law = Zener::new(2e9 * pascal, 3e9 * pascal, 1e-4 * second).unwrap();
+            let medium = Medium::new(1200.0 * (kilogram / metre.powi(3)), law).unwrap();
+            let section = CrossSection::of_area(area * metre * metre);
+            let chain = Chain::from_impact_face()
+                .rod(&medium, section, length * metre)
+                .mass(0.01 * kilogram)
+                .end(Termination::Dashpot(3.0 * kilogram / second))
+                .unwrap();
+            chain.mobility(omega / second).unwrap()
+        };
+        let here = mobility(1.0, 1.0, 1.0, 1.0);
+        let there: Complex64 = mobility(metre, second, kilogram, pascal) * (kilogram / second);
+        // 1e-11: γ goes through a root in polar form, and its rounding counts kL-fold
+        prop_assert!((here - there).norm() < 1e-11 * here.norm(), "{here} {there}");
+    }
+}
+
+/// A table of bodies asked from several threads is the table asked from one: there is no state to share.
+#[test]
+fn threads_make_no_difference() {
+    let parts: Vec<Part> = (0..12_u8)
+        .map(|k| {
+            (
+                k % 6,
+                k % 4,
+                1e-4 + 1e-5 * f64::from(k),
+                2e-4,
+                0.05 + 0.01 * f64::from(k),
+            )
+        })
+        .collect();
+    let chain = chain(&parts);
+    let omegas: Vec<f64> = (1..400).map(|k| 250.0 * f64::from(k)).collect();
+    let ask = |omegas: &[f64]| -> Vec<Complex64> {
+        omegas
+            .iter()
+            .map(|omega| chain.mobility(*omega).unwrap())
+            .collect()
+    };
+    let alone = ask(&omegas);
+    let together = std::thread::scope(|scope| {
+        let threads: Vec<_> = omegas
+            .chunks(67)
+            .map(|part| scope.spawn(|| ask(part)))
+            .collect();
+        let answers = threads
+            .into_iter()
+            .flat_map(|thread| thread.join().unwrap());
+        answers.collect::<Vec<_>>()
+    });
+    assert_eq!(alone, together);
+}

@@ -1,0 +1,304 @@
+//! Laws of marches: nothing is made or lost, steps scale, start later or add up, whatever the material.
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rodwave::band_limited::{SampledHistory, VelocityHistory};
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::{
+    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+};
+use rodwave::line::{Body, Drive, End, Line, Segment};
+use rodwave::synthesis::DampedSynthesis;
+use rodwave::{DirectProblem, InelasticRod};
+
+use num_complex::Complex64;
+
+fn cases(cases: u32, seed: u64) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+/// A smooth push of 60 µs.
+fn push(time: f64) -> f64 {
+    if (0.0..=60e-6).contains(&time) {
+        (std::f64::consts::PI * time / 60e-6).sin().powi(2)
+    } else {
+        0.0
+    }
+}
+
+/// Energy of the direct problem under any excitation.
+fn balance<L: InelasticLaw>(law: L, modulus: f64, density: f64, cells: usize, velocity: f64) {
+    let rod = InelasticRod::new(0.4, density, modulus, law).unwrap();
+    let problem = DirectProblem::new(rod, cells).unwrap();
+    let mut march = problem.march(velocity);
+    let mut dissipated = 0.0;
+    for n in 1..4 * cells {
+        march.advance(velocity * push(n as f64 * problem.time_step()));
+        let energy = march.energy();
+        assert!(energy.dissipated >= dissipated && energy.stored >= 0.0);
+        dissipated = energy.dissipated;
+        let turned_over = energy.supplied.abs() + energy.stored + energy.dissipated;
+        // thousands of sums of what is positive, each rounded relatively by 1e-16
+        let lost = energy.supplied - energy.stored - energy.dissipated;
+        assert!(
+            lost.abs() <= 1e-11 * turned_over + f64::MIN_POSITIVE,
+            "{energy:?}"
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(48, 3))]
+
+    #[test]
+    fn the_direct_problem_balances(
+        kind in 0..4_u8, rate in -2.0..5.0_f64, shape in 0.0..6.0_f64, modulus in 8.0..11.0_f64, density in 2.5..4.0_f64,
+        cells in 8..120_usize, velocity in -50.0..50.0_f64,
+    ) {
+        let (rate, modulus, density) = (10f64.powf(rate), 10f64.powf(modulus), 10f64.powf(density));
+        match kind {
+            0 => balance(Elastic, modulus, density, cells, velocity),
+            1 => balance(Maxwell::from_reference_rate(rate, 1e7).unwrap(), modulus, density, cells, velocity),
+            2 => {
+                let law = MaxwellNorton::from_reference_rate(0.3 + shape, rate, 1e7).unwrap();
+                balance(law, modulus, density, cells, velocity);
+            }
+            _ => {
+                let law = MaxwellGurevichRabinovich::from_reference_rate(shape - 1.0, rate, 1e7).unwrap();
+                balance(law, modulus, density, cells, velocity);
+            }
+        }
+    }
+
+    /// A striker and a rod exchange momentum and lose none; energy is lost in the material and, a little, in the closing of
+    /// the contact, and none is made.
+    #[test]
+    fn impacts_keep_momentum(
+        length in 0.01..0.1_f64, diameter in 0.005..0.03_f64, density in 900.0..9000.0_f64, modulus in 9.0..11.5_f64,
+        velocity in 0.1..30.0_f64, rate in -1.0..2.5_f64,
+    ) {
+        let test = ImpactTest {
+            striker: Striker { length, diameter, density, modulus: 10f64.powf(modulus), velocity },
+            rod: InelasticRod::new(0.3, 1140.0, 3.2e9, Maxwell::from_reference_rate(10f64.powf(rate), 1e7).unwrap()).unwrap(),
+            diameter: 0.016,
+            section_distance: 0.1,
+        };
+        // cells as short as the slower of the two bodies needs
+        let speeds = (10f64.powf(modulus) / density).sqrt() / (3.2e9_f64 / 1140.0).sqrt();
+        let cell = (0.2 * length / speeds).min(4e-3).min(length / 8.0);
+        let history = test.run(cell, 3e-4).unwrap();
+        let balance = history.balance;
+        // sums over thousands of steps
+        prop_assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
+        let after = balance.energy_after + balance.energy_dissipated;
+        // the staggered grid keeps its energy to second order of the Courant number
+        prop_assert!(after <= 1.02 * balance.energy_before, "{balance:?}");
+        prop_assert!(balance.energy_dissipated >= -1e-9 * balance.energy_before);
+        prop_assert!(history.contact_force.iter().all(|force| *force >= 0.0));
+    }
+
+    /// A relaxed stress lies between the stress and nothing, and relaxing twice for half the time is relaxing once.
+    #[test]
+    fn relaxation_is_a_semigroup(
+        kind in 0..3_u8, rate in -3.0..9.0_f64, shape in 0.1..40.0_f64, stress in -9.0..9.5_f64, sign in any::<bool>(),
+    ) {
+        let stress = if sign { 10f64.powf(stress) } else { -10f64.powf(stress) };
+        let rate = 10f64.powf(rate);
+        let (once, twice) = match kind {
+            0 => relaxed(&Maxwell::from_reference_rate(rate, 1e7).unwrap(), stress),
+            1 => relaxed(&MaxwellNorton::from_reference_rate(shape, rate, 1e7).unwrap(), stress),
+            _ => relaxed(&MaxwellGurevichRabinovich::from_reference_rate(shape, rate, 1e7).unwrap(), stress),
+        };
+        prop_assert!((stress.min(0.0)..=stress.max(0.0)).contains(&once), "{once}");
+        // 1e-12: the exponential integral of long steps; a stress below 1e-300 is gone either way
+        prop_assert!((once - twice).abs() <= 1e-12 * stress.abs().max(1e-290), "{once} {twice}");
+    }
+}
+
+fn relaxed<L: InelasticLaw>(law: &L, stress: f64) -> (f64, f64) {
+    let (whole, half) = (law.flow(3e9, 2e-6), law.flow(3e9, 1e-6));
+    (whole.relax(stress), half.relax(half.relax(stress)))
+}
+
+/// A step so long, or an exponent so high, that powers overflow: κ → ∞ is perfectly plastic, and the stress falls to
+/// σ_ref (n E h r/σ_ref)^{-1/n}, whatever it was.
+#[test]
+fn very_nonlinear_laws_do_not_overflow() {
+    for exponent in [30.0, 300.0, 3e3, 1e5] {
+        let law = MaxwellNorton::from_reference_rate(exponent, 1e3, 1e7).unwrap();
+        let flow = law.flow(3e9, 1e-6);
+        let n = exponent - 1.0;
+        let expected = 1e7 * (-((n * 3e9 * 1e-6 * 1e3 / 1e7_f64).ln() / n)).exp();
+        for stress in [3e8, 1e12, 1e40] {
+            let found = flow.relax(stress);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "κ = {exponent}: {found:e} {expected:e}"
+            );
+            let mut by_parameter = [0.0; 2];
+            let with = flow.relax_with_sensitivity(stress, &mut by_parameter);
+            assert!(with.stress.is_finite() && by_parameter.iter().all(|value| value.is_finite()));
+            // σ1 as a function of ln r: -1/n of itself
+            assert!((by_parameter[1] * n / found + 1.0).abs() < 1e-9);
+            let changed = |kappa: f64| {
+                MaxwellNorton::from_reference_rate(kappa, 1e3, 1e7)
+                    .unwrap()
+                    .flow(3e9, 1e-6)
+                    .relax(stress)
+            };
+            let h = 1e-4 * exponent;
+            let difference = (changed(exponent + h) - changed(exponent - h)) / (2.0 * h);
+            assert!(
+                (by_parameter[0] - difference).abs()
+                    <= 1e-5 * difference.abs() + 1e-7 * found / exponent
+            );
+        }
+    }
+    // a viscosity so low that nothing is left of the stress
+    for rate in [1e12, 1e20, 1e60] {
+        let law = MaxwellGurevichRabinovich::from_reference_rate(2.0, rate, 1e7).unwrap();
+        let relaxed = law.flow(3e9, 1e-6).relax(1e7);
+        assert!((0.0..1e-100).contains(&relaxed), "{relaxed}");
+    }
+}
+
+/// An explicit chain makes energy where a material relaxes within one of its steps; it says so, and shorter cells help.
+#[test]
+fn stiff_impacts_are_refused() {
+    let test = ImpactTest {
+        striker: Striker::PAPER_D,
+        // a relaxation time of 1e7/(3.2e9 · 1e4) s = 0.3 µs
+        rod: InelasticRod::new(
+            0.3,
+            1140.0,
+            3.2e9,
+            Maxwell::from_reference_rate(1e4, 1e7).unwrap(),
+        )
+        .unwrap(),
+        diameter: 0.016,
+        section_distance: 0.1,
+    };
+    let error = test.run(2e-3, 3e-4).unwrap_err().to_string();
+    assert!(
+        error.starts_with("energy after the impact over that before is"),
+        "{error}"
+    );
+    let balance = test.run(3e-4, 1e-4).unwrap().balance;
+    assert!(
+        balance.momentum_residual.abs() < 1e-10 && balance.energy_after < balance.energy_before
+    );
+}
+
+/// Twice the push is twice the answer of a linear rod to the last bit, and two pushes add up.
+#[test]
+fn linear_rods_superpose() {
+    // waves of 2000 m/s: one step is 1 µs and a sample five, so that a delay of samples is one of steps
+    let rod = || InelasticRod::new(0.4, 1140.0, 1140.0 * 4e6, Maxwell::new(2e6).unwrap()).unwrap();
+    let samples = |scale: f64, late: usize| -> Vec<f64> {
+        (0..120_usize)
+            .map(|k| scale * push(k.saturating_sub(late) as f64 * 5e-6))
+            .collect()
+    };
+    let answer = |samples: &[f64]| {
+        let history = SampledHistory::new(samples, 2e5).unwrap();
+        let times: Vec<f64> = (0..100).map(|k| 5e-6 * f64::from(k)).collect();
+        let problem = DirectProblem::new(rod(), 200).unwrap();
+        problem.free_end_velocity(&history, &times).unwrap()
+    };
+    let (one, two) = (answer(&samples(1.0, 0)), answer(&samples(2.0, 0)));
+    assert!(one.iter().zip(&two).all(|(one, two)| 2.0 * one == *two));
+    let late = answer(&samples(1.0, 17));
+    let sum: Vec<f64> = samples(1.0, 0)
+        .iter()
+        .zip(samples(1.0, 17))
+        .map(|(a, b)| a + b)
+        .collect();
+    for ((one, late), both) in one.iter().zip(&late).zip(answer(&sum)) {
+        assert!((one + late - both).abs() < 1e-13);
+    }
+    // a push that begins 17 samples later is answered 17 samples later; what the interpolation rings before the onset, 1e-10,
+    // the beginning of the other record cuts off
+    for (k, value) in one.iter().enumerate().take(80) {
+        assert!(
+            (late[k + 17] - value).abs() < 1e-8,
+            "{k}: {} {value}",
+            late[k + 17]
+        );
+    }
+}
+
+/// Lengths, times and masses scaled by powers of two scale a nonlinear march exactly.
+#[test]
+fn marches_scale() {
+    let run = |metre: f64, second: f64, kilogram: f64| {
+        let pascal = kilogram / (metre * second * second);
+        let law = MaxwellNorton::from_reference_rate(3.0, 1e3 / second, 1e7 * pascal).unwrap();
+        let density = 1140.0 * (kilogram / metre.powi(3));
+        let rod = InelasticRod::new(0.4 * metre, density, 3.2e9 * pascal, law).unwrap();
+        let problem = DirectProblem::new(rod, 64).unwrap();
+        let mut march = problem.march(0.0);
+        let mut history = Vec::new();
+        for n in 0..300 {
+            march.advance(10.0 * push(f64::from(n) * 1e-6) * metre / second);
+            history.push(march.free_end_velocity() * second / metre);
+        }
+        history
+    };
+    let here = run(1.0, 1.0, 1.0);
+    for (metre, second, kilogram) in [
+        (1024.0, 1.0, 1.0),
+        (1.0, 2f64.powi(-20), 1.0),
+        (0.25, 4.0, 2f64.powi(30)),
+    ] {
+        for (one, other) in here.iter().zip(run(metre, second, kilogram)) {
+            // wave speed and impedance go through a square root, rounded alike for even powers of two
+            assert!((one - other).abs() <= 1e-13 * 10.0, "{one} {other}");
+        }
+    }
+}
+
+/// Ten million samples of a synthesis and a line that marches a million steps: memory and time in proportion.
+#[test]
+fn long_records() {
+    let synthesis = DampedSynthesis::new(10.0, 2e-6).unwrap();
+    let lines: Vec<Complex64> = synthesis.arguments().map(|s| 1.0 / (s + 3.0)).collect();
+    assert_eq!(lines.len(), 5_000_001);
+    // e^{-3t} with its jump at 0, to which half of it belongs
+    let history = synthesis.history(&lines).unwrap();
+    for index in [1000, 500_000, 2_000_000] {
+        let time = history.time(index);
+        let found = history.samples[index];
+        assert!(
+            (found - (-3.0 * time).exp()).abs() < 1e-3,
+            "{time}: {found}"
+        );
+    }
+    let bar = Segment::elastic(0.01, 1e-4, 7800.0, 2e11).unwrap();
+    let line = Line::new([Body::new([bar]).unwrap()])
+        .unwrap()
+        .with_left_end(End::Force(Drive::of(|t| 100.0 * push(t))))
+        .unwrap();
+    let mut march = line.march(5e-7).unwrap();
+    for _ in 0..1_000_000 {
+        march.advance().unwrap();
+    }
+    let ledger = march.ledger();
+    // a million steps, rounded at random each
+    assert!(ledger.energy_residual().abs() < 1e-11 * ledger.stored);
+}
+
+/// Times that are no numbers, or before and behind the record, do not panic, and what is no number stays one.
+#[test]
+fn histories_at_impossible_times() {
+    let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.2, 0.1], 1e5).unwrap();
+    assert!(history.at(f64::NAN).is_nan() && history.slope(f64::NAN).is_nan());
+    assert_eq!(history.at(f64::NEG_INFINITY), 0.0);
+    for time in [f64::INFINITY, 1e300, -1e300, -0.0, 5e-324] {
+        assert!(history.at(time).is_finite(), "{time}");
+    }
+}
