@@ -51,7 +51,7 @@ impl Basis {
         features.extend_from_slice(projected);
         if self == Self::Quadratic {
             for (i, a) in projected.iter().enumerate() {
-                features.extend(projected[i..].iter().map(|b| a * b));
+                features.extend(projected.iter().skip(i).map(|b| a * b));
             }
         }
         features
@@ -110,7 +110,11 @@ impl Weights {
     ///
     /// # Errors
     /// [`MaxwellidError::UnequalSamples`] unless features and classes are as many and the features of one length;
-    /// [`MaxwellidError::Setting`] for a gain that is not positive or a delay that is negative.
+    /// [`MaxwellidError::Setting`] for a gain that is not positive, a delay that is negative, or a class of 65536 or above.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`order` is a permutation of the samples, of which `features` and `class_of` have one entry each by `check`"
+    )]
     pub fn robbins_monro(
         features: &[Vec<f64>],
         class_of: &[usize],
@@ -143,7 +147,7 @@ impl Weights {
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         let mut weights = vec![vec![0.0; length]; classes];
         let mut mean = vec![vec![0.0; length]; classes];
-        let steps = settings.passes * features.len();
+        let steps = settings.passes.saturating_mul(features.len());
         let (mut step, mut averaged) = (0_usize, 0_usize);
         for _ in 0..settings.passes {
             order.shuffle(&mut random);
@@ -180,7 +184,12 @@ impl Weights {
     /// The limit of the least-mean-square form: W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
     ///
     /// # Errors
-    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, or if ΦᵀΦ is singular without one.
+    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, if ΦᵀΦ is singular without one, or for a class of
+    /// 65536 or above.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`check` finds a class and `length` features for each sample"
+    )]
     pub fn least_squares(
         features: &[Vec<f64>],
         class_of: &[usize],
@@ -231,6 +240,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Most classes, so that a number that is no class does not ask for weights of as many.
+const MOST_CLASSES: usize = 1 << 16;
+
 /// Length of the features and number of classes.
 fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), MaxwellidError> {
     let length = features.first().map_or(0, Vec::len);
@@ -242,7 +254,15 @@ fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), Ma
             unequal,
         });
     }
-    Ok((length, class_of.iter().max().map_or(0, |top| top + 1)))
+    let last = class_of.iter().copied().max().unwrap_or(0);
+    if last >= MOST_CLASSES {
+        return Err(MaxwellidError::Setting {
+            setting: "class of a sample",
+            value: last as f64,
+            expected: "a number below 65536",
+        });
+    }
+    Ok((length, last + 1))
 }
 
 #[cfg(test)]
@@ -328,6 +348,14 @@ mod tests {
         let features = vec![vec![1.0, 2.0], vec![1.0]];
         assert!(Weights::least_squares(&features, &[0, 1], 0.0).is_err());
         assert!(Weights::least_squares(&features[..1], &[0, 1], 0.0).is_err());
+        // neither weights of so many classes nor their number overflow
+        for class in [1 << 16, usize::MAX] {
+            let error = Weights::least_squares(&features[..1], &[class], 1e-3).unwrap_err();
+            assert!(
+                error.to_string().starts_with("class of a sample is "),
+                "{error}"
+            );
+        }
         // one sample cannot determine two weights
         assert!(Weights::least_squares(&features[..1], &[0], 0.0).is_err());
         assert!(Weights::least_squares(&features[..1], &[0], 1e-3).is_ok());

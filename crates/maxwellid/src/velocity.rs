@@ -50,6 +50,10 @@ impl Differentiator {
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
         let power = |x: f64, k: usize| (0..k).fold(1.0, |p, _| p * x);
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "the matrix has a row for each point"
+        )]
         let basis = Mat::from_fn(points.len(), degree + 1, |i, k| power(points[i], k));
         // the slope at 0 is the coefficient of the first power: the row e₁ᵀ (AᵀA)⁻¹Aᵀ = (A R⁻¹ R⁻ᵀ e₁)ᵀ
         let normal = basis.transpose() * &basis;
@@ -117,6 +121,10 @@ impl Differentiator {
     /// The velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the `half_width`-th
     /// displacement, its last that many before the end: nothing is extrapolated. Empty for a record shorter than the filter.
     #[must_use]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a window is as long as the weights, of which there are three or more"
+    )]
     pub fn velocity(&self, displacement: &[f64], rate_hz: f64) -> Vec<f64> {
         displacement
             .windows(self.weights.len())

@@ -20,8 +20,10 @@
 //! Theory: `docs/theory/direct-problem.md`.
 
 use crate::band_limited::VelocityHistory;
-use crate::error::RodwaveError;
-use crate::inelastic::{InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, lanes};
+use crate::error::{RodwaveError, check_cells, check_steps};
+use crate::inelastic::{
+    InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, check_parameters, lanes,
+};
 use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
 use crate::sliding_window::SlidingWindow;
@@ -74,7 +76,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// Cuts `rod` into `cells` equal cells.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells.
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2²⁶.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(rod: InelasticRod<L>, cells: usize) -> Result<Self, RodwaveError> {
         if cells < FEWEST_CELLS {
@@ -84,6 +86,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 expected: "at least 8",
             });
         }
+        check_cells(cells)?;
         Ok(Self { rod, cells })
     }
 
@@ -110,7 +113,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if one is negative or not finite.
+    /// [`RodwaveError::NonPhysical`] if one is negative or not finite, or more than 1e9 steps away.
     pub fn free_end_velocity(
         &self,
         excitation: &dyn VelocityHistory,
@@ -134,12 +137,13 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`].
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than [`MAX_PARAMETERS`] parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Response, RodwaveError> {
+        check_parameters::<L>()?;
         let steps = self.steps_until(excitation, times)?;
         let step = self.time_step();
         let tangents = 1 + L::PARAMETERS.len();
@@ -155,8 +159,8 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 );
             }
             history.push(march.free_end_velocity());
-            for (index, tangent) in tangent_history.iter_mut().enumerate() {
-                tangent.push(march.free_end_tangent(index));
+            for (history, tangent) in tangent_history.iter_mut().zip(&march.tangents) {
+                history.push(tangent.free_end_velocity());
             }
         }
         let points: Vec<Quintic> = times
@@ -179,11 +183,6 @@ impl<L: InelasticLaw> DirectProblem<L> {
     }
 
     /// Checks `times` and returns the number of steps that the interpolation at the last of them needs.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "times are checked to be finite and not negative"
-    )]
     fn steps_until(
         &self,
         excitation: &dyn VelocityHistory,
@@ -208,7 +207,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 found: end,
             });
         }
-        Ok((last / self.time_step()).floor() as usize + 3)
+        Ok(check_steps((last / self.time_step()).floor())? + 3)
     }
 }
 
@@ -316,10 +315,6 @@ impl<L: InelasticLaw> March<L> {
         self.wave.free_end_velocity()
     }
 
-    fn free_end_tangent(&self, index: usize) -> f64 {
-        self.tangents[index].free_end_velocity()
-    }
-
     /// Number of steps made.
     #[must_use]
     pub fn steps(&self) -> usize {
@@ -353,10 +348,13 @@ impl<L: InelasticLaw> March<L> {
 
     /// Trapezoidal sum over the nodes of ρ dx (R² + L²)/4.
     fn stored(&self) -> f64 {
-        let (right, left) = (self.wave.right.as_slice(), self.wave.left.as_slice());
-        let last = right.len() - 1;
-        let sum: f64 = right.iter().zip(left).map(|(r, l)| r * r + l * l).sum();
-        let ends = right[0].powi(2) + left[0].powi(2) + right[last].powi(2) + left[last].powi(2);
+        let WavePair { right, left } = &self.wave;
+        let nodes = right.as_slice().iter().zip(left.as_slice());
+        let sum: f64 = nodes.map(|(r, l)| r * r + l * l).sum();
+        let ends = right.first().powi(2)
+            + left.first().powi(2)
+            + right.last().powi(2)
+            + left.last().powi(2);
         self.energy_weight * (sum - 0.5 * ends)
     }
 }
@@ -403,6 +401,10 @@ fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reach
 }
 
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the counter stays below `LANES`, the length of all five arrays"
+)]
 fn relax_block<F: RelaxationFlow>(
     right: &mut [f64; LANES],
     left: &mut [f64; LANES],
@@ -448,6 +450,10 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
 
 /// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`blocks_mut` cuts the waves and all tangents, which have as many nodes, into the same number of blocks"
+)]
 fn relax_with_tangents<L: InelasticLaw>(
     wave: &mut WavePair,
     tangents: &mut [WavePair],
@@ -532,24 +538,23 @@ impl WavePair {
 
     /// R² - L² at x = -L, which is -4 s v: the inflow of energy up to a factor.
     fn net_inflow(&self) -> f64 {
-        self.right.as_slice()[0].powi(2) - self.left.as_slice()[0].powi(2)
+        self.right.first().powi(2) - self.left.first().powi(2)
     }
 
     fn impose_velocity(&mut self, velocity: f64) {
-        self.right.as_mut_slice()[0] = self.left.as_slice()[0] - 2.0 * velocity;
+        self.right.set_first(self.left.first() - 2.0 * velocity);
     }
 
     /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given at x = -L.
     fn shift(&mut self, velocity: f64) {
         self.right.slide_towards_end();
         self.left.slide_towards_start();
-        let last = self.right.len() - 1;
-        self.left.as_mut_slice()[last] = -self.right.as_slice()[last];
+        self.left.set_last(-self.right.last());
         self.impose_velocity(velocity);
     }
 
     fn free_end_velocity(&self) -> f64 {
-        -self.right.as_slice()[self.right.len() - 1]
+        -self.right.last()
     }
 }
 

@@ -136,13 +136,51 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
 
 /// Accepts a history whose samples are all finite.
 pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
-    match samples.iter().position(|sample| !sample.is_finite()) {
+    match samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(RodwaveError::NonFiniteSample {
+        Some((index, &value)) => Err(RodwaveError::NonFiniteSample {
             history,
             index,
-            value: samples[index],
+            value,
         }),
+    }
+}
+
+/// Most cells of a grid: their number and that of the bytes they take are then far from any overflow.
+const MOST_CELLS: usize = 1 << 26;
+
+/// Most time steps of one run.
+const MOST_STEPS: f64 = 1e9;
+
+/// Accepts a number of cells that a grid can have.
+#[expect(clippy::cast_precision_loss, reason = "only shown")]
+pub(crate) fn check_cells(cells: usize) -> Result<usize, RodwaveError> {
+    if cells <= MOST_CELLS {
+        Ok(cells)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "number of cells",
+            value: cells as f64,
+            expected: "at most 2^26",
+        })
+    }
+}
+
+/// Accepts a number of time steps that can be made, rounded up.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked to be between 0 and 1e9"
+)]
+pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
+    if (0.0..=MOST_STEPS).contains(&steps) {
+        Ok(steps.ceil() as usize)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "number of time steps",
+            value: steps,
+            expected: "at most 1e9",
+        })
     }
 }
 

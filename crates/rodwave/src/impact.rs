@@ -9,7 +9,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{RodwaveError, check_finite, check_positive};
+use crate::error::{RodwaveError, check_finite, check_positive, check_steps};
 use crate::inelastic::{Elastic, InelasticLaw};
 use crate::lumped::{DEFAULT_COURANT_NUMBER, LumpedRod};
 use crate::rod::InelasticRod;
@@ -106,11 +106,16 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod.
+    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, and for more than
+    /// 2²⁶ cells or 1e9 steps.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "counts follow from checked positive lengths"
+    )]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "either chain has a node 0, and that of the rod one node more than `cells`"
     )]
     pub fn run(&self, cell: f64, duration: f64) -> Result<ImpactHistory, RodwaveError> {
         let striker = self.check()?;
@@ -140,7 +145,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let momentum_before = -striker_area * striker.momentum();
 
         let section = self.rod.length() - self.section_distance;
-        let steps = (duration / step).ceil() as usize;
+        let steps = check_steps(duration / step)?;
         let mut section_velocity = Vec::with_capacity(steps);
         let mut free_end_velocity = Vec::with_capacity(steps);
         let mut contact_force = Vec::with_capacity(steps);

@@ -9,7 +9,7 @@
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
 use crate::band_limited::VelocityHistory;
-use crate::error::RodwaveError;
+use crate::error::{RodwaveError, check_cells, check_finite, check_steps};
 use crate::inelastic::InelasticLaw;
 use crate::interpolation::{cubic, cubic_at};
 use crate::rod::InelasticRod;
@@ -52,11 +52,15 @@ pub struct LumpedRod<L> {
     dissipated: f64,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`new` makes four cells or more, with a stress each and one velocity more; nothing changes their number"
+)]
 impl<L: InelasticLaw> LumpedRod<L> {
     /// Cuts `rod` into `cells` cells; the time step is `courant_number` dx/c.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells or a Courant number outside ]0, 0.95].
+    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2²⁶, or a Courant number outside ]0, 0.95].
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(
         rod: &InelasticRod<L>,
@@ -70,6 +74,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
                 expected: "at least 4",
             });
         }
+        check_cells(cells)?;
         if !(courant_number > 0.0 && courant_number <= 0.95) {
             return Err(RodwaveError::NonPhysical {
                 quantity: "Courant number",
@@ -116,7 +121,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         &self.velocity
     }
 
-    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes.
+    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes; NaN at NaN.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -126,6 +131,9 @@ impl<L: InelasticLaw> LumpedRod<L> {
     )]
     pub fn velocity_at(&self, x: f64) -> f64 {
         let position = x / self.dx;
+        if position.is_nan() {
+            return f64::NAN;
+        }
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
@@ -216,13 +224,18 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// Velocity of the last node [m/s] at `times` \[s\] when node 0 follows `excitation` from rest.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation.
+    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation, [`RodwaveError::NonPhysical`] if
+    /// one is not finite or more than 1e9 steps away.
     pub fn free_end_velocity(
         mut self,
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Vec<f64>, RodwaveError> {
+        for &time in times {
+            check_finite("time of the response [s]", time)?;
+        }
         let end = times.iter().copied().fold(0.0, f64::max);
+        check_steps(end / self.dt)?;
         if end > excitation.end() * (1.0 + 1e-12) {
             return Err(RodwaveError::ExcitationTooShort {
                 needed: end,

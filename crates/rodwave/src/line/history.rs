@@ -6,6 +6,7 @@ use super::ledger::Ledger;
 use super::march::{EndState, March};
 use super::tangent::Parameter;
 use crate::RodwaveError;
+use crate::error::check_steps;
 
 /// Histories of a [`Line`](super::Line).
 #[derive(Debug, Clone)]
@@ -85,11 +86,6 @@ impl EndHistory {
 
 impl LineHistory {
     /// Runs `march` until `duration` and records everything.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "duration and time step are finite and positive"
-    )]
     pub(super) fn record(
         mut march: March,
         duration: f64,
@@ -97,7 +93,7 @@ impl LineHistory {
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
         // a whole number of steps may be exceeded by rounding
-        let steps = (duration / march.grid().time_step * (1.0 - 1e-12)).ceil() as usize;
+        let steps = check_steps(duration / march.grid().time_step * (1.0 - 1e-12))?;
         let mut history = Self {
             grid: march.grid().clone(),
             gauges: vec![SectionHistory::default(); march.gauges.len()],
@@ -125,10 +121,14 @@ impl LineHistory {
     }
 
     fn push_gauges(&mut self, march: &March) {
-        for (index, gauge) in march.gauges.iter().enumerate() {
-            self.gauges[index].push(gauge.reading);
-            for (derivatives, reading) in self.derivatives.iter_mut().zip(&gauge.by_parameter) {
-                derivatives.gauges[index].push(*reading);
+        for (history, gauge) in self.gauges.iter_mut().zip(&march.gauges) {
+            history.push(gauge.reading);
+        }
+        for (parameter, derivatives) in self.derivatives.iter_mut().enumerate() {
+            for (history, gauge) in derivatives.gauges.iter_mut().zip(&march.gauges) {
+                if let Some(reading) = gauge.by_parameter.get(parameter) {
+                    history.push(*reading);
+                }
             }
         }
     }
