@@ -211,9 +211,9 @@ impl<M: RodModel> Fit<M> {
     /// # Errors
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
     /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start
-    /// or a grid that is not physical, more than a million starts, a model that contradicts itself, or data of the inverting solver without [`Self::round_trip`]. A fit that does not converge
-    /// or does not determine its parameters is no error: see [`Identification::termination`], [`Identification::flags`] and
-    /// [`Identification::identifiability`].
+    /// or a grid that is not physical, more than a million starts, a model that contradicts itself, or data of the inverting solver
+    /// without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
+    /// [`Identification::termination`], [`Identification::flags`] and [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
     where
         M: Clone,

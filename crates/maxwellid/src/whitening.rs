@@ -276,7 +276,7 @@ impl Weighting {
     /// The excitation that is most likely, given the white residual of this weighting.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`covariance` has a lag for each sample that the transfer knows, of which `k` and `j` count two"
+        reason = "`k` and `j` count the samples that the transfer knows, and `covariance` has as many lags"
     )]
     pub(crate) fn cleaned(self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
         let mut weighted = white_residual.to_vec();

@@ -609,25 +609,25 @@ fn endless_grids_and_runs() {
         };
         test.run(cell, duration)
     };
-    let line = || {
-        Line::new([
-            Body::new([rodwave::line::Segment::elastic(1.0, 1e-4, 7780.0, 206e9).unwrap()])
-                .unwrap(),
-        ])
-        .unwrap()
-    };
-    refusals.add("cells", DirectProblem::new(elastic_rod(), usize::MAX));
-    refusals.add("cells", LumpedRod::new(&elastic_rod(), usize::MAX, 0.5));
-    refusals.add("cells", struck(1e-300, 1e-3));
-    refusals.add("steps", struck(1e-2, 1e300));
-    refusals.add("steps", direct(&[2e9]));
-    refusals.add("steps", lumped(&[2e9]));
-    refusals.add("steps", line().run(1e-5, 1e300, &[]));
+    let segment = rodwave::line::Segment::elastic(1.0, 1e-4, 7780.0, 206e9).unwrap();
+    let line = Line::new([Body::new([segment]).unwrap()]).unwrap();
+    refusals.add("direct", DirectProblem::new(elastic_rod(), usize::MAX));
+    refusals.add("lumped", LumpedRod::new(&elastic_rod(), usize::MAX, 0.5));
+    refusals.add("struck", struck(1e-300, 1e-3));
     assert_snapshot!(refusals, @r"
-    cells: number of cells is 18446744073709552000, expected at most 2^26
-    cells: number of cells is 18446744073709552000, expected at most 2^26
-    cells: number of cells is 18446744073709552000, expected at most 2^26
+    direct: number of cells is 18446744073709552000, expected at most 2^26
+    lumped: number of cells is 18446744073709552000, expected at most 2^26
+    struck: number of cells is 18446744073709552000, expected at most 2^26
     ");
+    for error in [
+        struck(1e-3, 1e300).unwrap_err(),
+        direct(&[2e9]).unwrap_err(),
+        lumped(&[2e9]).unwrap_err(),
+        line.run(1e-5, 1e300, &[]).unwrap_err(),
+    ] {
+        let said = error.to_string();
+        assert!(said.starts_with("number of time steps is "), "{said}");
+    }
     // long before the rod moves there is nothing, as just before
     assert_eq!(lumped(&[-1e300, -1.0]).unwrap(), [0.0, 0.0]);
 }
@@ -638,7 +638,6 @@ fn what_is_no_number_has_no_value() {
         .unwrap()
         .moving_at(3.0);
     assert!(chain.velocity_at(f64::NAN).is_nan());
-    assert!((chain.velocity_at(f64::INFINITY) - 3.0).abs() < 1e-12);
 }
 
 #[test]
