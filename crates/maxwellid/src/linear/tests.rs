@@ -399,7 +399,7 @@ fn times_between_samples_are_answered_either_way() {
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);
-    let zener = modulus::Zener::new(2.0e9, 2.5e9, 1e-4).unwrap();
+    let zener = Zener::new(2.0e9, 2.5e9, 1e-4).unwrap();
     let name = "ln_relaxation_time";
     let range = (-12.0, -4.0);
     let scaled = ScaledModulus::new(
