@@ -51,7 +51,7 @@ impl Basis {
         features.extend_from_slice(projected);
         if self == Self::Quadratic {
             for (i, a) in projected.iter().enumerate() {
-                features.extend(projected[i..].iter().map(|b| a * b));
+                features.extend(projected.iter().skip(i).map(|b| a * b));
             }
         }
         features
@@ -110,7 +110,11 @@ impl Weights {
     ///
     /// # Errors
     /// [`MaxwellidError::UnequalSamples`] unless features and classes are as many and the features of one length;
-    /// [`MaxwellidError::Setting`] for a gain that is not positive or a delay that is negative.
+    /// [`MaxwellidError::Setting`] for a gain that is not positive, a delay that is negative, or a class that is not below the number of samples.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`order` is a permutation of the samples, of which `features` and `class_of` have one entry each by `check`"
+    )]
     pub fn robbins_monro(
         features: &[Vec<f64>],
         class_of: &[usize],
@@ -190,7 +194,12 @@ impl Weights {
     /// The limit of the least-mean-square form: W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
     ///
     /// # Errors
-    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, or if ΦᵀΦ is singular without one.
+    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, if ΦᵀΦ is singular without one, or for a class that
+    /// is not below the number of samples.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`check` finds a class and `length` features for each sample"
+    )]
     pub fn least_squares(
         features: &[Vec<f64>],
         class_of: &[usize],
@@ -245,6 +254,9 @@ impl Weights {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+/// Most classes, so that a number that is no class does not ask for weights of as many.
+const MOST_CLASSES: usize = 1 << 16;
 
 /// Length of the features and number of classes.
 fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), MaxwellidError> {
@@ -385,6 +397,14 @@ mod tests {
         let features = vec![vec![1.0, 2.0], vec![1.0]];
         assert!(Weights::least_squares(&features, &[0, 1], 0.0).is_err());
         assert!(Weights::least_squares(&features[..1], &[0, 1], 0.0).is_err());
+        // neither weights of so many classes nor their number overflow
+        for class in [1 << 16, usize::MAX] {
+            let error = Weights::least_squares(&features[..1], &[class], 1e-3).unwrap_err();
+            assert!(
+                error.to_string().starts_with("class of a sample is "),
+                "{error}"
+            );
+        }
         // one sample cannot determine two weights
         assert!(Weights::least_squares(&features[..1], &[0], 0.0).is_err());
         assert!(Weights::least_squares(&features[..1], &[0], 1e-3).is_ok());

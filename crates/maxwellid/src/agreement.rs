@@ -102,7 +102,9 @@ pub(crate) fn disagreements(
             return flags;
         };
         for (name, column) in names.iter().zip(&linearisation.jacobian) {
-            let column = &column[rows.clone()];
+            let Some(column) = column.get(rows.clone()) else {
+                return flags;
+            };
             let square: f64 = column.iter().map(|j| j * j).sum();
             let product: f64 = column.iter().zip(residual).map(|(j, r)| j * r).sum();
             let deviations = product.abs() / (noise * square.sqrt());

@@ -72,8 +72,10 @@ pub fn p_values(
                     .fold(f64::INFINITY, f64::min)
             };
             let found = nearest(pattern, None);
-            let as_far = (0..own.len())
-                .filter(|index| nearest(own[*index], Some(*index)) >= found)
+            let as_far = own
+                .iter()
+                .enumerate()
+                .filter(|(index, sample)| nearest(sample, Some(*index)) >= found)
                 .count();
             Ok((as_far + 1) as f64 / (own.len() + 1) as f64)
         })
@@ -90,6 +92,15 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn a_class_without_samples_is_named_however_large_its_number() {
+        let error = p_values(&[vec![0.0]], &[usize::MAX], &[0.0]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "`class 0` has 0 standard samples, at least 2 are needed"
+        );
+    }
 
     /// Under the law itself a p-value below ε is found in a share ε of the cases, whatever the distribution.
     #[test]

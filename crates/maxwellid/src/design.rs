@@ -23,6 +23,7 @@ use rodwave::inelastic::InelasticLaw;
 use crate::error::MaxwellidError;
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
 use crate::model::check_cell;
+use crate::model::response_of;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::{Provenance, RodTest, RodTestData};
 
@@ -152,6 +153,22 @@ pub struct Estimated<'a> {
     pub parameters: &'a [f64],
 }
 
+impl Estimated<'_> {
+    fn check(&self, ground: &Ground) -> Result<(), MaxwellidError> {
+        self.candidate.check(ground)?;
+        let expected = self.candidate.model().parameter_names().len();
+        if self.parameters.len() != expected {
+            return Err(MaxwellidError::InconsistentModel {
+                model: self.candidate.name().to_owned(),
+                what: "estimates",
+                found: self.parameters.len(),
+                expected,
+            });
+        }
+        Ok(())
+    }
+}
+
 /// The tests made.
 #[derive(Debug, Clone, Copy)]
 pub struct Design<'a> {
@@ -165,14 +182,19 @@ impl Design<'_> {
     /// Standard deviations of all parameters of a law, ln E first, once `planned` has been made as well; with `None`, as they are.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters; [`MaxwellidError::NoTest`],
-    /// [`MaxwellidError::NoArrival`] without a test made.
+    /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters; [`MaxwellidError::InconsistentModel`] for another
+    /// number of parameters than it has; [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without a test made.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a right singular vector has an entry for each deviation of the prior"
+    )]
     pub fn deviations(
         &self,
         law: Estimated<'_>,
         planned: Option<&PlannedTest>,
     ) -> Result<Vec<f64>, MaxwellidError> {
         let ground = Ground::of(self.tests)?;
+        law.check(&ground)?;
         let tests = self.of_law(law, planned)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = law.candidate.prior(ground.modulus, ground.duration);
@@ -217,6 +239,8 @@ impl Design<'_> {
         planned: Option<&PlannedTest>,
     ) -> Result<f64, MaxwellidError> {
         let ground = Ground::of(self.tests)?;
+        truth.check(&ground)?;
+        rival.check(&ground)?;
         let tests = self.of_law(truth, planned)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = rival.prior(ground.modulus, ground.duration);
@@ -292,9 +316,9 @@ impl Design<'_> {
             .map(|test| {
                 let times = test.times();
                 let model = law.candidate.model();
-                let response = model
-                    .response(&test.driven_rod(&times, self.cell), law.parameters)
-                    .ok_or(MaxwellidError::NoCandidate)?;
+                let rod = test.driven_rod(&times, self.cell);
+                let response =
+                    response_of(model, &rod, law.parameters).ok_or(MaxwellidError::NoCandidate)?;
                 let mut of_law = test.clone();
                 for (value, simulated) in of_law.response.iter_mut().zip(response) {
                     *value = simulated;

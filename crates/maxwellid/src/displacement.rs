@@ -119,7 +119,7 @@ impl RodTest {
         let known = velocity(response, ends[1].min(ends[0])).len();
         if known < v_r.len() {
             let last = v_r.get(known.saturating_sub(1)).copied().unwrap_or(0.0);
-            v_r[known..].fill(last);
+            v_r.iter_mut().skip(known).for_each(|v| *v = last);
         }
         let mut test = Self::new(RodTestData {
             excitation: v_e,
@@ -145,7 +145,9 @@ fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
     let out = samples.iter().position(|u| u.abs() >= range);
     let stuck = samples.windows(STUCK).position(|run| {
-        run[0].abs() > 0.5 * largest && run.iter().all(|u| u.to_bits() == run[0].to_bits())
+        run.first().is_some_and(|first| {
+            first.abs() > 0.5 * largest && run.iter().all(|u| u.to_bits() == first.to_bits())
+        })
     });
     match (out, stuck) {
         (Some(a), Some(b)) => Some(a.min(b)),

@@ -266,6 +266,18 @@ pub enum MaxwellidError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A model contradicts itself in the number of its parameters.
+    #[error("model `{model}` states {found} {what} for {expected} parameters")]
+    InconsistentModel {
+        /// Name of the model.
+        model: String,
+        /// What it states, as `step limits`.
+        what: &'static str,
+        /// The number found.
+        found: usize,
+        /// Number of names of parameters.
+        expected: usize,
+    },
     /// A law has fewer parameters than an index asks for.
     #[error("parameter {index} was set free, but the law has {found}")]
     UnknownParameter {

@@ -11,7 +11,7 @@ use crate::historical;
 use crate::least_squares::{
     Evaluations, Minimum, ScaledDecomposition, minimise, minimise_to, sum_of_squares,
 };
-use crate::model::{RodModel, check_cell};
+use crate::model::{RodModel, check_cell, check_counts};
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
@@ -44,6 +44,9 @@ const SHARE_OF_ERROR: f64 = 0.3;
 
 /// Minima that are left, one after the other, because their front arrives at another time.
 const CYCLE_SKIPS: usize = 5;
+
+/// Most starts, more than anyone has time for.
+const MOST_STARTS: usize = 1_000_000;
 
 /// Alternations of parameters and excitation, and of the transfer about both.
 const ROUNDS: usize = 6;
@@ -208,14 +211,15 @@ impl<M: RodModel> Fit<M> {
     /// # Errors
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
     /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start
-    /// or a grid that is not physical, or data of the inverting solver without [`Self::round_trip`]. A fit that does not converge
-    /// or does not determine its parameters is no error: see [`Identification::termination`], [`Identification::flags`] and
-    /// [`Identification::identifiability`].
+    /// or a grid that is not physical, more than a million starts, a model that contradicts itself, or data of the inverting solver
+    /// without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
+    /// [`Identification::termination`], [`Identification::flags`] and [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
     where
         M: Clone,
     {
         let modulus = self.check(tests)?;
+        check_counts(&self.model, modulus, duration(tests))?;
         let noise_is_known = noise_is_known(tests)?;
         self.nuisances.check(noise_is_known)?;
         let parameters = self.model.step_limits().len();
@@ -298,8 +302,8 @@ impl<M: RodModel> Fit<M> {
             let Some((test, lag)) = arrival_lag(&problem, &best.parameters) else {
                 break;
             };
-            let present = best.parameters.first().map_or(f64::NAN, |t| t.exp());
-            let Some(corrected) = modulus_after_lag(&tests[test], present, lag) else {
+            let present = modulus_at(&best.parameters);
+            let Some(corrected) = modulus_after_lag(test, present, lag) else {
                 break;
             };
             let candidates = from(corrected);
@@ -354,12 +358,14 @@ impl<M: RodModel> Fit<M> {
             } else {
                 let minimum = self
                     .minimise(&problem, &start, None)?
-                    .ok_or_else(|| start_error(start.first().map_or(f64::NAN, |t| t.exp())))?;
+                    .ok_or_else(|| start_error(modulus_at(&start)))?;
                 course.count(&minimum);
                 (problem, minimum)
             };
-            let of_model = &minimum.parameters[..problem.of_model()];
-            let difference = Self::grid_difference(&problem, of_model, cell).unwrap_or(f64::NAN);
+            let of_model = minimum.parameters.get(..problem.of_model());
+            let difference = of_model
+                .and_then(|of_model| Self::grid_difference(&problem, of_model, cell))
+                .unwrap_or(f64::NAN);
             let finest = fixed.is_some() || cell <= SHORTEST_CELL;
             if difference <= requested || finest || refinement >= REFINEMENTS {
                 if difference > requested && fixed.is_none() {
@@ -430,17 +436,16 @@ impl<M: RodModel> Fit<M> {
                             .weightings
                             .get(index)
                             .map_or(&test.excitation_samples, |w| &w.excitation);
-                        let transfer =
-                            Transfer::new(&self.model, &parameters[..of_model], test, excitation)?;
-
+                        let of_model = parameters.get(..of_model)?;
+                        let transfer = Transfer::new(&self.model, of_model, test, excitation)?;
                         Weighting::new(test, transfer, self.accuracy * test.impact_velocity)
                     })
                     .collect();
-                problem.weightings = renewed.ok_or_else(|| start_error(parameters[0].exp()))?;
+                problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             }
             let minimum = self
                 .minimise(&problem, &parameters, Some(WHITE))?
-                .ok_or_else(|| start_error(parameters[0].exp()))?;
+                .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             course.count(&minimum);
             let moved = movement(&minimum, &parameters);
             parameters.clone_from(&minimum.parameters);
@@ -454,7 +459,7 @@ impl<M: RodModel> Fit<M> {
         }
         match last {
             Some(minimum) => Ok((problem, minimum)),
-            None => Err(start_error(parameters[0].exp())),
+            None => Err(start_error(modulus_at(&parameters))),
         }
     }
 
@@ -468,10 +473,9 @@ impl<M: RodModel> Fit<M> {
     where
         M: Clone,
     {
-        let of_model = problem.of_model();
         if let Some((test, lag)) = arrival_lag(problem, &minimum.parameters) {
             course.flags.push(FitFlag::ArrivalOff {
-                test: problem.tests[test].name.clone(),
+                test: test.name.clone(),
                 lag,
             });
         }
@@ -480,7 +484,7 @@ impl<M: RodModel> Fit<M> {
         let names = self.model.parameter_names();
         let tests: Vec<String> = problem.tests.iter().map(|test| test.name.clone()).collect();
         let (linearisation, lengths, noise) = identification.scores();
-        let flags = disagreements(linearisation, lengths, noise, &names[..of_model], &tests);
+        let flags = disagreements(linearisation, lengths, noise, &names, &tests);
         identification.with_flags(flags)
     }
 
@@ -518,6 +522,13 @@ impl<M: RodModel> Fit<M> {
                 check_cell(cell, test.length)?;
             }
         }
+        if self.starts > MOST_STARTS {
+            return Err(MaxwellidError::Setting {
+                setting: "number of starts",
+                value: self.starts as f64,
+                expected: "at most a million",
+            });
+        }
         crate::test::check_together(tests)?;
         let modulus = match self.modulus {
             Some(modulus) => modulus,
@@ -543,7 +554,7 @@ fn with_cleaned_excitations<'a, M: RodModel>(
 ) -> Result<TestResidual<'a, M>, MaxwellidError> {
     let rows = problem
         .residual_of_tests(parameters)
-        .ok_or_else(|| start_error(parameters[0].exp()))?;
+        .ok_or_else(|| start_error(modulus_at(parameters)))?;
     let cleaned: Option<Vec<Weighting>> = problem
         .weightings
         .drain(..)
@@ -554,7 +565,7 @@ fn with_cleaned_excitations<'a, M: RodModel>(
             weighting.cleaned(test, window)
         })
         .collect();
-    problem.weightings = cleaned.ok_or_else(|| start_error(parameters[0].exp()))?;
+    problem.weightings = cleaned.ok_or_else(|| start_error(modulus_at(parameters)))?;
     Ok(problem)
 }
 
@@ -626,6 +637,11 @@ fn movement(minimum: &Minimum, before: &[f64]) -> f64 {
             (along * s).abs()
         })
         .fold(0.0, f64::max)
+}
+
+/// E \[Pa\] from ln E, the first of θ.
+fn modulus_at(parameters: &[f64]) -> f64 {
+    parameters.first().map_or(f64::NAN, |t| t.exp())
 }
 
 fn start_error(modulus: f64) -> MaxwellidError {

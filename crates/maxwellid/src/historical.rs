@@ -231,9 +231,9 @@ impl Inverse {
         if !(curvature > 0.0 && length > 0.0) {
             return;
         }
-        for (i, row) in self.rows.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry += step[i] * step[j] / curvature - through[i] * through[j] / length;
+        for (row, (s, g)) in self.rows.iter_mut().zip(step.iter().zip(&through)) {
+            for (entry, (s_column, g_column)) in row.iter_mut().zip(step.iter().zip(&through)) {
+                *entry += s * s_column / curvature - g * g_column / length;
             }
         }
     }

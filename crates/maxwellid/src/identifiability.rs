@@ -113,6 +113,11 @@ pub(crate) struct Judged<'a> {
     pub(crate) white: Option<(&'a Linearisation, f64)>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "right singular vectors, rows and columns of the covariance have an entry for each parameter, of which the damping is one by \
+              `check_counts`"
+)]
 pub(crate) fn assess(
     model: &dyn RodModel,
     at: &[f64],

@@ -68,7 +68,7 @@ impl<M: RodModel> Identification<M> {
         let calibrations = (rows - lengths.iter().sum::<usize>()) / lengths.len().max(1);
         Self {
             nuisances: nuisance_estimates(problem, minimum),
-            parameters: minimum.parameters[..of_model].to_vec(),
+            parameters: minimum.parameters.iter().take(of_model).copied().collect(),
             unknowns: unknowns(problem, minimum),
             white_lengths: lengths.iter().map(|length| length + calibrations).collect(),
             termination: minimum.termination,
@@ -311,6 +311,11 @@ fn unknowns<M: RodModel>(problem: &TestResidual<'_, M>, minimum: &Minimum) -> us
 }
 
 /// The nuisances with their standard errors, from the Jacobian by all unknowns.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the unknowns are θ, then the iterated nuisances of each test, which are all parameters of the minimum, then the eliminated \
+              ones of each test: a right singular vector has an entry for each"
+)]
 fn nuisance_estimates<M: RodModel>(
     problem: &TestResidual<'_, M>,
     minimum: &Minimum,
@@ -349,7 +354,7 @@ fn nuisance_estimates<M: RodModel>(
     };
     let iterated = problem.nuisances.of_iteration();
     let first_linear = minimum.parameters.len();
-    for (test, estimates) in estimates.iter_mut().enumerate() {
+    for (test, (estimates, linear)) in estimates.iter_mut().zip(&linear).enumerate() {
         for (k, (nuisance, _)) in iterated.iter().enumerate() {
             let index = problem.of_model() + test * iterated.len() + k;
             estimates.push(NuisanceEstimate {
@@ -359,7 +364,7 @@ fn nuisance_estimates<M: RodModel>(
             });
         }
         let names = problem.nuisances.linear_names();
-        for (k, ((name, reference), value)) in names.iter().zip(&linear[test]).enumerate() {
+        for (k, ((name, reference), value)) in names.iter().zip(linear).enumerate() {
             estimates.push(NuisanceEstimate {
                 name,
                 value: reference + value,

@@ -161,6 +161,12 @@ impl IdentifiableLaw for MaxwellNorton {
     }
 }
 
+/// β = σ_ref/m.
+#[allow(clippy::indexing_slicing, reason = "the law has two parameters")]
+fn sharpness(law: &MaxwellGurevichRabinovich) -> f64 {
+    InelasticLaw::parameters(law)[0]
+}
+
 impl IdentifiableLaw for MaxwellGurevichRabinovich {
     const NAME: &'static str = "Maxwell-Gurevich-Rabinovich";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
@@ -171,7 +177,7 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
     }
 
     fn stated(&self) -> Vec<StatedParameter> {
-        let sharpness = InelasticLaw::parameters(self)[0];
+        let sharpness = sharpness(self);
         vec![
             rate_at_reference(self, vec![0.0, 1.0]),
             StatedParameter {
@@ -198,11 +204,6 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
     }
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
-        Self::from_reference_rate(
-            InelasticLaw::parameters(self)[0],
-            rate,
-            self.reference_stress(),
-        )
-        .ok()
+        Self::from_reference_rate(sharpness(self), rate, self.reference_stress()).ok()
     }
 }

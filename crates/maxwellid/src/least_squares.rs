@@ -116,6 +116,10 @@ pub(crate) struct ScaledDecomposition {
 }
 
 impl ScaledDecomposition {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the Jacobian has a column for each scale, as long as the residual"
+    )]
     pub(crate) fn new(linearisation: &Linearisation, scales: &[f64]) -> Option<Self> {
         let rows = linearisation.residual.len();
         let columns = scales.len();
@@ -314,6 +318,10 @@ impl ScaledDecomposition {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a right singular vector has an entry for each scale of the decomposition"
+)]
 fn damped_step(svd: &ScaledDecomposition, scales: &[f64], damping: f64) -> Vec<f64> {
     let weights: Vec<f64> = svd
         .singular_values

@@ -109,7 +109,7 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// It must be real for real s and analytic for Re s > 0.
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64>;
 
-    /// E(s)/E with its derivatives by p, written to `derivatives`; `None` where the law does not exist.
+    /// E(s)/E with its derivatives by p, written to `derivatives`, one for each parameter; `None` where the law does not exist.
     ///
     /// Without a definition of one's own it is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
     /// error of about 1e-12 of its fifth derivative.
@@ -122,10 +122,11 @@ pub trait LinearLaw: Debug + Send + Sync {
         const STEP: f64 = 1e-3;
         let mut moved = parameters.to_vec();
         for (index, derivative) in derivatives.iter_mut().enumerate() {
+            let present = *parameters.get(index)?;
             let mut at = |step: f64| {
-                moved[index] = parameters[index] + step;
+                *moved.get_mut(index)? = present + step;
                 let value = self.shape(s, &moved);
-                moved[index] = parameters[index];
+                *moved.get_mut(index)? = present;
                 value
             };
             let near = at(STEP)? - at(-STEP)?;

@@ -43,6 +43,8 @@ pub struct LinearisedResponse {
 /// # Requirements
 /// The first of θ is ln E \[Pa\], E being the modulus that sets the speed of the front, from which a fit starts by the time of flight. The
 /// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait keeps no state.
+/// Names, step limits, bounds and starts are as many as parameters; a response has one entry for each time, and its derivatives one such
+/// column for each parameter. A response of other lengths counts as none.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.
     fn name(&self) -> &str;
@@ -82,6 +84,76 @@ pub trait RodModel: Debug + Send + Sync {
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
+}
+
+/// [`RodModel::response`] where it has the length that was asked for.
+pub(crate) fn response_of(
+    model: &(impl RodModel + ?Sized),
+    rod: &DrivenRod<'_>,
+    parameters: &[f64],
+) -> Option<Vec<f64>> {
+    let response = model.response(rod, parameters)?;
+    (response.len() == rod.times.len()).then_some(response)
+}
+
+/// [`RodModel::linearised_response`] where it has the lengths that were asked for.
+pub(crate) fn linearised_response_of(
+    model: &(impl RodModel + ?Sized),
+    rod: &DrivenRod<'_>,
+    parameters: &[f64],
+) -> Option<LinearisedResponse> {
+    let response = model.linearised_response(rod, parameters)?;
+    let times = rod.times.len();
+    let fits = response.velocity.len() == times
+        && response.by_parameter.len() == parameters.len()
+        && response.by_parameter.iter().all(|by| by.len() == times);
+    fits.then_some(response)
+}
+
+/// Accepts a model that states as many limits, bounds and starting values as names of parameters, and bounds in ascending order.
+pub(crate) fn check_counts(
+    model: &dyn RodModel,
+    modulus: f64,
+    duration: f64,
+) -> Result<(), MaxwellidError> {
+    let names = model.parameter_names();
+    let expected = names.len();
+    let bounds = model.bounds();
+    let counts = [
+        ("step limits", model.step_limits().len()),
+        ("bounds", bounds.len()),
+        ("starting values", model.parameters(modulus).len()),
+    ];
+    let starts = model.starts(modulus, duration);
+    let of_starts = starts.iter().map(|start| ("starting values", start.len()));
+    let inconsistent = |(what, found)| MaxwellidError::InconsistentModel {
+        model: model.name().to_owned(),
+        what,
+        found,
+        expected,
+    };
+    if let Some(wrong) = counts
+        .into_iter()
+        .chain(of_starts)
+        .find(|(_, found)| *found != expected)
+    {
+        return Err(inconsistent(wrong));
+    }
+    if let Some(index) = model.damping_parameter().filter(|index| *index >= expected) {
+        return Err(inconsistent(("as index of the damping", index)));
+    }
+    match names
+        .iter()
+        .zip(bounds)
+        .find(|(_, (low, high))| low.is_nan() || high.is_nan() || low > high)
+    {
+        None => Ok(()),
+        Some((name, (low, high))) => Err(MaxwellidError::InvalidRange {
+            parameter: (*name).to_owned(),
+            low,
+            high,
+        }),
+    }
 }
 
 /// Largest change of ln E in one iteration: half a period of the waveform at most.
@@ -288,3 +360,6 @@ impl RodModel for Arc<dyn RodModel> {
         self.as_ref().linearised_response(rod, parameters)
     }
 }
+
+#[cfg(test)]
+mod tests;

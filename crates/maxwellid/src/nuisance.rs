@@ -200,6 +200,10 @@ impl Orthonormal {
     }
 
     /// Takes from `vector` what the columns explain, and returns the coefficients of the original columns in it.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`triangle` has a row for each column, that of column k with k + 1 entries"
+    )]
     pub(crate) fn take_from(&self, vector: &mut [f64]) -> Vec<f64> {
         let mut coefficients: Vec<f64> = self
             .columns

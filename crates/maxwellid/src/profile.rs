@@ -82,6 +82,10 @@ impl Profile {
 ///
 /// # Errors
 /// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
+#[allow(
+    clippy::indexing_slicing,
+    reason = "prior, bounds, errors and names have an entry for each parameter, by `Candidate::check`"
+)]
 pub fn profiles(
     candidate: &Candidate,
     tests: &[RodTest],
@@ -91,6 +95,7 @@ pub fn profiles(
         check_cell(cell, test.length)?;
     }
     let ground = Ground::of(tests)?;
+    candidate.check(&ground)?;
     let prior = candidate.prior(ground.modulus, ground.duration);
     let contest = Contest {
         candidate,
@@ -140,6 +145,10 @@ pub fn profiles(
 }
 
 /// Standard errors by the linearised problem; that of the prior where the data see nothing.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a right singular vector has an entry for each deviation"
+)]
 fn standard_errors(linearisation: &Linearisation, deviations: &[f64]) -> Vec<f64> {
     let Some(svd) = ScaledDecomposition::new(linearisation, deviations) else {
         return deviations.to_vec();
@@ -214,6 +223,10 @@ const REFINEMENTS: usize = 24;
 /// How near to the threshold the profile is at an end: 0.02 of 3.84 are 0.0025 of a standard error.
 const NEAR: f64 = 0.02;
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`index` is that of one of the parameters at the minimum"
+)]
 impl Walk<'_> {
     fn profile(&self, name: &str) -> Result<Profile, MaxwellidError> {
         let mut curve = vec![(self.minimum[self.index], 0.0)];

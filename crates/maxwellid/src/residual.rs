@@ -3,7 +3,7 @@
 use rodwave::band_limited::SampledHistory;
 
 use crate::least_squares::{LeastSquares, Linearisation};
-use crate::model::{DrivenRod, RodModel};
+use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
 use crate::parallel::map_in_order;
 use crate::test::RodTest;
@@ -87,7 +87,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             });
         }
         let mut simulated = self.driven(test, own, 0.0, |rod| {
-            let response = self.model.linearised_response(rod, of_model)?;
+            let response = linearised_response_of(self.model, rod, of_model)?;
             Some(Simulated {
                 velocity: response.velocity,
                 derivatives: response.by_parameter,
@@ -126,13 +126,15 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
     /// S at the times of the samples less the delay less `shift` \[s\], with the correction of a cleaned excitation where it is wanted.
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
-        self.driven(test, own, shift, |rod| self.model.response(rod, of_model))
+        self.driven(test, own, shift, |rod| {
+            response_of(self.model, rod, of_model)
+        })
     }
 
     /// S of one test on a grid of `cell` \[m\], with its nuisances at their references.
     pub(crate) fn response_on(&self, test: usize, of_model: &[f64], cell: f64) -> Option<Vec<f64>> {
         self.driven(test, &[], 0.0, |rod| {
-            self.model.response(&DrivenRod { cell, ..*rod }, of_model)
+            response_of(self.model, &DrivenRod { cell, ..*rod }, of_model)
         })
     }
 
@@ -195,14 +197,15 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     }
 
     /// Over V0, or white.
-    fn weigh(&self, test: usize, history: &mut [f64]) {
+    fn weigh(&self, test: usize, history: &mut [f64]) -> Option<()> {
         match self.weightings.get(test) {
             Some(weighting) => weighting.whiten(history),
             None => {
-                let scale = 1.0 / self.tests[test].impact_velocity;
+                let scale = 1.0 / self.tests.get(test)?.impact_velocity;
                 history.iter_mut().for_each(|h| *h *= scale);
             }
         }
+        Some(())
     }
 
     /// The rows of one test. With `project` gain and offset are eliminated from residual and columns.
@@ -224,7 +227,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             .zip(measured)
             .map(|(s, m)| s - m)
             .collect();
-        self.weigh(test, &mut residual);
+        self.weigh(test, &mut residual)?;
         let linear_freedoms = [self.nuisances.response_gain, self.nuisances.response_offset];
         let mut linear_columns = Vec::new();
         if linear_freedoms[0].is_unknown() {
@@ -234,11 +237,11 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             linear_columns.push(vec![1.0; residual.len()]);
         }
         for column in &mut linear_columns {
-            self.weigh(test, column);
+            self.weigh(test, column)?;
         }
         let mut columns = simulated.derivatives;
         for column in &mut columns {
-            self.weigh(test, column);
+            self.weigh(test, column)?;
         }
         self.append_calibrations(
             test,
@@ -381,12 +384,13 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             residual.extend(rows.residual);
             for (k, column) in rows.columns.into_iter().enumerate() {
                 let at = if k < of_model { k } else { k + test * each };
-                jacobian.get_mut(at)?[place.clone()].copy_from_slice(&column);
+                let rows = jacobian.get_mut(at)?.get_mut(place.clone())?;
+                rows.copy_from_slice(&column);
             }
             if !project {
                 for (k, column) in rows.linear_columns.into_iter().enumerate() {
-                    jacobian.get_mut(count + test * linear + k)?[place.clone()]
-                        .copy_from_slice(&column);
+                    let whole = jacobian.get_mut(count + test * linear + k)?;
+                    whole.get_mut(place.clone())?.copy_from_slice(&column);
                 }
             }
         }

@@ -16,9 +16,13 @@ use faer::Mat;
 use crate::adequacy::{check_count, check_finite_samples};
 use crate::error::MaxwellidError;
 use crate::fit::DEFAULT_CELL;
+use crate::model::response_of;
 use crate::parallel::map_in_order;
 use crate::selection::{Candidate, Ground};
 use crate::test::RodTest;
+
+/// Most samples a law.
+const MOST_SAMPLES: usize = 1_000_000;
 
 /// How a response becomes a pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,13 +56,20 @@ impl StandardSamples {
     ///
     /// # Errors
     /// [`MaxwellidError`] if there is no test or no arrival; [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if a law does
-    /// not exist at two of its parameters.
+    /// not exist at two of its parameters; [`MaxwellidError::Setting`] for more than a million a law.
     pub fn of(
         candidates: &[Candidate],
         tests: &[RodTest],
         count: usize,
         kind: Pattern,
     ) -> Result<Self, MaxwellidError> {
+        if count > MOST_SAMPLES {
+            return Err(MaxwellidError::Setting {
+                setting: "number of standard samples a law",
+                value: count as f64,
+                expected: "at most a million",
+            });
+        }
         let ground = Ground::of(tests)?;
         let wanted: Vec<(usize, Vec<f64>)> = candidates
             .iter()
@@ -72,7 +83,7 @@ impl StandardSamples {
             let mut pattern = Vec::new();
             for (test, times) in tests.iter().zip(&ground.times) {
                 let rod = test.driven_rod(times, DEFAULT_CELL);
-                let response = candidates[*class].model.response(&rod, parameters)?;
+                let response = response_of(&candidates.get(*class)?.model, &rod, parameters)?;
                 pattern.extend(differences(test, &response, kind));
             }
             Some(pattern)
@@ -116,7 +127,8 @@ impl StandardSamples {
     /// The projection on the `components` largest principal components of all samples together.
     ///
     /// # Errors
-    /// [`MaxwellidError::TooManyComponents`] if there are not so many above rounding, or none is asked for.
+    /// [`MaxwellidError::TooManyComponents`] if there are not so many above rounding, or none is asked for;
+    /// [`MaxwellidError::UnequalSamples`] for patterns that were made of different length.
     pub fn projection(&self, components: usize) -> Result<KarhunenLoeve, MaxwellidError> {
         KarhunenLoeve::of(&self.patterns, components)
     }
@@ -170,6 +182,10 @@ pub struct KarhunenLoeve {
 }
 
 impl KarhunenLoeve {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "all patterns and their mean have `length` entries, which is checked first"
+    )]
     fn of(patterns: &[Vec<f64>], components: usize) -> Result<Self, MaxwellidError> {
         let count = patterns.len();
         let length = patterns.first().map_or(0, Vec::len);
@@ -276,6 +292,13 @@ mod tests {
                 assert!((product - expected).abs() < 1e-10, "{i} {j} {product}");
             }
         }
+        let mut unequal = patterns.clone();
+        unequal[7].pop();
+        let error = KarhunenLoeve::of(&unequal, 2).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "50 samples with features and 50 with a class, the first of another length being Some(7)"
+        );
         let error = KarhunenLoeve::of(&patterns, 3).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -195,12 +195,16 @@ impl Selection {
     /// Compares the candidates on all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, or if no candidate exists at any start.
+    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, a model that
+    /// contradicts itself, or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         for test in tests {
             check_cell(self.cell, test.length)?;
         }
         let ground = Ground::of(tests)?;
+        for candidate in &self.candidates {
+            candidate.check(&ground)?;
+        }
         let samples: usize = ground.times.iter().map(Vec::len).sum();
         let most = self
             .candidates
@@ -245,8 +249,10 @@ impl Selection {
             .flatten()
             .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
             .ok_or(MaxwellidError::NoCandidate)?;
-        let inflation =
-            correlation_inflation(&least.minimum.linearisation.residual[..samples], &lengths);
+        let residual = &least.minimum.linearisation.residual;
+        // behind the samples stand the rows of the prior
+        let of_data = residual.get(..samples).unwrap_or(residual);
+        let inflation = correlation_inflation(of_data, &lengths);
         let scale = self.noise_scale(least.chi_square, samples);
         // with fewer independent samples or another noise the priors weigh more
         let weight = 1.0 / (scale * inflation.sqrt());
@@ -292,6 +298,9 @@ impl Selection {
                 })
             })
             .collect::<Vec<_>>();
+        if compared.is_empty() {
+            return Err(MaxwellidError::NoCandidate);
+        }
         let velocities = tests.iter().map(|test| test.impact_velocity);
         let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
             (f64::min(low, v), f64::max(high, v))
@@ -351,6 +360,11 @@ impl Selection {
         }
     }
 
+    /// The verdict on `laws`, of which there is one at least.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`order` is a permutation of the indices of `laws`"
+    )]
     fn decide(
         &self,
         mut laws: Vec<ComparedLaw>,
@@ -395,6 +409,10 @@ impl Selection {
         }
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`laws` is not empty, and `order` is a permutation of its indices"
+    )]
     fn verdict(
         &self,
         laws: &[ComparedLaw],
@@ -509,7 +527,7 @@ impl Comparison {
     /// Whether a nonlinear law is named.
     #[must_use]
     pub fn is_nonlinear_verdict(&self) -> bool {
-        matches!(self.decision, Decision::Law { candidate, .. } if !self.laws[candidate].is_linear)
+        self.law().is_some_and(|law| !law.is_linear)
     }
 
     /// The law that is named, if one is.

@@ -2,7 +2,7 @@
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{Minimum, Termination, sum_of_squares};
-use crate::model::RodModel;
+use crate::model::{RodModel, response_of};
 use crate::parallel::map_in_order;
 use crate::residual::TestResidual;
 use crate::test::RodTest;
@@ -33,6 +33,10 @@ const SPREAD: f64 = 2.0;
     clippy::cast_precision_loss,
     reason = "start counts and dimensions are far below 2^52"
 )]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "there is a candidate, and the index is a remainder of a division by their number"
+)]
 pub(crate) fn spread<M: RodModel>(
     model: &M,
     candidates: &[Vec<f64>],
@@ -49,16 +53,16 @@ pub(crate) fn spread<M: RodModel>(
             let round = (index / candidates.len()) as f64 + 1.0;
             from.iter()
                 .zip(&limits)
+                .zip(&bounds)
                 .enumerate()
-                .map(|(k, (t, limit))| {
+                .map(|(k, ((t, limit), (low, high)))| {
                     let half = if k == 0 {
                         MODULUS_SPREAD
                     } else {
                         SPREAD * limit
                     };
                     let share = (0.5 + round * ratio.powf(-(k as f64 + 1.0))).fract();
-                    let (low, high) = bounds[k];
-                    (t + half * (2.0 * share - 1.0)).clamp(low, high)
+                    (t + half * (2.0 * share - 1.0)).clamp(*low, *high)
                 })
                 .collect()
         })
@@ -109,18 +113,18 @@ const BETTER: f64 = 0.1;
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
 )]
-pub(crate) fn arrival_lag<M: RodModel>(
-    problem: &TestResidual<'_, M>,
+pub(crate) fn arrival_lag<'a, M: RodModel>(
+    problem: &TestResidual<'a, M>,
     parameters: &[f64],
-) -> Option<(usize, f64)> {
-    let mut best: Option<(f64, usize, f64)> = None;
-    for (index, (test, times)) in problem.tests.iter().zip(&problem.times).enumerate() {
+) -> Option<(&'a RodTest, f64)> {
+    let mut best: Option<(f64, &RodTest, f64)> = None;
+    for (test, times) in problem.tests.iter().zip(&problem.times) {
         let of_model = parameters.get(..problem.of_model())?;
-        let simulated = problem
-            .model
-            .response(&test.driven_rod(times, problem.cell), of_model)?;
+        let rod = test.driven_rod(times, problem.cell);
+        let simulated = response_of(problem.model, &rod, of_model)?;
         let differences = |history: &[f64]| -> Vec<f64> {
-            history.windows(2).map(|pair| pair[1] - pair[0]).collect()
+            let pairs = history.iter().zip(history.iter().skip(1));
+            pairs.map(|(before, after)| after - before).collect()
         };
         let (simulated, measured) = (differences(&simulated), differences(test.response()));
         let norm = (sum_of_squares(&simulated) * sum_of_squares(&measured)).sqrt();
@@ -138,11 +142,11 @@ pub(crate) fn arrival_lag<M: RodModel>(
             let value = correlation(late, early);
             if value > in_phase + BETTER && best.is_none_or(|(top, _, _)| value > top) {
                 let lag = (late as f64 - early as f64) / test.sampling_rate_hz;
-                best = Some((value, index, lag));
+                best = Some((value, test, lag));
             }
         }
     }
-    best.map(|(_, index, lag)| (index, lag))
+    best.map(|(_, test, lag)| (test, lag))
 }
 
 /// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with `modulus`; `None` for a lag that would have it

@@ -139,6 +139,10 @@ impl Differentiator {
     /// The velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the `half_width`-th
     /// displacement, its last that many before the end: nothing is extrapolated. Empty for a record shorter than the filter.
     #[must_use]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a window is as long as the weights, of which there are three or more"
+    )]
     pub fn velocity(&self, displacement: &[f64], rate_hz: f64) -> Vec<f64> {
         displacement
             .windows(self.weights.len())

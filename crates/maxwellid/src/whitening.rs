@@ -22,7 +22,7 @@
 use faer::{Mat, Side};
 use rodwave::band_limited::SampledHistory;
 
-use crate::model::{DrivenRod, RodModel};
+use crate::model::{DrivenRod, RodModel, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::parallel::map_in_order;
 use crate::test::RodTest;
@@ -60,7 +60,7 @@ impl Transfer {
                 excitation: history,
                 ..test.driven_rod(&times, TRANSFER_CELL)
             };
-            model.response(&rod, parameters)
+            response_of(model, &rod, parameters)
         };
         let step = PERTURBATION * test.impact_velocity;
         let perturbed = |base: &[f64], at: usize, step: f64| -> Option<Vec<f64>> {
@@ -84,7 +84,7 @@ impl Transfer {
                 excitation: &history,
                 ..test.driven_rod(&times, TRANSFER_CELL)
             };
-            let impulse = model.response(&rod, parameters)?;
+            let impulse = response_of(model, &rod, parameters)?;
             return Some(Self {
                 matrix: Mat::from_fn(window, samples_of(excitation, window), |i, j| {
                     (i + lead)
@@ -242,6 +242,10 @@ impl Weighting {
     }
 
     /// L⁻¹ times a history of the window [m/s], in place: the result is in standard deviations.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "L is packed: row i has i + 1 entries from i (i + 1)/2 on, with as many rows as the window, and the histories have no more"
+    )]
     pub(crate) fn whiten(&self, history: &mut [f64]) {
         let mut start = 0;
         for i in 0..history.len() {
@@ -253,6 +257,10 @@ impl Weighting {
     }
 
     /// L⁻ᵀ times a history, in place.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "rows of the packed L as for `whiten`"
+    )]
     fn whiten_back(&self, history: &mut [f64]) {
         for i in (0..history.len()).rev() {
             let start = i * (i + 1) / 2;
@@ -266,6 +274,10 @@ impl Weighting {
     }
 
     /// The excitation that is most likely, given the white residual of this weighting.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`k` and `j` count the samples that the transfer knows, and `covariance` has as many lags"
+    )]
     pub(crate) fn cleaned(self, test: &RodTest, white_residual: &[f64]) -> Option<Self> {
         let mut weighted = white_residual.to_vec();
         self.whiten_back(&mut weighted);
@@ -309,6 +321,10 @@ const NOISE_POWER: f64 = 1.5;
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
+)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "cosines are asked for modulo their number, lines of the spectrum up to the last"
 )]
 fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
     let count = history.len();
@@ -371,6 +387,10 @@ fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
         .collect()
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the difference of two indices below `size`, of which the row has as many"
+)]
 fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
     let row: Vec<f64> = (0..size).map(|lag| noise.autocovariance(lag)).collect();
     Mat::from_fn(size, size, |i, j| row[i.abs_diff(j)])

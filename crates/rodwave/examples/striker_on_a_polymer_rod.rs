@@ -9,7 +9,8 @@
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,
-    reason = "an example talks to the one who runs it; step counts are small"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it; step counts are small; there is one contact and one gauge"
 )]
 
 use std::error::Error;

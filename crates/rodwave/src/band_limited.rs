@@ -7,14 +7,14 @@
 
 use crate::RodwaveError;
 use crate::error::{check_positive, check_samples};
-use crate::interpolation::cubic;
+use crate::interpolation::{Interpolated, cubic};
 
 /// A velocity prescribed as function of time.
 pub trait VelocityHistory: Sync {
-    /// Velocity \[m/s\] at `time` \[s\]; zero before time 0.
+    /// Velocity \[m/s\] at `time` \[s\]; zero before time 0, NaN at a time that is NaN.
     fn at(&self, time: f64) -> f64;
 
-    /// Time derivative of the velocity [m/s²].
+    /// Time derivative of the velocity [m/s²]; as [`Self::at`] before time 0 and at NaN.
     fn slope(&self, time: f64) -> f64;
 
     /// End of the history \[s\]; nothing is known after it.
@@ -114,6 +114,10 @@ impl SampledHistory {
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
     )]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`rows` has one row for each phase, a remainder of a division by their number"
+    )]
     pub fn new(samples: &[f64], sampling_rate_hz: f64) -> Result<Self, RodwaveError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
         let fine_rate = check_positive(
@@ -139,7 +143,8 @@ impl SampledHistory {
                 Some(value) => *value,
                 None => {
                     let mirrored = (2 * (count - 1)).checked_sub(index);
-                    2.0 * last - mirrored.map_or(0.0, |k| samples[k])
+                    let mirrored = mirrored.and_then(|k| samples.get(k));
+                    2.0 * last - mirrored.copied().unwrap_or(0.0)
                 }
             }
         };
@@ -177,7 +182,7 @@ impl SampledHistory {
         })
     }
 
-    /// Index of the fine point before `time` and the position between it and the next.
+    /// Index of the fine point before `time`, which is a number, and the position between it and the next.
     #[inline]
     #[expect(
         clippy::cast_possible_truncation,
@@ -193,7 +198,25 @@ impl SampledHistory {
         ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
+    /// Value and slope, the latter by the fine point.
     #[inline]
+    fn interpolated(&self, time: f64) -> Interpolated {
+        if time >= 0.0 {
+            let (index, u) = self.locate(time);
+            return cubic(self.stencil(index), u);
+        }
+        let known = if time.is_nan() { f64::NAN } else { 0.0 };
+        Interpolated {
+            value: known,
+            slope: known,
+        }
+    }
+
+    #[inline]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`locate` gives an index from 1 to the third from the end of the fine points, of which there are a hundred or more"
+    )]
     fn stencil(&self, index: usize) -> [f64; 4] {
         [
             self.fine[index - 1],
@@ -215,20 +238,12 @@ fn too_few(found: usize) -> RodwaveError {
 impl VelocityHistory for SampledHistory {
     #[inline]
     fn at(&self, time: f64) -> f64 {
-        if time < 0.0 {
-            return 0.0;
-        }
-        let (index, u) = self.locate(time);
-        cubic(self.stencil(index), u).value
+        self.interpolated(time).value
     }
 
     #[inline]
     fn slope(&self, time: f64) -> f64 {
-        if time < 0.0 {
-            return 0.0;
-        }
-        let (index, u) = self.locate(time);
-        cubic(self.stencil(index), u).slope * self.fine_rate
+        self.interpolated(time).slope * self.fine_rate
     }
 
     fn end(&self) -> f64 {
@@ -334,6 +349,16 @@ mod tests {
             let found = history.at(f64::from(u8::try_from(k).unwrap()) / 10.0);
             assert!((found - expected).abs() < 1e-14, "{k}: {found} {expected}");
         }
+    }
+
+    #[test]
+    fn what_is_no_time_has_no_value() {
+        let history = SampledHistory::new(&[0.0, 0.3, -1.0, 2.0], 10.0).unwrap();
+        assert!(history.at(f64::NAN).is_nan() && history.slope(f64::NAN).is_nan());
+        for time in [-1e-300, f64::NEG_INFINITY] {
+            assert_eq!(history.at(time).to_bits(), 0, "{time}");
+        }
+        assert!(history.at(f64::INFINITY).is_finite());
     }
 
     #[test]

@@ -105,7 +105,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if one is negative or not finite.
+    /// [`RodwaveError::NonPhysical`] if one is negative or not finite, or more than 1e9 steps away.
     pub fn free_end_velocity(
         &self,
         excitation: &dyn VelocityHistory,
@@ -131,12 +131,13 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`].
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than [`MAX_PARAMETERS`] parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Response, RodwaveError> {
+        check_parameters::<L>()?;
         let steps = self.steps_until(excitation, times)?;
         let step = self.time_step();
         let tangents = 1 + L::PARAMETERS.len();
@@ -152,8 +153,8 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 );
             }
             history.push(march.free_end_velocity());
-            for (index, tangent) in tangent_history.iter_mut().enumerate() {
-                tangent.push(march.free_end_tangent(index));
+            for (history, tangent) in tangent_history.iter_mut().zip(&march.tangents) {
+                history.push(tangent.free_end_velocity());
             }
         }
         let points: Vec<Quintic> = times
@@ -292,10 +293,6 @@ impl<L: InelasticLaw> March<L> {
         self.wave.free_end_velocity()
     }
 
-    fn free_end_tangent(&self, index: usize) -> f64 {
-        self.tangents[index].free_end_velocity()
-    }
-
     /// Number of steps made.
     #[must_use]
     pub fn steps(&self) -> usize {
@@ -329,10 +326,13 @@ impl<L: InelasticLaw> March<L> {
 
     /// Trapezoidal sum over the nodes of ρ dx (R² + L²)/4.
     fn stored(&self) -> f64 {
-        let (right, left) = (self.wave.right.as_slice(), self.wave.left.as_slice());
-        let last = right.len() - 1;
-        let sum: f64 = right.iter().zip(left).map(|(r, l)| r * r + l * l).sum();
-        let ends = right[0].powi(2) + left[0].powi(2) + right[last].powi(2) + left[last].powi(2);
+        let WavePair { right, left } = &self.wave;
+        let nodes = right.as_slice().iter().zip(left.as_slice());
+        let sum: f64 = nodes.map(|(r, l)| r * r + l * l).sum();
+        let ends = right.first().powi(2)
+            + left.first().powi(2)
+            + right.last().powi(2)
+            + left.last().powi(2);
         self.energy_weight * (sum - 0.5 * ends)
     }
 }
@@ -379,6 +379,10 @@ fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reach
 }
 
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the counter stays below `LANES`, the length of all five arrays"
+)]
 fn relax_block<F: RelaxationFlow>(
     right: &mut [f64; LANES],
     left: &mut [f64; LANES],
@@ -424,6 +428,10 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
 
 /// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`blocks_mut` cuts the waves and all tangents, which have as many nodes, into the same number of blocks"
+)]
 fn relax_with_tangents<L: InelasticLaw>(
     wave: &mut WavePair,
     tangents: &mut [WavePair],
@@ -508,24 +516,23 @@ impl WavePair {
 
     /// R² - L² at x = -L, which is -4 s v: the inflow of energy up to a factor.
     fn net_inflow(&self) -> f64 {
-        self.right.as_slice()[0].powi(2) - self.left.as_slice()[0].powi(2)
+        self.right.first().powi(2) - self.left.first().powi(2)
     }
 
     fn impose_velocity(&mut self, velocity: f64) {
-        self.right.as_mut_slice()[0] = self.left.as_slice()[0] - 2.0 * velocity;
+        self.right.set_first(self.left.first() - 2.0 * velocity);
     }
 
     /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given at x = -L.
     fn shift(&mut self, velocity: f64) {
         self.right.slide_towards_end();
         self.left.slide_towards_start();
-        let last = self.right.len() - 1;
-        self.left.as_mut_slice()[last] = -self.right.as_slice()[last];
+        self.left.set_last(-self.right.last());
         self.impose_velocity(velocity);
     }
 
     fn free_end_velocity(&self) -> f64 {
-        -self.right.as_slice()[self.right.len() - 1]
+        -self.right.last()
     }
 }
 

@@ -188,12 +188,12 @@ pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
 
 /// Accepts a history whose samples are all finite.
 pub(crate) fn check_samples(history: &'static str, samples: &[f64]) -> Result<(), RodwaveError> {
-    match samples.iter().position(|sample| !sample.is_finite()) {
+    match samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(RodwaveError::NonFiniteSample {
+        Some((index, &value)) => Err(RodwaveError::NonFiniteSample {
             history,
             index,
-            value: samples[index],
+            value,
         }),
     }
 }

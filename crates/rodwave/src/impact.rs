@@ -110,11 +110,16 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod.
+    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, and for more than
+    /// 2²⁶ cells or 1e9 steps.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "counts follow from checked positive lengths"
+    )]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "either chain has a node 0, and that of the rod one node more than `cells`"
     )]
     pub fn run(&self, cell: f64, duration: f64) -> Result<ImpactHistory, RodwaveError> {
         let striker = self.check()?;

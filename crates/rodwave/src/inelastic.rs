@@ -20,11 +20,15 @@
 //!
 //! Theory: `docs/theory/inelastic-laws.md`.
 
-/// An array with one entry for each of the cells that are relaxed together. Unlike `std::array::from_fn` it is a plain loop,
+/// An array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of `LANES`. Unlike `std::array::from_fn` it is a plain loop,
 /// which the compiler turns into vector instructions.
 macro_rules! lanes {
     (|$i:ident| $value:expr) => {{
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "the counter stays below `LANES`, and a lane of nothing but arrays of that length is asked for"
+        )]
         for $i in 0..$crate::inelastic::LANES {
             lanes[$i] = $value;
         }
@@ -98,16 +102,18 @@ pub trait RelaxationFlow {
     fn relax(&self, stress: f64) -> f64;
 
     /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to
-    /// `by_parameter`, which has as many entries as the law has parameters.
+    /// `by_parameter`, which has as many entries as the law has parameters. In a longer or shorter slice the first entries
+    /// are written.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
     #[inline]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
-        std::array::from_fn(|i| self.relax(stress[i]) - stress[i])
+        stress.map(|stress| self.relax(stress) - stress)
     }
 
-    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the number of parameters of the law.
+    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the number of parameters of the law,
+    /// of which at most [`MAX_PARAMETERS`] are looked at.
     #[inline]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         cell_by_cell(self, stress, parameters)
@@ -115,6 +121,11 @@ pub trait RelaxationFlow {
 }
 
 /// The change of several cells with its derivatives, one cell after the other.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "lanes are counted along `stress`, an array of `LANES` as those of the result, and no more than `MAX_PARAMETERS` \
+              parameters are looked at"
+)]
 fn cell_by_cell<F: RelaxationFlow + ?Sized>(
     flow: &F,
     stress: &[f64; LANES],
@@ -122,6 +133,7 @@ fn cell_by_cell<F: RelaxationFlow + ?Sized>(
 ) -> StressChange {
     let mut result = StressChange::default();
     let mut by_parameter = [0.0; MAX_PARAMETERS];
+    let parameters = parameters.min(MAX_PARAMETERS);
     for (lane, &stress) in stress.iter().enumerate() {
         let relaxed = flow.relax_with_sensitivity(stress, &mut by_parameter[..parameters]);
         result.stress[lane] = relaxed.stress - stress;
@@ -162,15 +174,26 @@ pub struct StressChange {
     pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
-/// Checks the number of parameters handed to a law.
-fn check_count(parameters: &[f64], expected: usize) -> Result<(), RodwaveError> {
-    if parameters.len() == expected {
+/// The parameters handed to a law that has `N` of them.
+fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
+    parameters
+        .try_into()
+        .map_err(|_| RodwaveError::LengthMismatch {
+            what: "parameter array",
+            found: parameters.len(),
+            expected: N,
+        })
+}
+
+/// Accepts a law with no more than [`MAX_PARAMETERS`] parameters.
+pub(crate) fn check_parameters<L: InelasticLaw>() -> Result<(), RodwaveError> {
+    if L::PARAMETERS.len() <= MAX_PARAMETERS {
         Ok(())
     } else {
         Err(RodwaveError::LengthMismatch {
-            what: "parameter array",
-            found: parameters.len(),
-            expected,
+            what: "list of parameters of the law",
+            found: L::PARAMETERS.len(),
+            expected: MAX_PARAMETERS,
         })
     }
 }

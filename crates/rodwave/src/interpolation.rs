@@ -48,7 +48,8 @@ impl Quintic {
         let u = position - base;
         let distances = [u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0];
         let (mut value, mut slope) = ([0.0; 6], [0.0; 6]);
-        for (j, inverse_gaps) in INVERSE_GAPS.iter().enumerate() {
+        let weights = value.iter_mut().zip(&mut slope).zip(&INVERSE_GAPS);
+        for (j, ((value, slope), inverse_gaps)) in weights.enumerate() {
             let (mut product, mut derivative) = (*inverse_gaps, 0.0);
             for (i, distance) in distances.iter().enumerate() {
                 if i != j {
@@ -56,8 +57,8 @@ impl Quintic {
                     product *= distance;
                 }
             }
-            value[j] = product;
-            slope[j] = derivative;
+            *value = product;
+            *slope = derivative;
         }
         Self { base, value, slope }
     }
@@ -80,12 +81,12 @@ impl Quintic {
 /// The values of a history from `before` ahead of the index `base` on; zero outside it, as before a rod moves.
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "positions lie on the history, far below 2^52"
+    reason = "positions on the history lie far below 2^52, and outside it there is nothing however far"
 )]
 fn around<const N: usize>(history: &[f64], base: f64, before: isize) -> [f64; N] {
-    let first = base as isize - before;
+    let first = (base as isize).saturating_sub(before);
     std::array::from_fn(|k| {
-        usize::try_from(first + k.cast_signed())
+        usize::try_from(first.saturating_add(k.cast_signed()))
             .ok()
             .and_then(|index| history.get(index))
             .copied()

@@ -244,7 +244,8 @@ impl Line {
     /// The grid of a time step not above `longest_step` \[s\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step makes the numbers of cells whole to the tolerance.
+    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step makes the numbers of cells whole to the tolerance; [`RodwaveError::InElement`] for a segment whose transit
+    /// time is 0 or infinite in floating point.
     pub fn grid(&self, longest_step: f64) -> Result<Grid, RodwaveError> {
         check_positive("time step [s]", longest_step)?;
         let times: Vec<f64> = self.segments().map(Segment::transit_time).collect();
@@ -262,7 +263,8 @@ impl Line {
     /// What `gauges` see until `duration` \[s\], on a grid of a time step not above `longest_step` \[s\].
     ///
     /// # Errors
-    /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside its body.
+    /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside its body,
+    /// [`RodwaveError::NonPhysical`] for more than 1e9 steps.
     pub fn run(
         &self,
         longest_step: f64,
@@ -306,8 +308,10 @@ impl Line {
                 length,
             });
         }
-        let before: usize = self.bodies[..gauge.body]
+        let before: usize = self
+            .bodies
             .iter()
+            .take(gauge.body)
             .map(|b| b.segments.len())
             .sum();
         let last = body.segments.len() - 1;

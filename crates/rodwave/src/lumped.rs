@@ -52,11 +52,15 @@ pub struct LumpedRod<L> {
     dissipated: f64,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`new` makes four cells or more, with a stress each and one velocity more; nothing changes their number"
+)]
 impl<L: InelasticLaw> LumpedRod<L> {
     /// Cuts `rod` into `cells` cells; the time step is `courant_number` dx/c.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells or a Courant number outside ]0, 0.95].
+    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2²⁶, or a Courant number outside ]0, 0.95].
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(
         rod: &InelasticRod<L>,
@@ -112,7 +116,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         &self.velocity
     }
 
-    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes.
+    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes; NaN at NaN.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -122,6 +126,9 @@ impl<L: InelasticLaw> LumpedRod<L> {
     )]
     pub fn velocity_at(&self, x: f64) -> f64 {
         let position = x / self.dx;
+        if position.is_nan() {
+            return f64::NAN;
+        }
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
@@ -214,7 +221,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// Velocity of the last node [m/s] at `times` \[s\] when node 0 follows `excitation` from rest.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation.
+    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation, [`RodwaveError::NonPhysical`] if
+    /// one is not finite or more than 1e9 steps away.
     pub fn free_end_velocity(
         mut self,
         excitation: &dyn VelocityHistory,

@@ -1,4 +1,9 @@
 //! Values that travel along a grid without being moved.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "the window is not empty, and window and padding lie in the buffer: they begin at `start`, and both slides go round \
+              before they would leave it"
+)]
 
 use crate::inelastic::LANES;
 
@@ -48,7 +53,24 @@ impl SlidingWindow {
         &mut self.buffer[window]
     }
 
-    /// The blocks that hold the first `count` values; behind the last value of the window they are filled up with zeros,
+    pub(crate) fn first(&self) -> f64 {
+        self.buffer[self.start]
+    }
+
+    pub(crate) fn last(&self) -> f64 {
+        self.buffer[self.end() - 1]
+    }
+
+    pub(crate) fn set_first(&mut self, value: f64) {
+        self.buffer[self.start] = value;
+    }
+
+    pub(crate) fn set_last(&mut self, value: f64) {
+        let last = self.end() - 1;
+        self.buffer[last] = value;
+    }
+
+    /// The blocks that hold the first `count` values, of which the window has as many; behind the last value of the window they are filled up with zeros,
     /// which have to stay zeros.
     #[inline(always)]
     pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {

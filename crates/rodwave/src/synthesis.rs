@@ -95,12 +95,12 @@ fn check_lines(
             expected,
         });
     }
-    match lines.iter().position(|line| !line.is_finite()) {
+    match lines.iter().enumerate().find(|(_, l)| !l.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(RodwaveError::NonFiniteSample {
+        Some((index, line)) => Err(RodwaveError::NonFiniteSample {
             history: name,
             index,
-            value: lines[index].norm(),
+            value: line.norm(),
         }),
     }
 }

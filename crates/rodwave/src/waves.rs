@@ -228,12 +228,12 @@ fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), Rodwave
         });
     }
     crate::error::check_samples("the row of positions", positions)?;
-    match values.iter().position(|value| !value.is_finite()) {
+    match values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(RodwaveError::NonFiniteSample {
+        Some((index, value)) => Err(RodwaveError::NonFiniteSample {
             history: "the row of values at the sections",
             index,
-            value: values[index].norm(),
+            value: value.norm(),
         }),
     }
 }

@@ -5,12 +5,17 @@ use std::fmt::{self, Display, Write};
 
 use insta::assert_snapshot;
 use num_complex::Complex64;
+use rodwave::band_limited::SampledHistory;
 use rodwave::chain::{AnalyticChain, AngularFrequency, ChainBuilder, LaplaceVariable, WaveMedium};
 use rodwave::element::{Circle, CrossSection, Segment};
 use rodwave::experiment::end_accelerations::HalfSine;
 use rodwave::experiment::strains_in_a_frame::{Excitation, FrameMember};
 use rodwave::impact::{ImpactTest, Striker};
-use rodwave::inelastic::{self, InelasticLaw};
+use rodwave::inelastic::{
+    self, InelasticLaw, LANES, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+    RelaxedStress,
+};
+use rodwave::line::{Body, Gauge, Line};
 use rodwave::lumped::LumpedRod;
 use rodwave::medium::Medium;
 use rodwave::modulus::{
@@ -545,7 +550,7 @@ fn sections_outside_the_rod() {
 #[test]
 fn inelastic_laws_and_their_solvers() {
     let mut refusals = Refusals::default();
-    let law = inelastic::MaxwellNorton::new(2.1, 7e13).unwrap();
+    let law = MaxwellNorton::new(2.1, 7e13).unwrap();
     let rod = || InelasticRod::new(0.4, 910.0, 2.5e9, law).unwrap();
     refusals.add("modulus", InelasticRod::new(0.4, 910.0, 0.0, law));
     refusals.add("parameters", law.with_parameters(&[2.0]));
@@ -555,7 +560,7 @@ fn inelastic_laws_and_their_solvers() {
     refusals.add("chain", LumpedRod::new(&rod(), 1, 0.8));
     refusals.add("chain", LumpedRod::new(&rod(), 100, 1.1));
     let problem = DirectProblem::new(rod(), 50).unwrap();
-    let excitation = rodwave::band_limited::SampledHistory::new(&[0.0; 52], 51_200.0).unwrap();
+    let excitation = SampledHistory::new(&[0.0; 52], 51_200.0).unwrap();
     for time in [-1e-6, f64::NAN, 2e-3] {
         refusals.add(
             "response",
@@ -574,4 +579,170 @@ fn inelastic_laws_and_their_solvers() {
     response: time of the response [s] is NaN, expected a finite value not below 0
     response: the response is asked for until 0.002 s, but the excitation ends at 0.00099609375 s
     ");
+}
+
+fn elastic_rod() -> InelasticRod<inelastic::Elastic> {
+    InelasticRod::new(0.4, 1100.0, 3e9, inelastic::Elastic).unwrap()
+}
+
+/// Numbers of cells and steps that no memory holds: their sums and products overflow.
+#[test]
+fn endless_grids_and_runs() {
+    let mut refusals = Refusals::default();
+    let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.0], 1e-9).unwrap();
+    let direct = |times: &[f64]| {
+        DirectProblem::new(elastic_rod(), 8)
+            .unwrap()
+            .free_end_velocity(&history, times)
+    };
+    let lumped = |times: &[f64]| {
+        LumpedRod::new(&elastic_rod(), 8, 0.5)
+            .unwrap()
+            .free_end_velocity(&history, times)
+    };
+    let struck = |cell, duration| {
+        let test = ImpactTest {
+            striker: Striker::PAPER_D,
+            rod: elastic_rod(),
+            diameter: 0.0158,
+            section_distance: 0.2,
+        };
+        test.run(cell, duration)
+    };
+    let segment = rodwave::line::Segment::elastic(1.0, 1e-4, 7780.0, 206e9).unwrap();
+    let line = Line::new([Body::new([segment]).unwrap()]).unwrap();
+    refusals.add("direct", DirectProblem::new(elastic_rod(), usize::MAX));
+    refusals.add("lumped", LumpedRod::new(&elastic_rod(), usize::MAX, 0.5));
+    refusals.add("struck", struck(1e-300, 1e-3));
+    assert_snapshot!(refusals, @r"
+    direct: number of cells is 18446744073709552000, expected at most 2^26
+    lumped: number of cells is 18446744073709552000, expected at most 2^26
+    struck: number of cells is 18446744073709552000, expected at most 2^26
+    ");
+    for error in [
+        struck(1e-3, 1e300).unwrap_err(),
+        direct(&[2e9]).unwrap_err(),
+        lumped(&[2e9]).unwrap_err(),
+        line.run(1e-5, 1e300, &[]).unwrap_err(),
+    ] {
+        let said = error.to_string();
+        assert!(said.starts_with("number of time steps is "), "{said}");
+    }
+    // long before the rod moves there is nothing, as just before
+    assert_eq!(lumped(&[-1e300, -1.0]).unwrap(), [0.0, 0.0]);
+}
+
+#[test]
+fn what_is_no_number_has_no_value() {
+    let chain = LumpedRod::new(&elastic_rod(), 8, 0.5)
+        .unwrap()
+        .moving_at(3.0);
+    assert!(chain.velocity_at(f64::NAN).is_nan());
+}
+
+#[test]
+fn lines_that_are_not_there() {
+    let mut refusals = Refusals::default();
+    let line = |modulus| {
+        let segment = rodwave::line::Segment::elastic(1.0, 1e-4, 1e-9, modulus).unwrap();
+        Line::new([Body::new([segment]).unwrap()]).unwrap()
+    };
+    let nowhere = Gauge {
+        body: usize::MAX,
+        position: 0.0,
+    };
+    refusals.add("body", line(1e9).run(1e-12, 1e-11, &[nowhere]));
+    refusals.add("contact", line(1e9).with_gap(usize::MAX, 0.0));
+    refusals.add("speed", line(1e300).run(1e-6, 1e-4, &[]));
+    assert_snapshot!(refusals, @r"
+    body: list of bodies of a line has 1 entries, expected 18446744073709551615
+    contact: list of contacts has 0 entries, expected 18446744073709551615
+    speed: element 0: transit time of a segment [s] is 0, expected a finite value above 0
+    ");
+}
+
+/// A law of five parameters, one more than there is room for.
+#[derive(Debug, Clone)]
+struct FiveParameters;
+
+impl InelasticLaw for FiveParameters {
+    const PARAMETERS: &'static [&'static str] = &["a", "b", "c", "d", "ln_reference_rate"];
+    type Flow = Self;
+
+    fn inelastic_strain_rate(&self, _stress: f64) -> f64 {
+        0.0
+    }
+
+    fn flow(&self, _modulus: f64, _duration: f64) -> Self {
+        Self
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![0.0; 5]
+    }
+
+    fn with_parameters(&self, _parameters: &[f64]) -> Result<Self, RodwaveError> {
+        Ok(Self)
+    }
+
+    fn reference_stress(&self) -> f64 {
+        1e6
+    }
+}
+
+impl RelaxationFlow for FiveParameters {
+    fn relax(&self, stress: f64) -> f64 {
+        stress
+    }
+
+    fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress {
+        by_parameter.fill(0.0);
+        RelaxedStress {
+            stress,
+            by_stress: 1.0,
+            by_log_modulus: 0.0,
+        }
+    }
+}
+
+#[test]
+fn laws_of_too_many_parameters() {
+    let mut refusals = Refusals::default();
+    let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.0], 51_200.0).unwrap();
+    let rod = InelasticRod::new(0.4, 1100.0, 3e9, FiveParameters).unwrap();
+    let segment = rodwave::line::Segment::new(0.4, 1e-4, 1100.0).unwrap();
+    let problem = DirectProblem::new(rod, 8).unwrap();
+    assert!(problem.free_end_velocity(&history, &[1e-5]).is_ok());
+    refusals.add(
+        "derivatives",
+        problem.free_end_velocity_with_sensitivities(&history, &[1e-5]),
+    );
+    refusals.add("branch", segment.with_branch(3e9, FiveParameters));
+    assert_snapshot!(refusals, @r"
+    derivatives: list of parameters of the law has 5 entries, expected 4
+    branch: list of parameters of the law has 5 entries, expected 4
+    ");
+    // what there is no room for is not looked at
+    let changes = FiveParameters.change_with_sensitivity(&[1e6; LANES], 5);
+    assert_eq!(
+        changes,
+        FiveParameters.change_with_sensitivity(&[1e6; LANES], 4)
+    );
+}
+
+/// A slice that is too short for the derivatives by the parameters gets the first of them.
+#[test]
+fn slices_too_short_for_the_parameters() {
+    fn check(law: &impl InelasticLaw) {
+        let flow = law.flow(3e9, 1e-4);
+        let mut all = [0.0; 2];
+        let relaxed = flow.relax_with_sensitivity(1e6, &mut all);
+        let mut first = [0.0; 1];
+        assert_eq!(flow.relax_with_sensitivity(1e6, &mut first), relaxed);
+        assert_eq!(flow.relax_with_sensitivity(1e6, &mut []), relaxed);
+        assert_eq!(first[0].to_bits(), all[0].to_bits());
+    }
+    check(&inelastic::Maxwell::new(4e6).unwrap());
+    check(&MaxwellNorton::new(2.108, 7e13).unwrap());
+    check(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
 }

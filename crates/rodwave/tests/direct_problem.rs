@@ -2,6 +2,7 @@
 //! convergence, energy, and finite differences.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::float_cmp,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -2,6 +2,7 @@
 //! property, dissipation, and finite differences for every derivative.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::float_cmp,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

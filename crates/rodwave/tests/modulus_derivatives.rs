@@ -1,6 +1,7 @@
 //! Exact derivatives against differences: by every parameter, by frequency, and what they make of a group velocity.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

@@ -1,6 +1,7 @@
 //! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`: `fixtures/reference/solve_ivp`.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::panic,
     reason = "a reference that cannot be read must fail the test"
 )]

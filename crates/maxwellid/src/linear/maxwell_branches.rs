@@ -67,7 +67,7 @@ impl MaxwellBranches {
         let (ratios, times) = self.split(parameters)?;
         let weights = shares(ratios);
         Some((
-            weights[..self.terms()].to_vec(),
+            weights.into_iter().take(self.terms()).collect(),
             times.iter().map(|t| t.exp()).collect(),
         ))
     }
@@ -144,9 +144,9 @@ impl LinearLaw for MaxwellBranches {
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {
         let (ratios, times) = self.split(parameters)?;
         let weights = shares(ratios);
-        let spring = usize::from(self.has_spring);
+        let of_branches = weights.iter().skip(usize::from(self.has_spring));
         let mut sum = Complex64::from(if self.has_spring { weights[0] } else { 0.0 });
-        for (weight, ln_time) in weights[spring..].iter().zip(times) {
+        for (weight, ln_time) in of_branches.zip(times) {
             let s_tau = s * ln_time.exp();
             sum += weight * s_tau / (1.0 + s_tau);
         }
@@ -160,24 +160,27 @@ impl LinearLaw for MaxwellBranches {
         derivatives: &mut [Complex64],
     ) -> Option<Complex64> {
         let (ratios, times) = self.split(parameters)?;
+        if derivatives.len() != parameters.len() {
+            return None;
+        }
         let weights = shares(ratios);
         let (terms, spring) = (self.terms(), usize::from(self.has_spring));
         // φ of each term: 1 of the spring, sτ/(1 + sτ) of a branch
         let mut phi = [Complex64::ONE; MOST + 1];
-        for (value, ln_time) in phi[spring..].iter_mut().zip(times) {
+        for (value, ln_time) in phi.iter_mut().skip(spring).zip(times) {
             let s_tau = s * ln_time.exp();
             *value = s_tau / (1.0 + s_tau);
         }
-        let sum: Complex64 = (0..terms).map(|i| weights[i] * phi[i]).sum();
+        let pairs = || weights.iter().zip(&phi);
+        let sum: Complex64 = pairs().take(terms).map(|(weight, phi)| weight * phi).sum();
         let (by_ratio, by_time) = derivatives.split_at_mut_checked(terms - 1)?;
         // dwᵢ/dxⱼ = wᵢ (δᵢⱼ - wⱼ)
-        for (i, derivative) in by_ratio.iter_mut().enumerate() {
-            *derivative = weights[i + 1] * (phi[i + 1] - sum);
+        for (derivative, (weight, phi)) in by_ratio.iter_mut().zip(pairs().skip(1)) {
+            *derivative = weight * (phi - sum);
         }
         // dφ/d ln τ = φ (1 - φ)
-        for (i, derivative) in by_time.iter_mut().enumerate() {
-            let own = phi[spring + i];
-            *derivative = weights[spring + i] * own * (1.0 - own);
+        for (derivative, (weight, own)) in by_time.iter_mut().zip(pairs().skip(spring)) {
+            *derivative = weight * own * (1.0 - own);
         }
         Some(sum)
     }

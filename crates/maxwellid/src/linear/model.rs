@@ -101,6 +101,10 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         times.read(&line, &mut lines)
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`k` counts the lines, of which every column has as many"
+    )]
     fn linearised_response(
         &self,
         rod: &DrivenRod<'_>,
@@ -171,7 +175,7 @@ impl<'a> Times<'a> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "times are checked to be within the record"
+        reason = "times are checked to be within the record, and the first sample against its length"
     )]
     fn of(rod: &DrivenRod<'a>, known: usize) -> Option<Self> {
         let times = rod.times;
@@ -184,6 +188,10 @@ impl<'a> Times<'a> {
         let uniform = times.iter().enumerate().all(|(k, t)| {
             (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
         });
+        // of a rate or samples that are not those of the excitation
+        if uniform && first.floor() + times.len() as f64 > known as f64 {
+            return None;
+        }
         Some(if uniform {
             Self::AtSamples {
                 first: first.floor() as usize,

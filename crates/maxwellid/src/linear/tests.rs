@@ -394,3 +394,60 @@ fn times_between_samples_are_answered_either_way() {
     assert!(at(&[1.0]).is_none());
     assert!(at(&[-1e-6]).is_none());
 }
+
+/// As many derivatives as parameters are asked for, or none is given.
+#[test]
+fn derivatives_of_another_number_are_none() {
+    let s = Complex64::new(2e3, 1e4);
+    let zener = Zener::new(2.0e9, 2.5e9, 1e-4).unwrap();
+    let name = "ln_relaxation_time";
+    let range = (-12.0, -4.0);
+    let scaled = ScaledModulus::new(
+        "Zener",
+        zener,
+        1e4,
+        &[FreeParameter {
+            index: 2,
+            name,
+            range,
+        }],
+    );
+    let laws: [(Box<dyn LinearLaw>, usize); 2] = [
+        (Box::new(MaxwellBranches::of(2).unwrap()), 3),
+        (Box::new(scaled.unwrap()), 1),
+    ];
+    for (law, count) in laws {
+        let parameters = law.start();
+        assert_eq!(parameters.len(), count);
+        let derived = |number: usize| {
+            let mut derivatives = vec![Complex64::ZERO; number];
+            law.shape_with_derivatives(s, &parameters, &mut derivatives)
+        };
+        assert!(derived(count).is_some());
+        assert!(derived(count + 1).is_none() && derived(count + 9).is_none());
+    }
+}
+
+/// A sampling rate that is not that of the excitation puts the times far outside the record.
+#[test]
+fn a_rod_that_contradicts_itself_has_no_response() {
+    let (samples, excitation) = (samples(), excitation());
+    let times = [1e-3];
+    let at_rate = |sampling_rate_hz: f64| {
+        let rod = DrivenRod {
+            length: LENGTH,
+            density: DENSITY,
+            sampling_rate_hz,
+            samples: &samples,
+            excitation: &excitation,
+            times: &times,
+            cell: 4e-3,
+        };
+        let model = LinearModel::new(ConstantQ::default());
+        model.response(&rod, &[2.6e9_f64.ln(), 0.05_f64.ln()])
+    };
+    assert!(at_rate(RATE).is_some());
+    for rate in [1e300, 0.0, f64::NAN] {
+        assert!(at_rate(rate).is_none(), "{rate}");
+    }
+}

@@ -9,7 +9,8 @@ use rodwave::inelastic::{
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
 use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
-use crate::model::RodModel;
+use crate::model::{RodModel, check_counts};
+use crate::selection::Ground;
 
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
@@ -204,6 +205,22 @@ impl Candidate {
             .collect()
     }
 
+    /// Accepts a candidate whose model does not contradict itself and has a range for each parameter.
+    pub(crate) fn check(&self, ground: &Ground) -> Result<(), MaxwellidError> {
+        check_counts(self.model.as_ref(), ground.modulus, ground.duration)?;
+        let expected = self.model.parameter_names().len();
+        let found = 1 + self.ranges.len();
+        if found != expected {
+            return Err(MaxwellidError::InconsistentModel {
+                model: self.name().to_owned(),
+                what: "ranges with that of ln E",
+                found,
+                expected,
+            });
+        }
+        Ok(())
+    }
+
     pub(crate) fn prior(&self, modulus: f64, duration: f64) -> Prior {
         let ranges = self.ranges(modulus, duration);
         Prior {
@@ -225,11 +242,14 @@ impl Candidate {
             // a linear law states one start; its prior tells where else to look, one parameter at a time
             let Prior { mean, deviation } = self.prior(modulus, duration);
             let first = starts.first().cloned().unwrap_or_default();
-            for index in 1..first.len() {
+            let prior = mean.iter().zip(&deviation);
+            for (index, (mean, deviation)) in prior.enumerate().skip(1) {
                 for sign in [-1.0, 0.0, 1.0] {
                     let mut start = first.clone();
-                    start[index] = mean[index] + sign * deviation[index];
-                    starts.push(start);
+                    if let Some(parameter) = start.get_mut(index) {
+                        *parameter = mean + sign * deviation;
+                        starts.push(start);
+                    }
                 }
             }
         }

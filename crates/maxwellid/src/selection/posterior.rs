@@ -4,7 +4,7 @@ use crate::error::MaxwellidError;
 use crate::least_squares::{
     LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares,
 };
-use crate::model::RodModel;
+use crate::model::{RodModel, linearised_response_of, response_of};
 use crate::parallel::map_in_order;
 use crate::selection::candidate::{Candidate, Prior};
 use crate::selection::seen_test::{SeenTest, rough_level};
@@ -61,7 +61,7 @@ impl LeastSquares for PosteriorProblem<'_> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut simulated = Vec::with_capacity(self.samples() + parameters.len());
         for test in self.tests {
-            simulated.extend(self.model.response(&test.rod(self.cell), parameters)?);
+            simulated.extend(response_of(self.model, &test.rod(self.cell), parameters)?);
         }
         let residual = self.finish(simulated, parameters);
         residual.iter().all(|r| r.is_finite()).then_some(residual)
@@ -72,9 +72,8 @@ impl LeastSquares for PosteriorProblem<'_> {
         let mut simulated = Vec::with_capacity(samples + parameters.len());
         let mut jacobian = vec![Vec::with_capacity(samples + parameters.len()); parameters.len()];
         for test in self.tests {
-            let response = self
-                .model
-                .linearised_response(&test.rod(self.cell), parameters)?;
+            let rod = test.rod(self.cell);
+            let response = linearised_response_of(self.model, &rod, parameters)?;
             simulated.extend(response.velocity);
             for (column, derivative) in jacobian.iter_mut().zip(response.by_parameter) {
                 column.extend(derivative);
@@ -172,7 +171,7 @@ impl Contest<'_> {
         let mut sum = 0.0;
         for ((test, times), level) in self.tests.iter().zip(self.times).zip(levels) {
             let rod = test.driven_rod(times, self.cell.max(SCAN_CELL));
-            let response = self.candidate.model.response(&rod, start)?;
+            let response = response_of(&self.candidate.model, &rod, start)?;
             sum += response
                 .iter()
                 .zip(test.response())

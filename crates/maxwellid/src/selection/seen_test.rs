@@ -6,7 +6,7 @@
 //! the most probable one is taken, and with it the expectation of χ² under the true law is the number of samples.
 
 use crate::error::MaxwellidError;
-use crate::model::{DrivenRod, RodModel};
+use crate::model::{DrivenRod, RodModel, response_of};
 use crate::test::RodTest;
 use crate::whitening::{Transfer, Weighting};
 
@@ -31,7 +31,7 @@ impl<'a> SeenTest<'a> {
     ) -> Option<Self> {
         let transfer = Transfer::new(model, parameters, test, &test.excitation_samples)?;
         let weighting = Weighting::new(test, transfer, 0.0)?;
-        let mut residual = model.response(&test.driven_rod(times, cell), parameters)?;
+        let mut residual = response_of(model, &test.driven_rod(times, cell), parameters)?;
         for (value, measured) in residual.iter_mut().zip(test.response()) {
             *value -= measured;
         }

@@ -24,7 +24,7 @@ impl InelasticLaw for Elastic {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        check_count(parameters, 0)?;
+        let [] = check_count(parameters)?;
         Ok(Self)
     }
 

@@ -48,6 +48,7 @@ const EXPONENTIAL: [f64; 13] = [
 /// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs side by side, in
 /// place of the long one of Horner's rule.
 #[inline(always)]
+#[allow(clippy::indexing_slicing, reason = "no chunk is empty")]
 pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let square = x * x;
     let fourth = square * square;
@@ -63,6 +64,10 @@ pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64
 
 /// The largest of several numbers, by halves; what is not a number may be passed over.
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "both halves of `x` have `HALF` entries, and `width` begins at `HALF` and is halved before it is used"
+)]
 pub(super) fn largest(x: &[f64; LANES]) -> f64 {
     const HALF: usize = LANES / 2;
     let mut largest = [0.0; HALF];

@@ -99,9 +99,9 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        check_count(parameters, Self::PARAMETERS.len())?;
-        check_finite("ln reference rate", parameters[1])?;
-        Self::from_reference_rate(parameters[0], parameters[1].exp(), self.reference_stress)
+        let [sharpness, ln_rate] = check_count(parameters)?;
+        check_finite("ln reference rate", ln_rate)?;
+        Self::from_reference_rate(sharpness, ln_rate.exp(), self.reference_stress)
     }
 
     fn reference_stress(&self) -> f64 {
@@ -132,6 +132,10 @@ const MOST_TERMS: usize = 9;
 ///
 /// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that of -ln(1 + ap)/p: with
 /// x = a (1 + |p|), what N terms leave is about xᴺ/(N + 1) of the whole, and less for smaller |p|.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, which refuses an index out of bounds"
+)]
 const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     let mut series = [[0.0; MOST_TERMS]; MOST_TERMS];
     // Rₙ has whole coefficients
@@ -166,6 +170,10 @@ const SERIES_LIMIT: f64 = 4.8e-2;
 
 /// y1/y0 - 1 = e^{-S} - 1 by so many `TERMS` of [`SERIES`].
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`TERMS` is 5, 7 or `MOST_TERMS`, the number of rows and columns of `SERIES`, and `n` counts its rows"
+)]
 fn shrink_by_series<const TERMS: usize>(a: f64, p: f64) -> f64 {
     let mut sum = 0.0;
     for (n, row) in SERIES[..TERMS].iter().enumerate().rev() {
@@ -337,6 +345,10 @@ impl RelaxationFlow for GurevichRabinovichFlow {
     }
 
     #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the counter stays below `LANES`, the length of every array of cells; the law has two parameters of `MAX_PARAMETERS`"
+    )]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (y0, a) = self.relative_steps(stress);
         let hardest = hardest(&y0, &a);
@@ -390,8 +402,10 @@ impl RelaxationFlow for GurevichRabinovichFlow {
                 exponent.exp_m1() / exponent
             };
         // at constant r = F(σ_ref): ln η = ln σ_ref + β - ln r
-        by_parameter[0] = by_inverse_m / self.reference_stress - by_log_modulus;
-        by_parameter[1] = by_log_modulus;
+        let by_sharpness = by_inverse_m / self.reference_stress - by_log_modulus;
+        for (entry, by) in by_parameter.iter_mut().zip([by_sharpness, by_log_modulus]) {
+            *entry = by;
+        }
         RelaxedStress {
             stress: relaxed,
             by_stress: factor * (y1 - y0).exp(),
@@ -427,6 +441,10 @@ fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relax
 
 /// The relaxation of several cells in equal parts; e^y is carried from part to part by its own series.
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the counter stays below `LANES`, the length of every array of cells"
+)]
 fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
     let mut y = *y0;
     let per_part = 1.0 / parts;
@@ -462,6 +480,10 @@ fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
 /// (e^x - 1)/x to so many `TERMS`: |x| is below the limit of the same number of terms of [`SERIES`], and less than 1e-14 is
 /// left.
 #[inline(always)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`TERMS` is 5, 7 or `MOST_TERMS`, the number of coefficients"
+)]
 fn mean_growth_by_series<const TERMS: usize>(x: f64) -> f64 {
     /// 1/(k + 1)!
     const COEFFICIENTS: [f64; MOST_TERMS] = [

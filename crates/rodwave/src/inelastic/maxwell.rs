@@ -80,8 +80,8 @@ impl InelasticLaw for Maxwell {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        check_count(parameters, Self::PARAMETERS.len())?;
-        Self::from_reference_rate(parameters[0].exp(), self.reference_stress)
+        let [ln_rate] = check_count(parameters)?;
+        Self::from_reference_rate(ln_rate.exp(), self.reference_stress)
     }
 
     fn reference_stress(&self) -> f64 {
@@ -126,7 +126,9 @@ impl RelaxationFlow for MaxwellFlow {
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress {
         let relaxed = stress * self.factor;
         let by_log_rate = -self.exponent * relaxed;
-        by_parameter[0] = by_log_rate;
+        if let Some(by_parameter) = by_parameter.first_mut() {
+            *by_parameter = by_log_rate;
+        }
         RelaxedStress {
             stress: relaxed,
             by_stress: self.factor,

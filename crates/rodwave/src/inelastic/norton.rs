@@ -107,9 +107,9 @@ impl InelasticLaw for MaxwellNorton {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        check_count(parameters, Self::PARAMETERS.len())?;
-        check_finite("exponent kappa", parameters[0])?;
-        Self::from_reference_rate(parameters[0], parameters[1].exp(), self.reference_stress)
+        let [exponent, ln_rate] = check_count(parameters)?;
+        check_finite("exponent kappa", exponent)?;
+        Self::from_reference_rate(exponent, ln_rate.exp(), self.reference_stress)
     }
 
     fn reference_stress(&self) -> f64 {
@@ -239,6 +239,10 @@ impl RelaxationFlow for NortonFlow {
     }
 
     #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the counter stays below `LANES`, the length of every array of cells; the law has two parameters of `MAX_PARAMETERS`"
+    )]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
         // at zero stress κ < 1 has no derivative and κ = 1 its limit: the exact path knows
@@ -307,8 +311,10 @@ impl RelaxationFlow for NortonFlow {
         }
         let x = self.excess * a;
         let by_log_rate = -relaxed * a / (1.0 + x);
-        by_parameter[0] = relaxed * a * (a * bend(x) - ratio.ln() / (1.0 + x));
-        by_parameter[1] = by_log_rate;
+        let by_exponent = relaxed * a * (a * bend(x) - ratio.ln() / (1.0 + x));
+        for (entry, by) in by_parameter.iter_mut().zip([by_exponent, by_log_rate]) {
+            *entry = by;
+        }
         RelaxedStress {
             stress: relaxed,
             // (σ1/σ0)^κ = factor / (1 + n a)

@@ -25,6 +25,11 @@ pub(super) struct Solution {
 /// Part of |b - A x|² that may be left to gain when the search ends.
 const TOLERANCE: f64 = 1e-2;
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "an index of a passive column counts `columns`, of which `lengths` has one each; `triangle` is lower triangular with a row, a \
+              projection and an unknown for each passive column"
+)]
 impl NonNegativeProblem {
     pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>) -> Self {
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();

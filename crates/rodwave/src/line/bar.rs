@@ -6,6 +6,12 @@
 //! The elastic part of a step strains all branches alike, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ - (Eᵢ/E) σ of a material
 //! point does not change. The relaxation leaves strain and velocity alone, and each branch relaxes by its own exact flow.
 //! The energy per volume is ρv²/2 + σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "flows, moduli, fractions and the rows of `block`, `scratch` and every tangent are one a branch (those of the excess too, or \
+              none for a single branch), waves and rows of the excess one value a cell, and a block from `first` has `count` cells \
+              left; a segment has four cells or more by its grid"
+)]
 
 use super::branch::{BranchFlow, Waves};
 use super::segment::Segment;

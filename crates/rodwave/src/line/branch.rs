@@ -115,6 +115,10 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWaves<'_, F> {
     type Output = f64;
 
     #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the counter stays below `LANES`, the length of all five arrays"
+    )]
     fn call(self) -> f64 {
         let Waves {
             right,
@@ -145,6 +149,10 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for Change<'_, F> {
     type Output = f64;
 
     #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a chunk of `LANES` is no longer than an array of `LANES`"
+    )]
     fn call(self) -> f64 {
         let mut loss = [0.0; LANES];
         for block in self.stress.chunks_mut(LANES) {

@@ -41,6 +41,11 @@ pub(super) struct GaugeState {
     pub(super) by_parameter: Vec<Reading>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`first` leaves `STENCIL` cells of the bar, whose grid has so many at least; a bar has a tangent for each parameter, and \
+              `STENCIL` is below `LANES`"
+)]
 impl GaugeState {
     #[expect(
         clippy::cast_possible_truncation,

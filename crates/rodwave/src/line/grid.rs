@@ -1,6 +1,7 @@
 //! One time step for all segments, a whole number of cells in each.
 
 use crate::RodwaveError;
+use crate::error::check_positive;
 
 /// Fewest cells of a segment: the interpolation at a gauge takes four.
 const FEWEST_CELLS: f64 = 4.0;
@@ -40,6 +41,14 @@ impl Grid {
         longest_step: f64,
         tolerance: f64,
     ) -> Result<Self, RodwaveError> {
+        for (index, time) in transit_times.iter().enumerate() {
+            check_positive("transit time of a segment [s]", *time).map_err(|source| {
+                RodwaveError::InElement {
+                    index,
+                    source: Box::new(source),
+                }
+            })?;
+        }
         let longest = transit_times.iter().copied().fold(0.0, f64::max);
         let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
         let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();

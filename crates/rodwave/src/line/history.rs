@@ -123,10 +123,14 @@ impl LineHistory {
     }
 
     fn push_gauges(&mut self, march: &March) {
-        for (index, gauge) in march.gauges.iter().enumerate() {
-            self.gauges[index].push(gauge.reading);
-            for (derivatives, reading) in self.derivatives.iter_mut().zip(&gauge.by_parameter) {
-                derivatives.gauges[index].push(*reading);
+        for (history, gauge) in self.gauges.iter_mut().zip(&march.gauges) {
+            history.push(gauge.reading);
+        }
+        for (parameter, derivatives) in self.derivatives.iter_mut().enumerate() {
+            for (history, gauge) in derivatives.gauges.iter_mut().zip(&march.gauges) {
+                if let Some(reading) = gauge.by_parameter.get(parameter) {
+                    history.push(*reading);
+                }
             }
         }
     }

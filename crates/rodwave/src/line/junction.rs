@@ -94,7 +94,11 @@ impl Junction {
         encounter
     }
 
-    /// Derivatives of the encounter by parameter `index`, after [`Self::meet`] has decided whether the contact is closed.
+    /// Derivatives of the encounter by parameter `index`, one of those for which there are tangents, after [`Self::meet`] has decided whether the contact is closed.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a contact has a tangent for each parameter of the march"
+    )]
     pub(super) fn meet_tangent(
         &mut self,
         index: usize,
@@ -113,12 +117,13 @@ impl Junction {
         let by_force = match self {
             Self::Bonded => (separation + stiffening) / compliance,
             Self::Contact(contact) => {
-                let gap = contact.gap_tangents[index];
+                let by_gap = &mut contact.gap_tangents[index];
+                let gap = *by_gap;
                 if contact.closed {
-                    contact.gap_tangents[index] = 0.0;
+                    *by_gap = 0.0;
                     (separation + gap / step + stiffening) / compliance
                 } else {
-                    contact.gap_tangents[index] = gap + step * separation;
+                    *by_gap = gap + step * separation;
                     0.0
                 }
             }
@@ -229,6 +234,10 @@ impl Terminal {
     }
 
     /// Derivatives of the meeting by parameter `index`.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "an end has a tangent for each parameter of the march"
+    )]
     pub(super) fn meet_tangent(
         &mut self,
         index: usize,

@@ -31,6 +31,11 @@ pub struct March {
     lost_in_contact: f64,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a line has a segment at least, the grid a number of cells and the march a bar for each; between neighbours lies one \
+              junction, with one encounter; bars, encounters and ends have a tangent for each parameter, and `locate` names a segment"
+)]
 impl March {
     pub(super) fn new(
         line: &Line,
@@ -42,9 +47,10 @@ impl March {
         let mut bars = Vec::new();
         let mut junctions = Vec::new();
         for (body_index, body) in line.bodies.iter().enumerate() {
-            if let Some(gap) = body_index.checked_sub(1).map(|k| line.gaps[k]) {
+            let before = body_index.checked_sub(1);
+            if let Some(gap) = before.and_then(|contact| line.gaps.get(contact)) {
                 junctions.push(Junction::Contact(Contact {
-                    gap,
+                    gap: *gap,
                     gap_tangents: vec![0.0; parameters.len()],
                     closed: false,
                 }));
@@ -174,8 +180,8 @@ impl March {
             self.lost_in_contact += encounter.lost;
             for (parameter, tangents) in self.encounter_tangents.iter_mut().enumerate() {
                 let by = [
-                    tangent_leaving_right(left, parameter),
-                    tangent_leaving_left(right, parameter),
+                    tangent_leaving_right(&left.tangents[parameter]),
+                    tangent_leaving_left(&right.tangents[parameter]),
                 ];
                 tangents[index] = junction.meet_tangent(parameter, &encounter, sides, by, step);
             }
@@ -189,9 +195,9 @@ impl March {
             self.meetings[hand] = end.meet(sides[hand], time, step)?;
             for (parameter, tangents) in self.meeting_tangents.iter_mut().enumerate() {
                 let by = if hand == 0 {
-                    tangent_leaving_left(first, parameter)
+                    tangent_leaving_left(&first.tangents[parameter])
                 } else {
-                    tangent_leaving_right(last, parameter)
+                    tangent_leaving_right(&last.tangents[parameter])
                 };
                 tangents[hand] =
                     end.meet_tangent(parameter, self.meetings[hand], sides[hand], by, step);
@@ -216,9 +222,10 @@ impl March {
             let impedance = bar.impedance;
             bar.right.slide_towards_end();
             bar.left.slide_towards_start();
-            let cells = bar.cells();
-            bar.right.as_mut_slice()[0] = at_left.force / impedance - at_left.velocity;
-            bar.left.as_mut_slice()[cells - 1] = at_right.force / impedance + at_right.velocity;
+            bar.right
+                .set_first(at_left.force / impedance - at_left.velocity);
+            bar.left
+                .set_last(at_right.force / impedance + at_right.velocity);
             for (parameter, tangent) in bar.tangents.iter_mut().enumerate() {
                 let by_left = match index.checked_sub(1) {
                     Some(junction) => self.encounter_tangents[parameter][junction][1],
@@ -233,9 +240,12 @@ impl March {
                 let scaled = |by: Meeting, at: Meeting| (by.force - at.force * growth) / impedance;
                 tangent.right.slide_towards_end();
                 tangent.left.slide_towards_start();
-                tangent.right.as_mut_slice()[0] = scaled(by_left, at_left) - by_left.velocity;
-                tangent.left.as_mut_slice()[cells - 1] =
-                    scaled(by_right, at_right) + by_right.velocity;
+                tangent
+                    .right
+                    .set_first(scaled(by_left, at_left) - by_left.velocity);
+                tangent
+                    .left
+                    .set_last(scaled(by_right, at_right) + by_right.velocity);
             }
         }
     }
@@ -324,30 +334,28 @@ pub struct EndState {
 
 fn leaving_right(bar: &Bar) -> Side {
     Side {
-        arriving: bar.right.as_slice()[bar.cells() - 1],
+        arriving: bar.right.last(),
         impedance: bar.impedance,
     }
 }
 
 fn leaving_left(bar: &Bar) -> Side {
     Side {
-        arriving: bar.left.as_slice()[0],
+        arriving: bar.left.first(),
         impedance: bar.impedance,
     }
 }
 
-fn tangent_leaving_right(bar: &Bar, parameter: usize) -> SideTangent {
-    let tangent = &bar.tangents[parameter];
+fn tangent_leaving_right(tangent: &BarTangent) -> SideTangent {
     SideTangent {
-        arriving: tangent.right.as_slice()[bar.cells() - 1],
+        arriving: tangent.right.last(),
         growth: tangent.impedance_growth,
     }
 }
 
-fn tangent_leaving_left(bar: &Bar, parameter: usize) -> SideTangent {
-    let tangent = &bar.tangents[parameter];
+fn tangent_leaving_left(tangent: &BarTangent) -> SideTangent {
     SideTangent {
-        arriving: tangent.left.as_slice()[0],
+        arriving: tangent.left.first(),
         growth: tangent.impedance_growth,
     }
 }

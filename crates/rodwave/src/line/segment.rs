@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::branch::Branch;
 use crate::error::check_positive;
-use crate::inelastic::{Elastic, InelasticLaw, Maxwell};
+use crate::inelastic::{Elastic, InelasticLaw, Maxwell, check_parameters};
 use crate::modulus::GeneralisedMaxwell;
 use crate::{InelasticRod, RodwaveError};
 
@@ -67,7 +67,7 @@ impl Segment {
     /// A rod of paper D with its cross-sectional `area` \[m²\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as [`Self::with_branch`].
     pub fn of_rod<L>(rod: &InelasticRod<L>, area: f64) -> Result<Self, RodwaveError>
     where
         L: InelasticLaw + 'static,
@@ -100,12 +100,14 @@ impl Segment {
     /// The same piece with one more branch in parallel: a spring of `modulus` \[Pa\] in series with `law`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0; [`RodwaveError::LengthMismatch`] for a law of more
+    /// than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn with_branch<L>(mut self, modulus: f64, law: L) -> Result<Self, RodwaveError>
     where
         L: InelasticLaw + 'static,
         L::Flow: std::fmt::Debug + Clone + 'static,
     {
+        check_parameters::<L>()?;
         self.branches.push(Branch {
             modulus: check_positive("modulus of a branch [Pa]", modulus)?,
             law: Arc::new(law),

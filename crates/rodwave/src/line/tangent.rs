@@ -44,6 +44,10 @@ pub(super) struct BarTangent {
 }
 
 impl BarTangent {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`Line::source` names a branch of the segment of this bar, which has a fraction for each"
+    )]
     pub(super) fn new(bar: &Bar, source: Source) -> Self {
         let cells = bar.cells();
         let share = match source {

@@ -1,6 +1,7 @@
 //! What the thesis prints, computed from its printed numbers: `fixtures/golden`.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::panic,
     reason = "a golden table that cannot be read must fail the test"
 )]

@@ -1,6 +1,7 @@
 //! Bodies in a line against closed forms, other solvers and their own balances.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
