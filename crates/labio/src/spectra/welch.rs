@@ -100,7 +100,14 @@ impl Welch {
     ///
     /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
     /// [`SpectrumAverager::spectra`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a record has a row for each channel, and a segment ends with the samples of the record or before"
+    )]
     pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
+        if record.n_samples() < self.n_samples {
+            return Err(self.too_short(record.n_samples()));
+        }
         let mut averager = self.averager(record.channels(), record.sampling_rate_hz())?;
         let samples = record.samples();
         let samples = samples.as_standard_layout();
@@ -122,8 +129,12 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`], whatever
-    /// the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`],
+    /// [`LabioError::CountMismatch`] if the source makes another block of the one it is to fill, whatever the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "every channel holds the samples of the first, and a segment ends with these or before"
+    )]
     pub fn spectra_of_stream(
         &self,
         source: &mut dyn BlockSource,
@@ -149,15 +160,22 @@ impl Welch {
                     expected: block.ncols(),
                 });
             }
+            if block.nrows() != channels.len() {
+                return Err(LabioError::CountMismatch {
+                    what: "channels of a block",
+                    found: block.nrows(),
+                    expected: channels.len(),
+                });
+            }
             for ((row, held), channel) in block.rows().into_iter().zip(&mut held).zip(&channels) {
                 let n_before = held.len();
                 held.extend(row.iter().take(n_new));
-                let new = &held[n_before..];
-                if let Some(position) = new.iter().position(|sample| !sample.is_finite()) {
+                let mut new = held.iter().skip(n_before).enumerate();
+                if let Some((position, value)) = new.find(|(_, sample)| !sample.is_finite()) {
                     return Err(LabioError::NonFiniteSample {
                         channel: channel.name().to_owned(),
                         index: n_read + position,
-                        value: new[position],
+                        value: *value,
                     });
                 }
             }
@@ -191,14 +209,18 @@ impl Welch {
     ) -> Result<AveragedSpectra, LabioError> {
         let n_segments = averager.n_averages();
         if n_segments == 0 {
-            return Err(LabioError::TooFewSamples {
-                what: "the record to be cut into segments",
-                found: n_available,
-                expected: self.n_samples,
-            });
+            return Err(self.too_short(n_available));
         }
         let window = self.window.sample(self.n_samples)?;
         averager.into_averages(window.independent_averages(n_segments, self.hop())?)
+    }
+
+    fn too_short(&self, n_available: usize) -> LabioError {
+        LabioError::TooFewSamples {
+            what: "the record to be cut into segments",
+            found: n_available,
+            expected: self.n_samples,
+        }
     }
 }
 
@@ -338,6 +360,7 @@ mod tests {
             Welch::new(2).map(|_| ()),
             Welch::new(8).unwrap().with_overlap(8).map(|_| ()),
             Welch::new(21).unwrap().spectra(&record).map(|_| ()),
+            Welch::new(usize::MAX).unwrap().spectra(&record).map(|_| ()),
             Welch::new(21)
                 .unwrap()
                 .spectra_of_stream(&mut infinite)
@@ -349,8 +372,42 @@ mod tests {
         a segment has 2 samples, expected at least 3
         samples of overlap, at most: found 8, expected 7
         the record to be cut into segments has 20 samples, expected at least 21
+        the record to be cut into segments has 20 samples, expected at least 18446744073709551615
         the record to be cut into segments has 20 samples, expected at least 21
         ");
+    }
+
+    #[test]
+    fn a_source_that_makes_another_block_is_refused() {
+        struct Narrow(Played);
+        impl BlockSource for Narrow {
+            fn channels(&self) -> &[Channel] {
+                self.0.channels()
+            }
+            fn sampling_rate_hz(&self) -> f64 {
+                self.0.sampling_rate_hz()
+            }
+            fn n_samples(&self) -> Option<u64> {
+                None
+            }
+            fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+                *block = Array2::zeros((1, block.ncols()));
+                Ok(block.ncols())
+            }
+        }
+        let mut source = Narrow(Played {
+            record: noise(20, 1),
+            position: 0,
+            at_most: 20,
+        });
+        let error = Welch::new(8)
+            .unwrap()
+            .spectra_of_stream(&mut source)
+            .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "channels of a block: found 1, expected 2"
+        );
     }
 
     #[test]
