@@ -8,7 +8,8 @@
 //! writes `target/examples/polypropylene_two_point.svg`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 use std::error::Error;

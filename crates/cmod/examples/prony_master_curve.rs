@@ -9,7 +9,8 @@
 //! Williams, Landel and Ferry, is our choice.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 use std::error::Error;

@@ -29,6 +29,16 @@ pub enum CmodError {
         /// The number of frequencies.
         expected: usize,
     },
+    /// The fields of a result, which anyone may change, do not belong together any more.
+    #[error("the changed result has {found} {what}, expected at least {expected}")]
+    ChangedResult {
+        /// What is counted.
+        what: &'static str,
+        /// The count found.
+        found: usize,
+        /// The count that the other fields ask for.
+        expected: usize,
+    },
     /// There is nothing to evaluate.
     #[error("no line to evaluate")]
     NoLines,

@@ -3,6 +3,7 @@
 //! Spectra and histories are those of chains of impedances; no check uses these.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::approx_constant,
+    clippy::indexing_slicing,
     reason = "a test that cannot read its fixture must fail; a change of 3.1416 % is not pi"
 )]
 

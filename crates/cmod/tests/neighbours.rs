@@ -2,6 +2,7 @@
 //! recursion of impedances along a chain, which shares nothing with the equations that are inverted.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

@@ -2,6 +2,7 @@
 //! which shares nothing with the equation that the method solves.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

@@ -8,7 +8,8 @@
 //! writes `target/examples/measured_impulse_response.svg`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 #[path = "../tests/virtual_laboratory/mod.rs"]

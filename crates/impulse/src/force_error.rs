@@ -116,6 +116,10 @@ impl ForceError {
 
     /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is then added to all
     /// samples with the sign beside it, as a constant that was read from the force itself.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "there are sums for two periods, places in the period are taken modulo it, and a mean is over one period at most"
+    )]
     pub(crate) fn with_lines(
         mut self,
         variances: Vec<f64>,

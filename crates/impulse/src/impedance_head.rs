@@ -78,8 +78,9 @@ impl ImpedanceHead {
         for &value in variance.iter().skip(1).filter(|value| value.is_finite()) {
             check_not_negative("variance of the accelerance [1/kg^2]", value)?;
         }
-        let lines = accelerance.iter().zip(variance).enumerate().skip(1);
-        for (index, (measured, variance)) in lines {
+        let lines = accelerance.iter().zip(variance);
+        let of_face = face.mobility.iter_mut().zip(&mut face.variance);
+        for (index, ((measured, variance), of_face)) in lines.zip(of_face).enumerate().skip(1) {
             let omega = TAU * frequency_step_hz * index as f64;
             let without_head = 1.0 - self.mass_below_gauge * measured;
             let mobility = measured / without_head / Complex64::new(0.0, omega);
@@ -90,8 +91,7 @@ impl ImpedanceHead {
                     index,
                 });
             }
-            face.mobility[index] = mobility;
-            face.variance[index] = variance;
+            (*of_face.0, *of_face.1) = (mobility, variance);
         }
         Ok(face)
     }

@@ -58,6 +58,10 @@ impl StickProblem<'_> {
     ///
     /// As [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`], [`ImpulseError::NonPhysical`] for the
     /// uncertainty.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`force_lines` has found both mobilities of one length, and its lines are as many"
+    )]
     pub fn error(&self, uncertainty: &StickUncertainty<'_>) -> Result<ForceError, ImpulseError> {
         let (lines, _) = self.force_lines()?;
         uncertainty.check(self)?;
@@ -155,6 +159,10 @@ impl StickUncertainty<'_> {
     }
 
     /// Variance of the sum of the mobilities.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`check` has found a variance for each line of the mobilities"
+    )]
     fn variance_at(&self, line: usize) -> f64 {
         [self.first_variance, self.second_variance]
             .into_iter()

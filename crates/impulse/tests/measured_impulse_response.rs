@@ -2,6 +2,7 @@
 //! ones (II), for the four cases.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

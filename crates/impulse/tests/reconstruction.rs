@@ -2,6 +2,7 @@
 //! on the axis.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

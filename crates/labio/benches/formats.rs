@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     missing_docs,
+    clippy::indexing_slicing,
     reason = "a benchmark fails by a panic; the macro of criterion documents nothing"
 )]
 

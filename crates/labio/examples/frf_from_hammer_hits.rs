@@ -7,7 +7,8 @@
 //! writes the lines as a table, by default `target/examples/frf_from_hammer_hits.csv`, and a figure beside it.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 mod free_body;

@@ -7,7 +7,8 @@
 //! writes the merged lines with the share of each hammer, by default `target/examples/merge_two_hammers.csv`.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 mod free_body;

@@ -7,7 +7,8 @@
 //! The default of 10^8 samples takes 1.6 GB of the folder for temporary files while it runs.
 #![allow(
     clippy::print_stdout,
-    reason = "an example talks to the one who runs it"
+    clippy::indexing_slicing,
+    reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
 use std::error::Error;

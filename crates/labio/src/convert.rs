@@ -116,10 +116,14 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if its arrays have unequal lengths.
+    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the response are not of one length.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`check_lengths` has found one element for each value in every list"
+    )]
     pub fn to_kind(&self, kind: ResponseKind) -> Result<Self, LabioError> {
-        self.check_shape()?;
         let from = self.kind()?;
+        self.check_lengths()?;
         let exchange = from.is_motion_over_force() != kind.is_motion_over_force();
         let motion_over_force = kind.derivatives() - from.derivatives();
         let power = if from.is_motion_over_force() {
@@ -181,6 +185,10 @@ impl FrequencyResponse {
     }
 
     /// Takes all information from a line.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`line` counts the values, and `check_lengths` has found one element for each in every list"
+    )]
     pub(crate) fn invalidate(&mut self, line: usize, reason: LineValidity) {
         let none = f64::NAN;
         self.validity[line] = reason;

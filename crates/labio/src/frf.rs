@@ -143,47 +143,46 @@ impl FrequencyResponse {
     }
 
     /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential window, or 0.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`line` counts the values, and `check_lengths` has found a frequency for each"
+    )]
     pub(crate) fn laplace_variable(&self, line: usize) -> Complex64 {
         let sigma = self.added_damping.map_or(0.0, |window| window.decay_rate());
         Complex64::new(sigma, std::f64::consts::TAU * self.frequency_hz[line])
     }
 
-    /// Refuses a response whose arrays have been given other lengths than each other.
-    pub(crate) fn check_shape(&self) -> Result<(), LabioError> {
+    /// Refuses a response whose lists, which anyone may change, are not of one length any more.
+    pub(crate) fn check_lengths(&self) -> Result<(), LabioError> {
         let expected = self.values.len();
-        let lengths = [
-            ("frequencies of a response", Some(self.frequency_hz.len())),
-            ("validities of a response", Some(self.validity.len())),
-            (
-                "coherences of a response",
-                self.coherence.as_ref().map(Vec::len),
-            ),
-            (
-                "variances of a response",
-                self.variance.as_ref().map(Vec::len),
-            ),
+        let length = |lines: &Option<Vec<f64>>| lines.as_ref().map_or(expected, Vec::len);
+        let lists = [
+            ("frequencies of the response", self.frequency_hz.len()),
+            ("lines of the coherence", length(&self.coherence)),
+            ("lines of the variance", length(&self.variance)),
+            ("lines of the validity", self.validity.len()),
         ];
-        for (what, found) in lengths {
-            if let Some(found) = found.filter(|found| *found != expected) {
-                return Err(LabioError::CountMismatch {
-                    what,
-                    found,
-                    expected,
-                });
-            }
+        match lists.into_iter().find(|(_, found)| *found != expected) {
+            None => Ok(()),
+            Some((what, found)) => Err(LabioError::CountMismatch {
+                what,
+                found,
+                expected,
+            }),
         }
-        Ok(())
     }
 
     /// Refuses a response with lines that carry no information.
     pub(crate) fn check_complete(&self, what: &'static str) -> Result<(), LabioError> {
-        let mut invalid = self.invalid_lines();
-        match invalid.next() {
+        self.check_lengths()?;
+        let lines = self.frequency_hz.iter().zip(&self.validity);
+        let mut missing = lines.filter(|(_, validity)| **validity != LineValidity::Valid);
+        match missing.next() {
             None => Ok(()),
-            Some(first) => Err(LabioError::MissingLines {
+            Some((first_hz, _)) => Err(LabioError::MissingLines {
                 what,
-                first_hz: self.frequency_hz[first],
-                count: 1 + invalid.count(),
+                first_hz: *first_hz,
+                count: 1 + missing.count(),
             }),
         }
     }
@@ -315,9 +314,9 @@ impl Pair<'_> {
         let mut coherence = vec![0.0; n_lines];
         self.coherence(&mut coherence);
         if estimator != Estimator::H1 {
-            for (line, coherence) in coherence.iter_mut().enumerate() {
+            for (coherence, validity) in coherence.iter_mut().zip(&mut validity) {
                 if *coherence <= least_coherence {
-                    validity[line] = LineValidity::NoCorrelation;
+                    *validity = LineValidity::NoCorrelation;
                     *coherence = f64::NAN;
                 }
             }

@@ -33,9 +33,9 @@ impl FrequencyResponse {
     /// # Errors
     ///
     /// [`LabioError::MissingLines`] if a line carries no information: zero would be as much of an invention as any other
-    /// number.
+    /// number. [`LabioError::CountMismatch`] if the lists of the response are not of one length, or not that of its samples.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
-        self.check_shape()?;
+        self.check_lengths()?;
         self.check_complete("an impulse response")?;
         let n_lines = self.n_samples / 2 + 1;
         let (Some(spacing_hz), true) = (self.frequency_hz.get(1), self.values.len() == n_lines)
@@ -51,11 +51,12 @@ impl FrequencyResponse {
         for value in &mut values {
             *value *= sampling_rate_hz;
         }
-        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        let mut numbered = values.iter().enumerate();
+        if let Some((index, value)) = numbered.find(|(_, value)| !value.is_finite()) {
             return Err(LabioError::NonFiniteSample {
                 channel: "impulse response".to_owned(),
                 index,
-                value: values[index],
+                value: *value,
             });
         }
         Ok(ImpulseResponse {
@@ -102,7 +103,7 @@ impl ImpulseResponse {
     /// The values at the lags 0, 1, ... that count as times after the impulse.
     #[must_use]
     pub fn causal_values(&self) -> &[f64] {
-        &self.values[..self.n_causal()]
+        self.halves().0
     }
 
     /// Energy at the lags before the impulse as part of all: $`\sum_{t<0}h^2/\sum h^2`$. 0 for a causal response that dies
@@ -116,8 +117,8 @@ impl ImpulseResponse {
             return 0.0;
         }
         let energy = |values: &[f64]| values.iter().map(|h| (h / largest).powi(2)).sum::<f64>();
-        let before = energy(&self.values[self.n_causal()..]);
-        let after = energy(self.causal_values());
+        let (after, before) = self.halves();
+        let (after, before) = (energy(after), energy(before));
         if before > 0.0 {
             before / (before + after)
         } else {
@@ -129,7 +130,9 @@ impl ImpulseResponse {
     #[must_use]
     pub fn causal(&self) -> Self {
         let mut causal = self.clone();
-        causal.values[self.n_causal()..].fill(0.0);
+        for value in causal.values.iter_mut().skip(self.n_causal()) {
+            *value = 0.0;
+        }
         causal
     }
 
@@ -181,6 +184,11 @@ impl ImpulseResponse {
 
     fn n_causal(&self) -> usize {
         self.values.len().div_ceil(2)
+    }
+
+    /// The values at the lags after the impulse, and at those before it.
+    fn halves(&self) -> (&[f64], &[f64]) {
+        self.values.split_at(self.n_causal())
     }
 }
 

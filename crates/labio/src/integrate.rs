@@ -104,12 +104,13 @@ pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>,
 
 /// Accepts a result that has stayed within the range of numbers.
 fn in_range(what: &str, result: Vec<f64>) -> Result<Vec<f64>, LabioError> {
-    match result.iter().position(|value| !value.is_finite()) {
+    let mut numbered = result.iter().enumerate();
+    match numbered.find(|(_, value)| !value.is_finite()) {
         None => Ok(result),
-        Some(index) => Err(LabioError::NonFiniteSample {
+        Some((index, &value)) => Err(LabioError::NonFiniteSample {
             channel: what.to_owned(),
             index,
-            value: result[index],
+            value,
         }),
     }
 }

@@ -28,6 +28,10 @@ pub struct MergedResponse {
     pub discrepancy: Vec<f64>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
+)]
 impl MergedResponse {
     /// Takes each line from the test with the larger averaged auto-spectrum of the input (Ödeen 1993, paper E, section 3.1). A
     /// test without information on a line does not compete for it.
@@ -97,8 +101,8 @@ impl MergedResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a test, [`LabioError::TooFewAverages`] if a test is of one hit and has no variance,
-    /// [`LabioError::ResponseMismatch`].
+    /// [`LabioError::CountMismatch`] without a test, or if the lists of one are not of one length; [`LabioError::TooFewAverages`] if a
+    /// test is of one hit and has no variance; [`LabioError::ResponseMismatch`].
     pub fn by_inverse_variance(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let mut merged = Self::like(tests)?;
         for test in tests {
@@ -147,10 +151,8 @@ impl MergedResponse {
                 expected: 1,
             });
         };
-        for test in tests {
-            test.check_shape()?;
-        }
-        for (index, test) in tests.iter().enumerate().skip(1) {
+        for (index, test) in tests.iter().enumerate() {
+            test.check_lengths()?;
             check_alike(first, test, index)?;
         }
         let n_lines = first.values.len();
@@ -161,11 +163,11 @@ impl MergedResponse {
             coherence: None,
             ..first.clone()
         };
-        for line in 0..n_lines {
+        for (line, validity) in first.validity.iter().enumerate() {
             // where no test has a line, the first says why; a line that is found valid overwrites it
-            let reason = match first.validity[line] {
+            let reason = match validity {
                 LineValidity::Valid => LineValidity::NoInput,
-                reason => reason,
+                reason => *reason,
             };
             response.invalidate(line, reason);
         }
@@ -189,6 +191,10 @@ impl MergedResponse {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
 fn variance_at(test: &FrequencyResponse, line: usize) -> f64 {
     test.variance
         .as_ref()
@@ -196,6 +202,10 @@ fn variance_at(test: &FrequencyResponse, line: usize) -> f64 {
 }
 
 /// Inverse variances; 0 without information. Tests without any scatter share a line among themselves.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
 fn weigh(tests: &[FrequencyResponse], line: usize, weights: &mut [f64]) {
     let mut certain = false;
     for (test, weight) in tests.iter().zip(&mut *weights) {
@@ -214,6 +224,10 @@ fn weigh(tests: &[FrequencyResponse], line: usize, weights: &mut [f64]) {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
 fn discrepancy(tests: &[FrequencyResponse], line: usize) -> f64 {
     let mut weights = vec![0.0; tests.len()];
     weigh(tests, line, &mut weights);
@@ -247,6 +261,10 @@ fn check_alike(
     if test.n_samples != first.n_samples {
         let (found, expected) = (test.n_samples, first.n_samples);
         return differ("number of samples", found.to_string(), expected.to_string());
+    }
+    if test.values.len() != first.values.len() {
+        let (found, expected) = (test.values.len(), first.values.len());
+        return differ("number of lines", found.to_string(), expected.to_string());
     }
     for (what, found, expected) in [
         ("input", &test.input, &first.input),

@@ -78,6 +78,10 @@ impl AveragedSpectra {
     ///
     /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`], [`LabioError::DuplicateChannel`] if a
     /// channel is named twice, [`LabioError::TooFewAverages`] unless there is effectively more than one average more than inputs.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the lists hold the q inputs and behind them the output, and all spectra of one average have the same lines"
+    )]
     pub fn multi_input(
         &self,
         inputs: &[&str],
@@ -182,6 +186,10 @@ struct ConditionedLine {
     multiple: f64,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the factor has q rows of q elements, the lists q elements, and every index counts to q"
+)]
 impl ConditionedLine {
     fn new(q: usize) -> Self {
         Self {

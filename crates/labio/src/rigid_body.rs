@@ -87,8 +87,12 @@ impl RigidBody {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoResponseKind`]; [`LabioError::NonPhysical`] if the band is empty; [`LabioError::TooFewSamples`] if it holds
+    /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty; [`LabioError::TooFewSamples`] if it holds
     /// fewer than three lines with information.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"
+    )]
     pub fn complete(
         &self,
         response: &FrequencyResponse,
@@ -129,12 +133,14 @@ impl RigidBody {
         }
         let mut completed = accelerance.to_kind(kind)?;
         // measured lines are handed back as they came, not converted there and back
-        let values = response.values[first_measured..].iter();
-        for (slot, value) in completed.values[first_measured..].iter_mut().zip(values) {
+        let values = completed.values.iter_mut().zip(&response.values);
+        for (slot, value) in values.skip(first_measured) {
             *slot = *value;
         }
         if let (Some(to), Some(from)) = (&mut completed.variance, &response.variance) {
-            to[first_measured..].copy_from_slice(&from[first_measured..]);
+            for (slot, variance) in to.iter_mut().zip(from).skip(first_measured) {
+                *slot = *variance;
+            }
         }
         Ok(CompletedResponse {
             response: completed,
@@ -145,6 +151,10 @@ impl RigidBody {
         })
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`to_kind` refuses a response whose lists are not of one length, and the lines in the band are some of its values"
+    )]
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
         // A M - 1 = e s^2 (this body), and A M = a + b s^2 (whatever was measured); the scale keeps the sums near 1
         let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);

@@ -185,11 +185,19 @@ impl AveragedSpectra {
         self.effective_averages.sqrt().recip()
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the place that `find` tells of a channel is that of its lines"
+    )]
     pub(crate) fn auto_lines(&self, channel: &str) -> Result<&[f64], LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;
         Ok(&self.auto[index])
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`pair_index` counts the pairs of the channels that `find` has placed, and every pair has its lines"
+    )]
     pub(crate) fn cross_lines(
         &self,
         first: &str,
@@ -222,6 +230,10 @@ pub(crate) enum CrossLines<'a> {
 }
 
 impl CrossLines<'_> {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "all spectra of one average have the same lines, which the caller counts"
+    )]
     pub(crate) fn at(self, line: usize) -> Complex64 {
         match self {
             Self::Auto(lines) => lines[line].into(),

@@ -25,6 +25,30 @@ pub trait BlockSource {
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
 
+/// Lets `source` fill `block`; refuses more samples than it has room for, and one of other channels in its place.
+pub(crate) fn read_next<S: BlockSource + ?Sized>(
+    source: &mut S,
+    block: &mut Array2<f64>,
+) -> Result<usize, LabioError> {
+    let n_channels = block.nrows();
+    let n = source.read_block(block)?;
+    if n > block.ncols() {
+        return Err(LabioError::CountMismatch {
+            what: "samples read into a block, at most",
+            found: n,
+            expected: block.ncols(),
+        });
+    }
+    if block.nrows() != n_channels {
+        return Err(LabioError::CountMismatch {
+            what: "rows of a block of samples",
+            found: block.nrows(),
+            expected: n_channels,
+        });
+    }
+    Ok(n)
+}
+
 impl<S: BlockSource + ?Sized> BlockSource for Box<S> {
     fn channels(&self) -> &[Channel] {
         (**self).channels()
@@ -40,5 +64,76 @@ impl<S: BlockSource + ?Sized> BlockSource for Box<S> {
 
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
         (**self).read_block(block)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hits::{Criteria, Extent, Trigger, find_hits_in_blocks};
+    use crate::{CalibratedBlocks, Provenance, Quantity, Rating, SensorChain, Welch};
+
+    /// Says that it has filled the block, and hands back one of `shape` in its place.
+    struct Careless {
+        channels: Vec<Channel>,
+        shape: (usize, usize),
+        said: usize,
+    }
+
+    impl BlockSource for Careless {
+        fn channels(&self) -> &[Channel] {
+            &self.channels
+        }
+
+        fn sampling_rate_hz(&self) -> f64 {
+            1000.0
+        }
+
+        fn n_samples(&self) -> Option<u64> {
+            None
+        }
+
+        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+            *block = Array2::zeros(self.shape);
+            Ok(self.said)
+        }
+    }
+
+    #[test]
+    fn a_source_that_does_not_fill_its_block_is_refused() {
+        let channels = ["a", "b"].map(|name| Channel::new(name, Quantity::Voltage).unwrap());
+        let trigger = Trigger::new("a", 1.0, Extent::Samples(16)).unwrap();
+        let sensitivity = Rating::new(0.5, "V/N").unwrap();
+        let chain = SensorChain::of_sensitivity(sensitivity).unwrap();
+        for (shape, said, expected) in [
+            ((1, 9), 9, "rows of a block of samples: found 1, expected 2"),
+            (
+                (2, 9),
+                10,
+                "samples read into a block, at most: found 10, expected 9",
+            ),
+        ] {
+            let source = || Careless {
+                channels: channels.to_vec(),
+                shape,
+                said,
+            };
+            let provenance = Provenance::computed("nothing");
+            let criteria = Criteria::default();
+            let chains = vec![("b".to_owned(), chain.clone())];
+            let mut calibrated = CalibratedBlocks::new(source(), chains).unwrap();
+            let mut block = Array2::zeros((2, 16));
+            let refusals = [
+                Welch::new(8)
+                    .unwrap()
+                    .spectra_of_stream(&mut source())
+                    .map(|_| ()),
+                find_hits_in_blocks(&mut source(), &provenance, &trigger, &criteria).map(|_| ()),
+                calibrated.read_block(&mut block).map(|_| ()),
+            ];
+            for refusal in refusals {
+                assert_eq!(refusal.unwrap_err().to_string(), expected);
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@
     clippy::panic,
     clippy::print_stdout,
     clippy::float_cmp,
+    clippy::indexing_slicing,
     reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 

@@ -4,6 +4,7 @@
     clippy::unwrap_used,
     clippy::print_stderr,
     clippy::float_cmp,
+    clippy::indexing_slicing,
     reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
 )]
 

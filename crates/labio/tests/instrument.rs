@@ -2,6 +2,7 @@
 
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "an instrument that should work and does not is the failure that the test reports"
 )]
 

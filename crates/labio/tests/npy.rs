@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::indexing_slicing,
     reason = "a test fails by a panic; small integers and dyadic numbers are exact"
 )]
 

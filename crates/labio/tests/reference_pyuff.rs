@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::indexing_slicing,
     reason = "a reference that cannot be read must fail the test, and values are exact"
 )]
 

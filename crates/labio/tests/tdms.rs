@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::panic,
     clippy::float_cmp,
+    clippy::indexing_slicing,
     reason = "tests: a panic is the report, and values are exact"
 )]
 

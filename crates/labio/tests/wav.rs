@@ -4,6 +4,7 @@
     clippy::panic,
     clippy::float_cmp,
     clippy::cast_possible_truncation,
+    clippy::indexing_slicing,
     reason = "a test fails by a panic; fractions of full scale are dyadic numbers and exact"
 )]
 

@@ -255,9 +255,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Most classes, so that a number that is no class does not ask for weights of as many.
-const MOST_CLASSES: usize = 1 << 16;
-
 /// Length of the features and number of classes.
 fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), MaxwellidError> {
     let length = features.first().map_or(0, Vec::len);

@@ -58,6 +58,10 @@ impl Differentiator {
             };
             let mut next: Vec<f64> = before.iter().zip(&points).map(|(q, x)| q * x).collect();
             // (x q)' = q + x q'
+            #[allow(
+                clippy::indexing_slicing,
+                reason = "there are 2m + 1 points, and a value of every polynomial at each"
+            )]
             let mut slope = before[half_width] + points[half_width] * slope_before;
             for _ in 0..2 {
                 for (other, its_slope) in &polynomials {

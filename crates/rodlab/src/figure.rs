@@ -177,13 +177,13 @@ impl Role {
     /// The role of the series number `index` of several, from 0; the roles come again after the fifth.
     #[must_use]
     pub fn of_series(index: usize) -> Self {
-        [
-            Self::First,
-            Self::Second,
-            Self::Third,
-            Self::Fourth,
-            Self::Fifth,
-        ][index % 5]
+        match index % 5 {
+            0 => Self::First,
+            1 => Self::Second,
+            2 => Self::Third,
+            3 => Self::Fourth,
+            _ => Self::Fifth,
+        }
     }
 }
 

@@ -71,8 +71,12 @@ pub fn write(
     files.push((RESULT.to_owned(), json_of(outcome, sheet)?.into_bytes()));
     let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     names.sort_unstable();
-    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let error = io::Error::other(format!("two of them are called {}", twice[0]));
+    let twice = names.windows(2).find_map(|pair| match pair {
+        [name, next] if name == next => Some(*name),
+        _ => None,
+    });
+    if let Some(twice) = twice {
+        let error = io::Error::other(format!("two of them are called {twice}"));
         return Err(RodlabError::step("writing the files of the result", error));
     }
     // all of them are on the disk before the first takes its name: a disk that becomes full leaves what was there

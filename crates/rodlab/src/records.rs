@@ -99,6 +99,10 @@ impl Records {
     }
 
     /// Puts one file into `loaded`, or returns why it was left out.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`chosen` has the places of series of the file for each channel of the sheet; where a channel is missing another is there"
+    )]
     fn load_bytes(
         &self,
         bytes: &[u8],
@@ -224,10 +228,8 @@ impl Records {
             ));
         }
         for (at, channel) in self.channels.iter().enumerate() {
-            if let Some(before) = self.channels[..at]
-                .iter()
-                .position(|other| other.name == channel.name)
-            {
+            let mut earlier = self.channels.iter().take(at);
+            if let Some(before) = earlier.position(|other| other.name == channel.name) {
                 return Err(RodlabError::request(
                     format!("{field}.channels[{at}].name"),
                     format!("`{}`", channel.name),
@@ -239,6 +241,10 @@ impl Records {
     }
 
     /// The channels of the sheet, under its names, with their sensors.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`indices` are the places of channels in the record"
+    )]
     fn calibrated(
         &self,
         record: &Record,

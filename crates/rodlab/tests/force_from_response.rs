@@ -3,6 +3,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
+    clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports; what is skipped is said"
 )]
 

@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports; counts of steps are small"
 )]
 

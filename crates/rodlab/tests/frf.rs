@@ -9,6 +9,7 @@
     clippy::print_stderr,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    clippy::indexing_slicing,
     reason = "a test that cannot go on has failed, one that is skipped says so, and numbers of samples are small"
 )]
 

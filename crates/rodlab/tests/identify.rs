@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::cast_precision_loss,
     clippy::panic,
+    clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
 )]
 

@@ -2,6 +2,7 @@
 //! closed form; of files; of computed bodies.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports"
 )]
 

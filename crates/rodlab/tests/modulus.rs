@@ -9,6 +9,7 @@
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::print_stdout,
+    clippy::indexing_slicing,
     reason = "a failing test should say so at once"
 )]
 

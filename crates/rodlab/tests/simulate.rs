@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::cast_precision_loss,
+    clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
 )]
 

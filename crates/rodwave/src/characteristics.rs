@@ -21,7 +21,9 @@
 
 use crate::band_limited::{VelocityHistory, check_times};
 use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
-use crate::inelastic::{InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, lanes};
+use crate::inelastic::{
+    InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, check_parameters, lanes,
+};
 use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
 use crate::sliding_window::SlidingWindow;

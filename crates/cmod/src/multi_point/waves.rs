@@ -90,14 +90,14 @@ pub(super) fn waves_at(
     let (x_wanted, t_wanted) = wanted.derivatives();
     let order = x_wanted - x_measured;
     let in_time = Complex64::new(0.0, TAU * line.frequency_hz).powi(t_wanted - t_measured);
-    let wave = |index: usize, way: f64, sign: f64| {
+    let wave = |(amplitude, drift): (Complex64, Complex64), way: f64, sign: f64| {
         let factor = in_time * (sign * line.gamma).powi(order) * (-line.gamma * way).exp();
-        let by_gamma =
-            -test.drift[index] + test.amplitudes[index] * (f64::from(order) / line.gamma - way);
-        (factor, factor * test.amplitudes[index], factor * by_gamma)
+        let by_gamma = -drift + amplitude * (f64::from(order) / line.gamma - way);
+        (factor, factor * amplitude, factor * by_gamma)
     };
-    let (forward_factor, forward, forward_slope) = wave(0, from_first, -1.0);
-    let (backward_factor, backward, backward_slope) = wave(1, to_last, 1.0);
+    let ([p, n], [p_drift, n_drift]) = (test.amplitudes, test.drift);
+    let (forward_factor, forward, forward_slope) = wave((p, p_drift), from_first, -1.0);
+    let (backward_factor, backward, backward_slope) = wave((n, n_drift), to_last, 1.0);
     let (first, second, shared) = line.covariance;
     let variance = line.gamma_variance;
     WavesAtSection {

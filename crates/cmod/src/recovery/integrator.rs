@@ -63,6 +63,10 @@ pub(super) struct Interval {
 }
 
 /// Unknowns at the end of `interval`, or the time at which the steps became too many or too small.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "each of the rows of `STAGES`, which are fewer than the stages, makes the stage of its own number"
+)]
 pub(super) fn integrate(
     start: Unknowns,
     interval: &Interval,

@@ -18,6 +18,10 @@ pub(super) struct LocalPolynomial {
     coefficients: [Complex64; TERMS],
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "k counts the terms, and all lists are arrays of `TERMS` elements"
+)]
 impl LocalPolynomial {
     /// Through points of abscissa, value and weight; `None` if they do not determine it.
     pub(super) fn through(

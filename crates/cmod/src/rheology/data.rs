@@ -199,6 +199,13 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
             "a finite value above 0",
         );
     }
+    if !(std::f64::consts::TAU * point.frequency_hz).is_finite() {
+        return refused(
+            "frequency [Hz]",
+            point.frequency_hz,
+            "a value whose angular frequency is finite",
+        );
+    }
     for (quantity, value) in [
         ("storage modulus [Pa]", point.modulus.re),
         ("loss modulus [Pa]", point.modulus.im),

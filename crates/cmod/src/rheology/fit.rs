@@ -216,15 +216,17 @@ impl RheologicalFit {
             }
             Law::FractionalZener => {
                 let model = model::fractional_zener()?;
-                let starts = start::of_one_relaxation(data, Shape::FractionalZener);
+                let mut starts = start::of_one_relaxation(data, Shape::FractionalZener);
+                starts.truncate(2);
                 let wrap = |at: &[f64]| Ok(FittedLaw::FractionalZener(model.law_at(at)?));
-                best_of(&model, data, &starts[..2], options, law, wrap)
+                best_of(&model, data, &starts, options, law, wrap)
             }
             Law::HavriliakNegami => {
                 let model = model::havriliak_negami()?;
-                let starts = start::of_one_relaxation(data, Shape::HavriliakNegami);
+                let mut starts = start::of_one_relaxation(data, Shape::HavriliakNegami);
+                starts.truncate(3);
                 let wrap = |at: &[f64]| Ok(FittedLaw::HavriliakNegami(model.law_at(at)?));
-                best_of(&model, data, &starts[..3], options, law, wrap)
+                best_of(&model, data, &starts, options, law, wrap)
             }
             Law::GeneralisedMaxwell => Ok(PronyFit::new(data, options)?.fit),
             Law::PowerLaw { density } => {
@@ -334,14 +336,21 @@ impl RheologicalFit {
     /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if a law of more parameters
+    /// has been put in the place of the fitted one.
     pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
         let model = self.law.model()?;
         let parameters = model.kinds().len();
         let mut modulus = [Complex64::ZERO];
         let mut gradient = vec![Complex64::ZERO; parameters];
-        let at = &self.coordinates[..parameters];
+        let Some(at) = self.coordinates.get(..parameters) else {
+            return Err(CmodError::ChangedResult {
+                what: "fitted parameters",
+                found: self.coordinates.len(),
+                expected: parameters,
+            });
+        };
         model.evaluate(at, &[omega], &mut modulus, &mut gradient);
         let covariance = self
             .information

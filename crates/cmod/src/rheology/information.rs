@@ -17,6 +17,10 @@ pub(super) struct Information {
     pub(super) directions: Vec<Vec<f64>>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "every singular value has a direction, every direction an element for each parameter, and an index counts one or the other"
+)]
 impl Information {
     /// `None` if the Jacobian is not finite.
     pub(super) fn of(linearised: &Linearised, parameters: usize) -> Option<Self> {

@@ -91,6 +91,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     }
 
     /// The parameters, or the coordinates of a lower minimum.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`at`, the variances and the correlations have one entry for each of the kinds of the model"
+    )]
     fn parameters(
         &self,
         minimum: &Minimum,
@@ -168,6 +172,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         Ok(parameters)
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`index` and the partner count the kinds of the model, and a kind knows the place of its own relaxation time"
+    )]
     fn reason(
         &self,
         minimum: &Minimum,

@@ -88,6 +88,10 @@ impl Linearised {
     }
 
     /// χ² at `at`; `None` where there is no law or no finite value.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the lists were made for all lines of the data, with as many parameters as `at` has"
+    )]
     pub(super) fn evaluate<M: Model + ?Sized>(
         &mut self,
         model: &M,
@@ -206,6 +210,10 @@ struct Normal {
     held: Vec<bool>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the matrices have p rows of p elements and the lists p, and every index counts to p"
+)]
 impl Normal {
     fn new(parameters: usize) -> Self {
         Self {

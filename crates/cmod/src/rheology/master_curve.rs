@@ -80,6 +80,11 @@ impl MasterCurve {
     ///
     /// # Errors
     /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise as [`RheologicalFit::new`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`reference` is below the number of temperatures, of which all lists have one element each; `others` are some of \
+                  them, and the shifts of these are the last parameters"
+    )]
     pub fn new(
         sweep: &TemperatureSweep,
         reference: usize,
@@ -210,7 +215,8 @@ impl MasterCurve {
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] below three temperatures; [`CmodError::ShiftsUndetermined`] if the data leave a
-    /// combination of the shifts open.
+    /// combination of the shifts open; [`CmodError::ChangedResult`] if lists of this result have been changed and there are more
+    /// shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
         let reference = self.reference_temperature;
         let others: Vec<&Shift> = self
@@ -219,13 +225,18 @@ impl MasterCurve {
             .filter(|shift| shift.temperature.total_cmp(&reference).is_ne())
             .collect();
         let parameters = self.fit.parameters.len();
-        let first = parameters - others.len();
-        let unit = |k: usize| {
-            let mut unit = vec![0.0; parameters];
-            unit[first + k] = 1.0;
-            unit
+        let Some(first) = parameters.checked_sub(others.len()) else {
+            return Err(CmodError::ChangedResult {
+                what: "parameters, the shifts among them",
+                found: parameters,
+                expected: others.len(),
+            });
         };
-        let units: Vec<Vec<f64>> = (0..others.len()).map(unit).collect();
+        let unit = |own: usize| -> Vec<f64> {
+            let is_own = |k: usize| f64::from(u8::from(k == own));
+            (0..parameters).map(is_own).collect()
+        };
+        let units: Vec<Vec<f64>> = (first..parameters).map(unit).collect();
         let information = &self.fit.information;
         let covariance: Vec<Vec<f64>> = units
             .iter()
@@ -257,6 +268,10 @@ fn overlaps(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<f64>> {
 }
 
 /// ln a_T with 0 at the reference.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "there is one entry for each temperature, and `reference` is below their number"
+)]
 fn accumulated(overlaps: &[Option<f64>], reference: usize) -> Vec<f64> {
     let mut sum = 0.0;
     let all: Vec<f64> = overlaps

@@ -34,6 +34,10 @@ const LEAST_PIVOT: f64 = 1e-12;
 /// Of so few columns all are tried at once before the search.
 const FEW: usize = 40;
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the matrix has n rows of n elements and the lists n, and all indices are numbers of columns, of which there are n"
+)]
 impl NonNegative {
     /// `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
     pub(super) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {

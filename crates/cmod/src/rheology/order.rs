@@ -196,9 +196,10 @@ impl Series {
         let mut columns = vec![constant(data)];
         columns.extend(times.iter().map(|time| column(data, *time)));
         let optimum = NonNegative::new(&columns, &target(data)).solve();
+        let (equilibrium, moduli) = optimum.coefficients.split_at(1);
         let mut branches: Vec<MaxwellBranch> = Vec::new();
         let mut previous = false;
-        for (relaxation_time, modulus) in times.iter().zip(&optimum.coefficients[1..]) {
+        for (relaxation_time, modulus) in times.iter().zip(moduli) {
             if *modulus > 0.0 {
                 let line = MaxwellBranch {
                     modulus: *modulus,
@@ -212,7 +213,7 @@ impl Series {
             previous = *modulus > 0.0;
         }
         Self {
-            equilibrium: optimum.coefficients[0],
+            equilibrium: equilibrium.first().copied().unwrap_or(0.0),
             branches,
         }
     }
@@ -239,18 +240,14 @@ impl Series {
     /// With the largest branch as two, or the first one.
     fn split(&self, data: &ModulusData) -> Self {
         let mut longer = self.clone();
-        let largest = (0..self.branches.len()).max_by(|a, b| {
-            let modulus = |i: &usize| self.branches[*i].modulus;
-            modulus(a).total_cmp(&modulus(b))
-        });
-        if let Some(largest) = largest {
-            let whole = self.branches[largest];
+        let branches = self.branches.iter().enumerate();
+        let largest = branches.max_by(|(_, a), (_, b)| a.modulus.total_cmp(&b.modulus));
+        if let Some((at, whole)) = largest {
             let half = |factor: f64| MaxwellBranch {
                 modulus: 0.5 * whole.modulus,
                 relaxation_time: whole.relaxation_time * factor,
             };
-            longer.branches[largest] = half(0.7);
-            longer.branches.insert(largest + 1, half(1.4));
+            longer.branches.splice(at..=at, [half(0.7), half(1.4)]);
         } else {
             let (lowest, highest) = data.band();
             longer.branches.push(MaxwellBranch {

@@ -77,8 +77,12 @@ fn interpolated(curve: &ModulusData, omega: f64) -> Option<Complex64> {
     if right == 0 {
         return None;
     }
-    let (left, right) = (curve.omega.get(right - 1..=right)?, right);
-    let share = (omega / left[0]).ln() / (left[1] / left[0]).ln();
-    let moduli = curve.modulus.get(right - 1..=right)?;
-    Some(moduli[0] * (1.0 - share) + moduli[1] * share)
+    let &[before, after] = curve.omega.get(right - 1..=right)? else {
+        return None;
+    };
+    let &[left, right] = curve.modulus.get(right - 1..=right)? else {
+        return None;
+    };
+    let share = (omega / before).ln() / (after / before).ln();
+    Some(left * (1.0 - share) + right * share)
 }

@@ -19,6 +19,10 @@ pub(super) enum End {
 }
 
 /// Searches for the coordinate `index` from the minimum `at` in the direction of the sign of `first_step`.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`index` is that of a parameter of the model, and `at` and the minima have one coordinate for each"
+)]
 pub(super) fn end<M: Model + ?Sized>(
     model: &M,
     data: &ModulusData,

@@ -64,6 +64,10 @@ impl Prony {
         usize::from(self.solid)
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`at` has the coordinates that `kinds` names: two for each branch behind the first"
+    )]
     pub(super) fn law_at(&self, at: &[f64]) -> Result<GeneralisedMaxwell, RodwaveError> {
         let (equilibrium, rest) = at.split_at(self.first());
         let branches = rest[..2 * self.branches]
@@ -107,6 +111,10 @@ impl Model for Prony {
         &self.kinds
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`at`, and with it every row, has the coordinates that `kinds` names; `modulus` has the lines of `omega`"
+    )]
     fn evaluate(
         &self,
         at: &[f64],

@@ -307,6 +307,10 @@ struct Cholesky {
     rows: Vec<Vec<f64>>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the matrix is square, row i of its factor has i + 1 elements, and x has one for each row"
+)]
 impl Cholesky {
     fn of(matrix: &[Vec<f64>]) -> Option<Self> {
         let mut rows: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());

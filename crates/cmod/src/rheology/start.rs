@@ -40,6 +40,10 @@ impl Shape {
 }
 
 /// Coordinates to start from, the best first.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`lines` are numbers of lines of `data`"
+)]
 pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     let lines = some_lines(data);
     let (lowest, highest) = data.band();
@@ -114,6 +118,10 @@ fn some_lines(data: &ModulusData) -> Vec<usize> {
 
 /// The best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is a thousandth of the modulus, which
 /// the iteration can leave.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`lines` are numbers of lines of `data`"
+)]
 fn two_moduli(data: &ModulusData, lines: &[usize], spread: &[Complex64]) -> (f64, f64, f64) {
     let (mut aa, mut ab, mut bb, mut ay, mut by, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     let mut magnitude = 0.0;
@@ -122,13 +130,13 @@ fn two_moduli(data: &ModulusData, lines: &[usize], spread: &[Complex64]) -> (f64
         let a = whitening.apply(Complex64::ONE);
         let b = whitening.apply(*spread);
         let y = whitening.apply(data.modulus[*line]);
-        for k in 0..2 {
-            aa += a[k] * a[k];
-            ab += a[k] * b[k];
-            bb += b[k] * b[k];
-            ay += a[k] * y[k];
-            by += b[k] * y[k];
-            yy += y[k] * y[k];
+        for ((a, b), y) in a.into_iter().zip(b).zip(y) {
+            aa += a * a;
+            ab += a * b;
+            bb += b * b;
+            ay += a * y;
+            by += b * y;
+            yy += y * y;
         }
         magnitude += data.modulus[*line].norm() / count(lines.len());
     }

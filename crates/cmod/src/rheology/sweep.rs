@@ -88,6 +88,10 @@ impl TemperatureSweep {
     }
 
     /// b_T for a reference.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`MasterCurve::new` refuses a reference beyond the temperatures, each of which has its factor"
+    )]
     pub(super) fn factors(&self, reference: usize) -> Vec<f64> {
         let own = self.vertical[reference];
         self.vertical

@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure; bins of a table are counted by small numbers"
 )]
 

@@ -8,6 +8,7 @@
     clippy::cast_sign_loss,
     clippy::float_cmp,
     missing_docs,
+    clippy::indexing_slicing,
     reason = "a test that fails stops"
 )]
 

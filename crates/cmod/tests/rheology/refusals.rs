@@ -43,6 +43,14 @@ fn points_that_cannot_be() {
             "correlation of storage and loss modulus of point 1 is 1.5, expected a value between -1 and 1",
         ]
     );
+    // a grid of relaxation times over a band without end would have no end either
+    assert_eq!(
+        refused(&|p| p.frequency_hz = 1e308),
+        format!(
+            "frequency [Hz] of point 1 is {}, expected a value whose angular frequency is finite",
+            1e308
+        )
+    );
 }
 
 #[test]
@@ -90,5 +98,27 @@ fn requests_that_cannot_be() {
     assert!(
         matches!(refused, Err(CmodError::NoLaw { .. })),
         "{refused:?}"
+    );
+}
+
+/// The fields of a result may be changed; what does not belong together any more is refused.
+#[test]
+fn a_law_in_the_place_of_a_fitted_one_of_fewer_parameters() {
+    let points: Vec<ModulusPoint> = (1..20)
+        .map(|k| {
+            let f = 100.0 * f64::from(k);
+            ModulusPoint::circular(f, Complex64::new(2e9 + 1e5 * f, 1e5 * f), 1e7)
+        })
+        .collect();
+    let data = ModulusData::new(&points).unwrap();
+    let options = FitOptions::default().with_profiles(false);
+    let mut fit = RheologicalFit::new(&data, Law::KelvinVoigt, &options).unwrap();
+    assert!(fit.prediction(1e3).is_ok());
+    fit.law = RheologicalFit::new(&data, Law::Zener, &options)
+        .unwrap()
+        .law;
+    assert_eq!(
+        fit.prediction(1e3).unwrap_err().to_string(),
+        "the changed result has 2 fitted parameters, expected at least 3"
     );
 }

@@ -246,6 +246,13 @@ fn test_6_of_paper_a() {
     let laws = curve.shift_laws().unwrap();
     let (log_shift, _) = laws.wlf.log_shift(413.15).unwrap();
     assert!((log_shift - wlf(c1, c2, 413.15)).abs() < 0.15, "{laws}");
+    // a list that has been cut holds no shifts any more
+    let mut cut = curve;
+    cut.fit.parameters.truncate(3);
+    assert_eq!(
+        cut.shift_laws().unwrap_err().to_string(),
+        "the changed result has 3 parameters, the shifts among them, expected at least 12"
+    );
 }
 
 /// A law at ω a.

@@ -1,6 +1,7 @@
 //! The two-point method in itself: roots, errors, masses, export. Records as of a laboratory are in `virtual_rig`.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

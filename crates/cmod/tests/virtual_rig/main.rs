@@ -2,6 +2,7 @@
 //! converter, ten blows, averaged spectra, modulus. The truth is known.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 

@@ -113,6 +113,10 @@ impl TabulatedContact {
     }
 
     /// Force and energy of the loading curve.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "there are at least two points, each with its energy, and a piece begins before the last of them"
+    )]
     fn loading(&self, delta: f64) -> (f64, f64) {
         let after = self.points.partition_point(|(x, _)| *x <= delta);
         let piece = after.clamp(1, self.points.len() - 1) - 1;

@@ -111,9 +111,10 @@ impl Prediction {
     pub(super) fn new(discrete: &DiscreteImpact, marched: Marched) -> Result<Self, ImpulseError> {
         let velocity = discrete.velocity();
         let kernels = discrete.kernels();
-        let answer = |body: usize| causal_convolution(kernels[body].weights(), &marched.force);
-        let first: Vec<f64> = answer(0).iter().map(|own| velocity - own).collect();
-        let second = answer(1);
+        let [first, second] = kernels
+            .each_ref()
+            .map(|kernel| causal_convolution(kernel.weights(), &marched.force));
+        let first: Vec<f64> = first.iter().map(|own| velocity - own).collect();
         let mut contact_work = marched.contact_work;
         let grid = kernels[0].grid();
         // a spring at a face that is not part of the law has its work in the kernel
@@ -154,8 +155,8 @@ impl Prediction {
                 flags.push(PredictionFlag::Acausal { body, level });
             }
         }
-        for (body, kernel) in kernels.iter().enumerate() {
-            if kernel.activity() > ROUNDING && !discrete.measured()[body] {
+        for (body, (kernel, measured)) in kernels.iter().zip(discrete.measured()).enumerate() {
+            if kernel.activity() > ROUNDING && !measured {
                 flags.push(PredictionFlag::Active {
                     body,
                     activity: kernel.activity(),

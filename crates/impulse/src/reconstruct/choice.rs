@@ -124,8 +124,8 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
         let first = curve.first().map_or(f64::NAN, |p| p.parameter);
         return (first, ChoiceVerdict::NoCorner);
     };
-    let neighbours = (index.checked_sub(1).map(|i| curve[i]), curve.get(index + 1));
-    let (Some(before), Some(after)) = neighbours else {
+    let before = index.checked_sub(1).and_then(|before| curve.get(before));
+    let (Some(before), Some(after)) = (before, curve.get(index + 1)) else {
         return (point.parameter, ChoiceVerdict::AtEnd);
     };
     let Some(score) = score else {

@@ -63,6 +63,10 @@ pub(super) struct Transformed<'a> {
     pub(super) band: Option<FrequencyBand>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`Sensor` has taken only frequency responses of all lines, `line` counts these, and forces come with them"
+)]
 impl Transformed<'_> {
     /// The sums, with the errors of the frequency response weighed for a force of the lines `force`, if there is one yet.
     pub(super) fn weighted(
@@ -202,6 +206,10 @@ impl Transformed<'_> {
 }
 
 /// $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 where the noise is not known.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a force comes with all lines of the grid, which `line` counts"
+)]
 fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64]>) -> f64 {
     sensor.noise_at(line).map_or(1.0, |noise| {
         let force = force.map_or(0.0, |force| force[line].norm_sqr());

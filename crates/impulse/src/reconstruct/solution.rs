@@ -79,6 +79,10 @@ impl Solved {
     }
 
     /// $`-(1-\varphi)\hat F`$ as a history.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the problem and the force have `length` elements, which the support of the record holds"
+    )]
     pub(super) fn bias(&self) -> Vec<f64> {
         let n_samples = self.samples.len();
         match &self.gain {

@@ -57,6 +57,10 @@ pub(super) struct SupportProblem {
     penalty: Vec<f64>,
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "all lists and matrices have `length` elements a side, at least one"
+)]
 impl SupportProblem {
     pub(super) fn new(
         lines: &WeightedLines,
@@ -194,6 +198,10 @@ pub(super) fn lags(lines: &[f64], n_samples: usize, length: usize) -> Vec<f64> {
     lags
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "two of n places are less than n apart"
+)]
 pub(super) fn toeplitz(first_row: &[f64]) -> Mat<f64> {
     let n = first_row.len();
     Mat::from_fn(n, n, |i, j| first_row[i.abs_diff(j)])

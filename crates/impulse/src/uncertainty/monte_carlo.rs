@@ -120,10 +120,18 @@ impl MonteCarlo {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`] if the lists of this
+    /// result have been changed and are not of one length any more.
     pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
         check_level(level)?;
         let n_samples = self.stick_mean.len();
+        if let Some(other) = self.impact_forces.iter().find(|f| f.len() != n_samples) {
+            return Err(ImpulseError::LengthMismatch {
+                what: "impact force of a draw",
+                found: other.len(),
+                expected: n_samples,
+            });
+        }
         let mut band = ForceBand {
             coverage: Coverage::Pointwise,
             level,
@@ -132,7 +140,8 @@ impl MonteCarlo {
             upper: Vec::with_capacity(n_samples),
         };
         for sample in 0..n_samples {
-            let mut values: Vec<f64> = self.impact_forces.iter().map(|f| f[sample]).collect();
+            let at_this_time = self.impact_forces.iter().filter_map(|f| f.get(sample));
+            let mut values: Vec<f64> = at_this_time.copied().collect();
             values.sort_by(f64::total_cmp);
             band.lower.push(quantile(&values, 0.5 - 0.5 * level));
             band.upper.push(quantile(&values, 0.5 + 0.5 * level));
@@ -141,6 +150,10 @@ impl MonteCarlo {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`StickUncertainty::check` has found a variance for each line of the mobility"
+)]
 fn drawn(
     mobility: &[Complex64],
     variance: Option<&[f64]>,

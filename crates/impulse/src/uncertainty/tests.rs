@@ -116,6 +116,15 @@ fn linear_propagation_and_draws_agree() {
         let width = |band: &ForceBand| band.upper[at] - band.lower[at];
         let ratio = width(&by_draws) / width(&band);
         assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
+
+        // its lists may be changed, but all of them together
+        let mut cut = drawn;
+        cut.impact_forces[1].truncate(3);
+        let refused = cut.contact_band(0.95).unwrap_err();
+        assert!(
+            matches!(refused, ImpulseError::LengthMismatch { found: 3, .. }),
+            "{refused}"
+        );
     }
 }
 

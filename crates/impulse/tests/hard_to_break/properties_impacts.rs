@@ -87,9 +87,9 @@ proptest! {
         // the sum of two kernels knows no order: not a bit
         prop_assert_eq!(there.history.force(), back.history.force());
         let faces = [&there, &back].map(|p| p.face_velocity.clone());
-        for k in 0..faces[0][0].len() {
+        for (one, other) in faces[0][0].iter().zip(&faces[1][1]) {
             // v1 = V - u1 here is u2 there: in the frame of the other body
-            prop_assert!((faces[0][0][k] - (1.0 - faces[1][1][k])).abs() < 1e-12);
+            prop_assert!((one - (1.0 - other)).abs() < 1e-12);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 
 /// A source whose channels are turned into what their sensors feel, block by block.
@@ -83,7 +84,7 @@ impl<S: BlockSource> BlockSource for CalibratedBlocks<S> {
                 expected: self.channels.len(),
             });
         }
-        let n = self.source.read_block(block)?;
+        let n = read_next(&mut self.source, block)?;
         for (row, chain) in &self.chains {
             let mut samples = block.row_mut(*row);
             for sample in samples.iter_mut().take(n) {

@@ -76,6 +76,10 @@ impl Contents {
     /// # Ok(())
     /// # }
     /// ```
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a candidate knows the place of its series, and every series has a place for the name of its channel"
+    )]
     pub fn records(&self, provenance: &Provenance) -> SampledTogether {
         let mut left_out = Vec::new();
         let mut candidates = Vec::new();

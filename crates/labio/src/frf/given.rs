@@ -93,6 +93,7 @@ impl FrequencyResponse {
         coherence: Vec<f64>,
         n_averages: usize,
     ) -> Result<Self, LabioError> {
+        self.check_lines("lines of the validity", self.validity.len())?;
         self.check_lines("lines of the coherence", coherence.len())?;
         if n_averages < 2 {
             return Err(LabioError::TooFewAverages {
@@ -103,22 +104,22 @@ impl FrequencyResponse {
         }
         let mut coherence = coherence;
         let mut variance = vec![f64::NAN; coherence.len()];
-        for (line, slot) in variance.iter_mut().enumerate() {
-            if self.validity[line] != LineValidity::Valid {
-                coherence[line] = f64::NAN;
+        let lines = self.values.iter().zip(&self.validity);
+        for ((value, validity), (c, slot)) in lines.zip(coherence.iter_mut().zip(&mut variance)) {
+            if *validity != LineValidity::Valid {
+                *c = f64::NAN;
                 continue;
             }
-            let c = coherence[line];
-            if !(c > 0.0 && c <= 1.0) {
+            if !(*c > 0.0 && *c <= 1.0) {
                 return Err(LabioError::NonPhysical {
                     quantity: "coherence [-]",
-                    value: c,
+                    value: *c,
                     expected: "a number above 0 and at most 1",
                 });
             }
             *slot = check_finite(
                 "variance of a line",
-                self.values[line].norm_sqr() * (1.0 - c) / (n_averages as f64 * c),
+                value.norm_sqr() * (1.0 - *c) / (n_averages as f64 * *c),
             )?;
         }
         self.n_averages = n_averages;
@@ -135,6 +136,7 @@ impl FrequencyResponse {
     ///
     /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not finite.
     pub fn with_variance(mut self, variance: Vec<f64>) -> Result<Self, LabioError> {
+        self.check_lines("lines of the validity", self.validity.len())?;
         self.check_lines("lines of the variance", variance.len())?;
         let mut variance = variance;
         for (value, validity) in variance.iter_mut().zip(&self.validity) {
@@ -154,7 +156,7 @@ impl FrequencyResponse {
 
     fn check_lines(&self, what: &'static str, found: usize) -> Result<(), LabioError> {
         if found == self.values.len() {
-            self.check_shape()
+            Ok(())
         } else {
             Err(LabioError::CountMismatch {
                 what,
@@ -168,7 +170,10 @@ impl FrequencyResponse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AveragedSpectra, Provenance, Quantity, Record, ResponseKind, Window};
+    use crate::{
+        AveragedSpectra, MergedResponse, Provenance, Quantity, Record, ResponseKind, RigidBand,
+        RigidBody, Window,
+    };
     use ndarray::Array2;
 
     fn channels() -> [Channel; 2] {
@@ -282,5 +287,70 @@ mod tests {
         assert!((two.variance.unwrap()[1] - 0.5).abs() < 1e-15);
         let nothing = response().with_coherence(vec![0.0; FEWEST_LINES], 2);
         assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
+    }
+
+    /// The lists may be changed, as by one who leaves the lines above a frequency out; all of them have to go along.
+    #[test]
+    fn lists_of_unlike_lengths_are_refused() {
+        let cut = |change: fn(&mut FrequencyResponse)| {
+            let mut response = averaged();
+            change(&mut response);
+            response
+        };
+        let variants = [
+            cut(|response| response.frequency_hz.truncate(4)),
+            cut(|response| response.coherence.iter_mut().for_each(|c| c.truncate(4))),
+            cut(|response| response.variance.iter_mut().for_each(|v| v.truncate(4))),
+            cut(|response| response.validity.truncate(4)),
+            cut(|response| response.values.truncate(4)),
+        ];
+        let mass = RigidBody::new(1.0, 0.0).unwrap();
+        let band = RigidBand {
+            from_hz: 10.0,
+            to_hz: 80.0,
+        };
+        for response in &variants {
+            let answers = [
+                response.to_kind(ResponseKind::Accelerance).map(|_| ()),
+                response.passivity(2.0).map(|_| ()),
+                response.impulse_response().map(|_| ()),
+                mass.complete(response, band).map(|_| ()),
+                MergedResponse::by_inverse_variance(&[averaged(), response.clone()]).map(|_| ()),
+                MergedResponse::by_inverse_variance(&[response.clone(), averaged()]).map(|_| ()),
+            ];
+            for answer in answers {
+                let refused = matches!(answer, Err(LabioError::CountMismatch { .. }));
+                assert!(refused, "{answer:?}");
+            }
+        }
+        let coherence = variants.map(|response| {
+            let lines = response.values.len();
+            match response.with_coherence(vec![0.5; lines], 3) {
+                Ok(response) => response.to_kind(ResponseKind::Impedance).map(|_| ()),
+                Err(error) => Err(error),
+            }
+        });
+        // what was wrong with the old coherence or variance is gone with it
+        assert_eq!(
+            coherence.map(|answer| answer.map_err(|error| error.to_string())),
+            [
+                Err("frequencies of the response: found 4, expected 9".to_owned()),
+                Ok(()),
+                Ok(()),
+                Err("lines of the validity: found 4, expected 9".to_owned()),
+                Err("lines of the validity: found 9, expected 4".to_owned()),
+            ]
+        );
+        let mut shorter = averaged();
+        shorter.frequency_hz.truncate(4);
+        shorter.values.truncate(4);
+        shorter.validity.truncate(4);
+        for lines in [&mut shorter.coherence, &mut shorter.variance] {
+            lines.iter_mut().for_each(|lines| lines.truncate(4));
+        }
+        for tests in [[averaged(), shorter.clone()], [shorter, averaged()]] {
+            let error = MergedResponse::by_inverse_variance(&tests).unwrap_err();
+            assert!(error.to_string().contains("number of lines"), "{error}");
+        }
     }
 }

@@ -7,6 +7,7 @@ use ndarray::{Array2, ArrayView2};
 use super::trigger::{Scanner, Timing};
 use super::{Criteria, Hit, HitLog, Reason, Trigger};
 use crate::channel;
+use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, Provenance, Record};
 
 /// Samples of every channel that are asked of a source at a time.
@@ -88,7 +89,8 @@ pub fn find_hits(
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and what the source says. A hit with a sample that is no number is rejected with that reason and not an
+/// As [`find_hits`], and what the source says; [`LabioError::CountMismatch`] if it says more samples than it was asked for, or puts
+/// another block in the place of the one it is to fill. A hit with a sample that is no number is rejected with that reason and not an
 /// error.
 pub fn find_hits_in_blocks(
     source: &mut dyn BlockSource,
@@ -114,14 +116,7 @@ pub fn find_hits_in_blocks(
     let mut log = HitLog::new(trigger.channel());
     let mut block = Array2::zeros((channels.len(), BLOCK));
     loop {
-        let n = source.read_block(&mut block)?;
-        if n > BLOCK {
-            return Err(LabioError::CountMismatch {
-                what: "samples read into a block, at most",
-                found: n,
-                expected: BLOCK,
-            });
-        }
+        let n = read_next(source, &mut block)?;
         let (filled, _) = block.view().split_at(ndarray::Axis(1), n);
         cutter.feed(filled);
         while let Some((fired, samples)) = cutter.next(n == 0) {

@@ -331,6 +331,14 @@ mod tests {
             short.at(1000.0).unwrap_err().to_string(),
             "the hit that the trigger takes has 4 samples, expected at least 5"
         );
+        let endless = short.with_pre_trigger(Extent::Samples(usize::MAX));
+        assert!(matches!(
+            endless.at(1000.0),
+            Err(LabioError::TooFewSamples {
+                expected: usize::MAX,
+                ..
+            })
+        ));
         assert!(Extent::Seconds(-1.0).samples(1.0).is_err());
         assert!(Extent::Seconds(1e300).samples(1e10).is_err());
         assert!(Trigger::new("force", f64::NAN, Extent::Samples(4)).is_err());

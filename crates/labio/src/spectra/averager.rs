@@ -126,6 +126,10 @@ impl SpectrumAverager {
     ///
     /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has another than the rectangular
     /// window; [`LabioError::TooManyAverages`] if hits have been added without it.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the place that `find` tells of a channel is that of its weights"
+    )]
     pub fn with_force_window(
         mut self,
         channel: &str,
@@ -194,6 +198,10 @@ impl SpectrumAverager {
     }
 
     /// Makes the lines of a channel of the samples that are in the transform.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`channel` counts the channels, each of which has weights and lines"
+    )]
     fn transform(&mut self, channel: usize) {
         let input = self.dft.input();
         self.detrend.apply(input);
@@ -209,6 +217,10 @@ impl SpectrumAverager {
     }
 
     #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "all lists were made for `n_lines` lines, with which the last block ends"
+    )]
     fn accumulate_vectorised(&mut self) {
         // in blocks that stay in the cache while every pair passes over them
         let n_lines = self.n_samples / 2 + 1;

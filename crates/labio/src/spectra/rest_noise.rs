@@ -84,8 +84,9 @@ impl RestNoise {
             *value /= hits.len() as f64;
         }
         // the mean that was removed, and its share that the window spreads over the first line
-        let third = density[2];
-        density[..2].fill(third);
+        if let [mean, leaked, third, ..] = density.as_mut_slice() {
+            (*mean, *leaked) = (*third, *third);
+        }
         Ok(Self {
             step_hz: first.sampling_rate_hz() / segment as f64,
             density,
@@ -102,6 +103,10 @@ impl RestNoise {
 
     /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which lies between 0 and the Nyquist frequency.
     #[must_use]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`line` is at most the last but one of the lines, of which 16 silent samples make nine"
+    )]
     pub fn density_at(&self, frequency_hz: f64) -> f64 {
         if frequency_hz.is_nan() {
             return f64::NAN;

@@ -4,6 +4,7 @@ use ndarray::Array2;
 
 use super::{AveragedSpectra, Detrend, SpectrumAverager};
 use crate::channel::Channel;
+use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
 /// Overlapped segments of a long record of something stationary (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
@@ -100,8 +101,14 @@ impl Welch {
     ///
     /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
     /// [`SpectrumAverager::spectra`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a record has a row for each channel, and a segment ends with the samples of the record or before"
+    )]
     pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
-        self.check_longer_than_a_segment(record.n_samples())?;
+        if record.n_samples() < self.n_samples {
+            return Err(self.too_short(record.n_samples()));
+        }
         let mut averager = self.averager(record.channels(), record.sampling_rate_hz())?;
         let samples = record.samples();
         let samples = samples.as_standard_layout();
@@ -123,8 +130,12 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`], whatever
-    /// the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`],
+    /// [`LabioError::CountMismatch`] if the source makes another block of the one it is to fill, whatever the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "every channel holds the samples of the first, and a segment ends with these or before"
+    )]
     pub fn spectra_of_stream(
         &self,
         source: &mut dyn BlockSource,
@@ -139,26 +150,19 @@ impl Welch {
             .collect();
         let mut n_read = 0;
         loop {
-            let n_new = source.read_block(&mut block)?;
+            let n_new = read_next(source, &mut block)?;
             if n_new == 0 {
                 break;
-            }
-            if n_new > block.ncols() {
-                return Err(LabioError::CountMismatch {
-                    what: "samples read into a block, at most",
-                    found: n_new,
-                    expected: block.ncols(),
-                });
             }
             for ((row, held), channel) in block.rows().into_iter().zip(&mut held).zip(&channels) {
                 let n_before = held.len();
                 held.extend(row.iter().take(n_new));
-                let new = &held[n_before..];
-                if let Some(position) = new.iter().position(|sample| !sample.is_finite()) {
+                let mut new = held.iter().skip(n_before).enumerate();
+                if let Some((position, value)) = new.find(|(_, sample)| !sample.is_finite()) {
                     return Err(LabioError::NonFiniteSample {
                         channel: channel.name().to_owned(),
                         index: n_read + position,
-                        value: new[position],
+                        value: *value,
                     });
                 }
             }
@@ -185,27 +189,25 @@ impl Welch {
             .map(|averager| averager.with_detrend(self.detrend))
     }
 
-    fn check_longer_than_a_segment(&self, n_available: usize) -> Result<(), LabioError> {
-        if n_available >= self.n_samples {
-            Ok(())
-        } else {
-            Err(LabioError::TooFewSamples {
-                what: "the record to be cut into segments",
-                found: n_available,
-                expected: self.n_samples,
-            })
-        }
-    }
-
     fn averages(
         &self,
         averager: SpectrumAverager,
         n_available: usize,
     ) -> Result<AveragedSpectra, LabioError> {
         let n_segments = averager.n_averages();
-        self.check_longer_than_a_segment(n_available)?;
+        if n_segments == 0 {
+            return Err(self.too_short(n_available));
+        }
         let window = self.window.sample(self.n_samples)?;
         averager.into_averages(window.independent_averages(n_segments, self.hop())?)
+    }
+
+    fn too_short(&self, n_available: usize) -> LabioError {
+        LabioError::TooFewSamples {
+            what: "the record to be cut into segments",
+            found: n_available,
+            expected: self.n_samples,
+        }
     }
 }
 
@@ -345,6 +347,7 @@ mod tests {
             Welch::new(2).map(|_| ()),
             Welch::new(8).unwrap().with_overlap(8).map(|_| ()),
             Welch::new(21).unwrap().spectra(&record).map(|_| ()),
+            Welch::new(usize::MAX).unwrap().spectra(&record).map(|_| ()),
             Welch::new(21)
                 .unwrap()
                 .spectra_of_stream(&mut infinite)
@@ -356,6 +359,7 @@ mod tests {
         a segment has 2 samples, expected at least 3
         samples of overlap, at most: found 8, expected 7
         the record to be cut into segments has 20 samples, expected at least 21
+        the record to be cut into segments has 20 samples, expected at least 18446744073709551615
         the record to be cut into segments has 20 samples, expected at least 21
         ");
     }

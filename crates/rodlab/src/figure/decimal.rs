@@ -1,6 +1,10 @@
 //! Decimal numbers of a few digits, written quickly: a report has a hundred thousand of them.
 
 /// Appends `mantissa` divided by ten to the power `places`, without zeros at its end.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "no caller asks for more than 9 places: the 19 digits of an `i64` and the point are the most, and there is room for 40"
+)]
 pub(crate) fn push_decimal(text: &mut String, mantissa: i64, places: u32) {
     let (mut mantissa, mut places) = (mantissa, places);
     while places > 0 && mantissa % 10 == 0 {

@@ -110,6 +110,10 @@ fn thinned_panel(panel: &Panel) -> Panel {
 }
 
 /// Indices of the samples that are drawn; `low` and `high` are the same but for a band or bars.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the three lists are cut to the same samples, which the indices count"
+)]
 fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     let samples = x.len().min(low.len()).min(high.len());
     if samples <= FEW {
@@ -183,6 +187,10 @@ impl Columns {
 }
 
 /// First, least, greatest and last sample of each column, and one sample that is none where there is a gap between columns.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`kept` has cut the lists to the same samples, which the indices count"
+)]
 fn by_columns(
     columns: Columns,
     x: &[f64],
@@ -236,6 +244,10 @@ fn by_columns(
 }
 
 /// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that leaves too many samples.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`kept` has cut the lists to the same samples, which the indices count"
+)]
 fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) -> Vec<usize> {
     let along: Vec<f64> = if axis.scale == Scale::Logarithmic {
         x.iter().map(|x| x.log10()).collect()

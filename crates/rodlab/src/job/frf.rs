@@ -35,6 +35,10 @@ use crate::records::Records;
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`too_few` has found an accepted hit in every set, and the first hammer is always one of the sets"
+)]
 pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("frf", sheet.title.as_str());
     outcome.settings.extend(settings(sheet));
@@ -215,13 +219,16 @@ fn of_the_test(
             "there the mean falls 20 dB below its greatest, or the lines end",
         ));
     }
-    outcome.quantities.push(plain(
-        "distance of lines",
-        "Hz",
-        spectra[0].line_spacing_hz(),
-        "the inverse of the duration of a hit",
-    ));
-    if let Some(damping) = spectra[0].added_damping() {
+    let first = spectra.first();
+    outcome.quantities.extend(first.map(|spectra| {
+        plain(
+            "distance of lines",
+            "Hz",
+            spectra.line_spacing_hz(),
+            "the inverse of the duration of a hit",
+        )
+    }));
+    if let Some(damping) = first.and_then(AveragedSpectra::added_damping) {
         outcome.quantities.push(plain(
             "damping added by the exponential window",
             "1/s",
@@ -301,7 +308,7 @@ fn warn(
             ));
         }
     }
-    if let Some(damping) = spectra[0].added_damping() {
+    if let Some(damping) = spectra.first().and_then(AveragedSpectra::added_damping) {
         outcome.warnings.push(format!(
             "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and every mode looks more damped by it.",
             short(damping.decay_rate())

@@ -218,6 +218,10 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
 }
 
 /// The first sentences, the verdict and the warnings.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a decision names the laws by their places in the comparison that it is of"
+)]
 fn answer(found: &Found, outcome: &mut Outcome) {
     let identified = found.laws.iter().any(FittedLaw::has_identified_damping);
     match &found.comparison {

@@ -115,6 +115,10 @@ fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
 }
 
 /// How many lines are known how well.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the lines that are counted are those of the mobility, which has a frequency and an error for each"
+)]
 fn answer(known: &Known, outcome: &mut Outcome) {
     let above_zero = || (1..known.mobility.values.len()).filter(|line| known.is_valid(*line));
     let n_valid = above_zero().count();

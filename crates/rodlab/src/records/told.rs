@@ -59,6 +59,10 @@ impl Records {
         Ok(chosen)
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`complete` counts the series of the file and the channels of the sheet"
+    )]
     fn complete_time(
         &self,
         contents: &mut Contents,
@@ -105,6 +109,10 @@ impl Records {
         Ok(())
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`complete` counts the series of the file and the channels of the sheet"
+    )]
     fn complete_unit(
         &self,
         contents: &mut Contents,

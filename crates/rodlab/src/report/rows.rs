@@ -86,7 +86,7 @@ impl<'a> TableRows<'a> {
             .columns
             .iter()
             .map(|column| match &column.cells {
-                Cells::Numbers(values) => in_line(&values[..values.len().min(shown)]),
+                Cells::Numbers(values) => in_line(values.get(..shown).unwrap_or(values)),
                 Cells::Words(words) => words.iter().take(shown).cloned().collect(),
             })
             .collect();

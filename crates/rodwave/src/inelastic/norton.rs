@@ -292,8 +292,10 @@ impl RelaxationFlow for NortonFlow {
             let relaxed = stress * self.factor_of_overflow(ratio);
             let n = self.excess;
             // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} does not depend on σ0 any more
-            by_parameter[0] = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
-            by_parameter[1] = -relaxed / n;
+            let by_exponent = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
+            for (slot, value) in by_parameter.iter_mut().zip([by_exponent, -relaxed / n]) {
+                *slot = value;
+            }
             return RelaxedStress {
                 stress: relaxed,
                 by_stress: 0.0,

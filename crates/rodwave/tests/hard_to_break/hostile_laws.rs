@@ -48,13 +48,8 @@ fn waves(law: impl LaplaceModulus, density: f64, omega: f64) -> Numbers {
 
 fn in_time(law: &impl TimeDomainModulus, time: f64) -> Numbers {
     // one may be impossible where the other is not, as the creep of a fluid over a time that overflows
-    let mut numbers = Vec::new();
-    for answer in [law.relaxation_modulus(time), law.creep_compliance(time)] {
-        if let Ok(number) = answer {
-            numbers.push(number);
-        }
-    }
-    Ok(numbers)
+    let answers = [law.relaxation_modulus(time), law.creep_compliance(time)];
+    Ok(answers.into_iter().flatten().collect())
 }
 
 #[test]

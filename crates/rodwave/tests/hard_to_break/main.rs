@@ -2,6 +2,7 @@
 //! laws of physics that must hold for any body.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::cast_precision_loss,
     clippy::float_cmp,
     reason = "in a test, a refusal where none is expected is a failure; counts are small; some numbers must be the same to \

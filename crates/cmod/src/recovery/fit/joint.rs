@@ -226,24 +226,22 @@ impl Errors {
         let m = at.exponent;
         let log_stress = at.reference_stress.ln();
         // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r
-        let gradients = [[1.0, 0.0, 0.0], [-1.0, 1.0, -m * log_stress], [0.0, 0.0, m]];
-        // E₂ goes with E₁, B against it
-        let shared = [series_modulus, -series_modulus, 0.0];
-        let of_parameters = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                variance * directions.covariance(&gradients[i], &gradients[j])
-                    + shared[i] * shared[j]
-            })
+        // beside each the share of the error of E₁: E₂ goes with it, B against it
+        let gradients = [
+            ([1.0, 0.0, 0.0], series_modulus),
+            ([-1.0, 1.0, -m * log_stress], -series_modulus),
+            ([0.0, 0.0, m], 0.0),
+        ];
+        let of_parameters = gradients.map(|(g, g_shared)| {
+            gradients
+                .map(|(h, h_shared)| variance * directions.covariance(&g, &h) + g_shared * h_shared)
         });
         let rate = [0.0, 1.0, 0.0];
-        let of = |i: usize| -> f64 {
-            let row: &[f64; 3] = &of_parameters[i];
-            row[i].sqrt()
-        };
+        let [[of_parallel_modulus, ..], _, [.., of_exponent]] = of_parameters;
         Self {
-            parallel_modulus: of(0),
+            parallel_modulus: of_parallel_modulus.sqrt(),
             rate: (variance * directions.covariance(&rate, &rate)).sqrt(),
-            exponent: of(2),
+            exponent: of_exponent.sqrt(),
             series_modulus,
             of_parameters,
         }

@@ -15,6 +15,10 @@ pub(super) struct VerticalLine<'a> {
 
 /// Vertical lines with the rows of their names. A name begins at its line and stands above every line that it reaches to, so
 /// that no line runs through a name.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`index` counts the lines that are placed"
+)]
 pub(super) fn vertical_lines<'a>(
     marks: &'a [Mark],
     x: &Mapping,

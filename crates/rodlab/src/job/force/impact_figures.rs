@@ -65,17 +65,18 @@ fn force(found: &Found) -> Figure {
     }
     if let Some(lines) = &found.on_lines {
         let history = &lines.stick.history;
-        let shown = || {
-            (0..history.force().len()).filter(|n| {
-                let time = 1e3 * history.time_at(*n);
-                time >= -0.1 && time <= time_end(found)
-            })
-        };
+        let (x, y) = history
+            .force()
+            .iter()
+            .enumerate()
+            .map(|(n, force)| (1e3 * history.time_at(n), *force))
+            .filter(|(time, _)| *time >= -0.1 && *time <= time_end(found))
+            .unzip();
         marks.push(Mark::Line {
             name: "stick force on lines".to_owned(),
             role: Role::Reference,
-            x: shown().map(|n| 1e3 * history.time_at(n)).collect(),
-            y: shown().map(|n| history.force()[n]).collect(),
+            x,
+            y,
         });
     }
     marks.push(Mark::Line {
@@ -196,6 +197,10 @@ fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, Rod
 }
 
 /// The stick force with its bands, and the impact force until the faces part.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the bands and the impact force are those of the stick force, sample by sample"
+)]
 fn stick(found: &Found, lines: &OnLines) -> Figure {
     let history = &lines.stick.history;
     let until = time_end(found);

@@ -69,8 +69,8 @@ pub(super) fn quantities(sheet: &ImpactSheet, found: &Found, outcome: &mut Outco
         None,
         finished,
     );
-    for (body, number) in ["first", "second"].iter().zip(0..) {
-        let velocity: Option<f64> = balance.velocity_after[number];
+    let bodies = balance.velocity_after.into_iter().zip(balance.inner);
+    for (body, (velocity, inner)) in ["first", "second"].iter().zip(bodies) {
         add(
             &format!("velocity of the {body} body after"),
             "m/s",
@@ -78,11 +78,10 @@ pub(super) fn quantities(sheet: &ImpactSheet, found: &Found, outcome: &mut Outco
             None,
             finished,
         );
-        let inner = Some(balance.inner[number]);
         add(
             &format!("energy left in the {body} body"),
             "J",
-            inner,
+            Some(inner),
             None,
             finished,
         );

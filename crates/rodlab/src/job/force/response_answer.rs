@@ -67,7 +67,8 @@ pub(super) fn bands(
         .map(|error| {
             let sums = (0..draws).map(|_| {
                 let draw = error.draw(&mut random);
-                history.time_step() * draw[window.clone()].iter().sum::<f64>()
+                let inside = draw.iter().skip(window.start).take(window.len());
+                history.time_step() * inside.sum::<f64>()
             });
             let square: f64 = sums.map(|sum| sum * sum).sum();
             let band = |band: ForceBand| {
@@ -315,12 +316,11 @@ fn quantities(
         );
     }
     if let Some(measured) = &problem.measured {
-        let difference = |n: usize, force: &f64| (force - measured[n]).powi(2);
         let inside = window(problem);
-        let squares = history.force().iter().enumerate();
-        let square: f64 = squares
+        let pairs = history.force().iter().zip(measured).enumerate();
+        let square: f64 = pairs
             .filter(|(n, _)| inside.contains(n))
-            .map(|(n, force)| difference(n, force))
+            .map(|(_, (force, measured))| (force - measured).powi(2))
             .sum();
         add(
             "root mean square difference from the measured force",

@@ -102,13 +102,14 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
 /// The frequency response, greyed where it was not used.
 fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let path = &problem.path;
-    let lines = || 1..path.values.len();
-    let kilohertz: Vec<f64> = lines().map(|n| 1e-3 * path.frequency_hz[n]).collect();
+    let above_zero = path.frequency_hz.iter().skip(1);
+    let kilohertz: Vec<f64> = above_zero.map(|f| 1e-3 * f).collect();
     let mut marks = Vec::new();
     if let Some(errors) = path.random_error() {
         let edge = |sign: f64| -> Vec<f64> {
-            lines()
-                .map(|n| path.values[n].norm() * (1.0 + sign * 2.0 * errors[n].magnitude))
+            let lines = path.values.iter().zip(&errors).skip(1);
+            lines
+                .map(|(value, error)| value.norm() * (1.0 + sign * 2.0 * error.magnitude))
                 .map(|value| if value > 0.0 { value } else { f64::NAN })
                 .collect()
         };
@@ -123,7 +124,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     marks.push(Mark::Line {
         name: "response over force".to_owned(),
         role: Role::First,
-        y: lines().map(|n| path.values[n].norm()).collect(),
+        y: path.values.iter().skip(1).map(|h| h.norm()).collect(),
         x: kilohertz,
     });
     let half = 0.5e-3 * problem.sampling_rate_hz / problem.samples.len() as f64;

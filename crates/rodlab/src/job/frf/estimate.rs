@@ -47,7 +47,7 @@ impl Estimated {
 
     /// Whether the line may be believed.
     pub(super) fn is_valid(&self, line: usize) -> bool {
-        self.objections[line].is_none()
+        self.objections.get(line).is_some_and(Option::is_none)
     }
 }
 
@@ -170,7 +170,7 @@ pub(super) fn estimate(
             };
             let body = RigidBody::new(weighed.mass.si(), error).map_err(place)?;
             let completed = body.complete(&response, band).map_err(place)?;
-            for objection in &mut objections[..completed.first_measured] {
+            for objection in objections.iter_mut().take(completed.first_measured) {
                 *objection = None;
             }
             Some(completed)
@@ -224,7 +224,10 @@ fn objections(
             if *validity != LineValidity::Valid {
                 return Some(super::words::validity_in_words(*validity));
             }
-            let above = |(coherence, level): (&Coherence, &f64)| coherence.values[line] > *level;
+            let above = |(coherence, level): (&Coherence, &f64)| {
+                let value = coherence.values.get(line);
+                value.is_some_and(|value| value > level)
+            };
             let believed = coherences.is_empty() || coherences.iter().zip(&levels).any(above);
             match (believed, merged) {
                 (true, _) => None,

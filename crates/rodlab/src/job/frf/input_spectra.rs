@@ -48,7 +48,9 @@ pub(super) fn figure(
             .map_err(refused)?;
         let name = if index == 0 { "single hits" } else { "" };
         draw(&lines, name, Role::Faint);
-        unit = alone.channels()[0].quantity().unit();
+        if let Some(channel) = alone.channels().first() {
+            unit = channel.quantity().unit();
+        }
     }
     draw(
         &spectra.auto(&sheet.input).map_err(refused)?,
@@ -101,10 +103,11 @@ pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, Rodl
     let greatest = lines.iter().copied().fold(0.0, f64::max);
     let peak = lines.iter().position(|x| x.total_cmp(&greatest).is_eq());
     let from = peak.unwrap_or(0);
-    let end = (from..lines.len()).find(|line| lines[*line] < END * greatest);
+    let mut falling = lines.iter().enumerate().skip(from);
+    let end = falling.find(|(_, level)| **level < END * greatest);
     let frequency = spectra.frequency_hz();
     Ok(end
-        .and_then(|line| frequency.get(line.saturating_sub(1)))
+        .and_then(|(line, _)| frequency.get(line.saturating_sub(1)))
         .or(frequency.last())
         .copied()
         .unwrap_or(f64::NAN))

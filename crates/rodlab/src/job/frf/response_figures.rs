@@ -75,6 +75,10 @@ impl Drawn {
 }
 
 /// Magnitude with its band of one standard error, phase and coherence.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list has an element for each"
+)]
 pub(super) fn bode(
     estimated: &Estimated,
     output: &str,
@@ -145,6 +149,10 @@ pub(super) fn bode(
 }
 
 /// The phase over one turn, interrupted where it passes from one end to the other; the ends lie where the fewest lines pass them.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list has an element for each"
+)]
 fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
     let response = &estimated.response;
     let from = |begin: f64, line: usize| {
@@ -195,6 +203,10 @@ fn interrupted(mark: Mark) -> Mark {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list has an element for each"
+)]
 fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     let several = estimated.coherences.len() > 1;
     let mut marks = Vec::new();
@@ -229,6 +241,10 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
 }
 
 /// Imaginary over real part, of the lines of the band that hold.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list has an element for each"
+)]
 pub(super) fn nyquist(
     estimated: &Estimated,
     output: &str,

@@ -56,7 +56,7 @@ pub(super) fn outputs_of(
                 if *output == sheet.input {
                     return Err(wrong("another channel than the input".to_owned()));
                 }
-                if outputs[..at].contains(output) {
+                if outputs.iter().take(at).any(|before| before == output) {
                     return Err(wrong("every output once".to_owned()));
                 }
             }

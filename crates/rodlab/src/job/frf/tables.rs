@@ -9,6 +9,10 @@ use crate::rounded::{hertz, short};
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// The lines of the band.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
+)]
 pub(super) fn table(
     estimated: &Estimated,
     output: &str,
@@ -108,6 +112,10 @@ pub(super) struct Merit {
 }
 
 /// The figures of merit of a response in the band.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`line` is one of the response, and every list of it, of its tests and of the objections has an element for each"
+)]
 pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
     let response = &estimated.response;
     let in_band: Vec<usize> = (0..response.values.len())
@@ -230,6 +238,10 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`valid` are lines of the response, each of which has a discrepancy"
+)]
 fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Option<Quantity> {
     let (_, discrepancy) = estimated.merged.as_ref()?;
     let mut values: Vec<f64> = valid

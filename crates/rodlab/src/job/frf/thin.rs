@@ -11,6 +11,10 @@ pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) ->
     by_bucket(x, curves, n_buckets, f64::ln)
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the indices count the points, of which x and every curve have as many"
+)]
 fn by_bucket(
     x: &[f64],
     curves: &[&[f64]],
@@ -58,6 +62,10 @@ fn by_bucket(
 
 /// Indices of a curve that runs back and forth: points that lie apart by more than `fraction` of its extent, and the first and last
 /// of every part between points that are not finite.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the indices count the points that both lists have"
+)]
 pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
     let extent = |values: &[f64]| {
         let finite = values.iter().copied().filter(|value| value.is_finite());
@@ -85,6 +93,10 @@ pub(super) fn along(x: &[f64], y: &[f64], fraction: f64) -> Vec<usize> {
 }
 
 /// The values at `indices`.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`indices` are places in `values`, or in a list of the same lines or samples"
+)]
 pub(super) fn at(values: &[f64], indices: &[usize]) -> Vec<f64> {
     indices.iter().map(|index| values[*index]).collect()
 }

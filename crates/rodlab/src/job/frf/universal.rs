@@ -34,7 +34,7 @@ pub(super) fn attachment(
                 SeriesKind::FrequencyResponse
             },
             abscissa: abscissa(first),
-            ordinate: Ordinate::Complex(response.values[first..].to_vec()),
+            ordinate: Ordinate::Complex(response.values.iter().skip(first).copied().collect()),
             abscissa_axis: axis("Frequency", "Hz"),
             ordinate_axis: axis(output_quantity.name(), unit(output_quantity)),
             properties: vec![

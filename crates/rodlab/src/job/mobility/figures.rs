@@ -7,6 +7,10 @@ use super::known::Known;
 use super::screening::ImpulseResponse;
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`n` counts the lines of the mobility, and every list has an element for each"
+)]
 pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     let response = &known.mobility;
     // a logarithmic axis has no place for 0 Hz
@@ -130,6 +134,10 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`n` counts the lines of the mobility, and every list has an element for each"
+)]
 pub(super) fn nyquist(known: &Known) -> Figure {
     let response = &known.mobility;
     let of = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {

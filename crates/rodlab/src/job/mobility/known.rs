@@ -41,7 +41,7 @@ pub(super) struct Known {
 
 impl Known {
     pub(super) fn is_valid(&self, line: usize) -> bool {
-        self.objections[line].is_none()
+        self.objections.get(line).is_some_and(Option::is_none)
     }
 }
 
@@ -121,6 +121,10 @@ pub(super) fn prepare(
 }
 
 /// The response without the mass between gauge and face.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`to_kind` refuses a response whose lists are not of one length; those of the face have the lines of its values"
+)]
 fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResponse, RodlabError> {
     let refused = |error| RodlabError::step("head_mass", error);
     let mut accelerance = response
@@ -200,7 +204,8 @@ fn judge_coherence(
         .map(|coherence| coherence.chance_level(CHANCE))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| RodlabError::step("the level of chance", error))?;
-    for (line, objection) in objections.iter_mut().enumerate() {
+    let lines = objections.iter_mut().zip(&response.validity);
+    for (line, (objection, validity)) in lines.enumerate() {
         let mut tests = coherences.iter().zip(&levels);
         let believed = tests.any(|(coherence, level)| {
             coherence
@@ -208,7 +213,7 @@ fn judge_coherence(
                 .get(line)
                 .is_some_and(|value| value > level)
         });
-        if !believed && response.validity[line] == LineValidity::Valid {
+        if !believed && *validity == LineValidity::Valid {
             *objection = Some("coherence as of chance".to_owned());
         }
     }
@@ -234,6 +239,10 @@ fn judge_passivity(
 }
 
 /// Runs of lines that are not believed; where there are too many to read, how many lines for each reason.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a run begins and ends with lines of the mobility, each of which has a frequency"
+)]
 fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mut Outcome) {
     let frequency = &mobility.frequency_hz;
     let mut runs: Vec<(usize, usize, &str)> = Vec::new();

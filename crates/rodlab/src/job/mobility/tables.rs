@@ -1,29 +1,19 @@
 //! The mobility line by line.
 
+use num_complex::Complex64;
+
 use super::known::Known;
 use crate::outcome::{Column, Table};
 
 pub(super) fn mobility(known: &Known) -> Table {
     let response = &known.mobility;
-    let of = |value: &dyn Fn(usize) -> f64| (0..response.values.len()).map(value).collect();
+    let of = |value: &dyn Fn(&Complex64) -> f64| response.values.iter().map(value).collect();
     let mut columns = vec![
         Column::numbers("frequency", "Hz", response.frequency_hz.clone()),
-        Column::numbers("real part", "m/(N s)", of(&|line| response.values[line].re)),
-        Column::numbers(
-            "imaginary part",
-            "m/(N s)",
-            of(&|line| response.values[line].im),
-        ),
-        Column::numbers(
-            "magnitude",
-            "m/(N s)",
-            of(&|line| response.values[line].norm()),
-        ),
-        Column::numbers(
-            "phase",
-            "deg",
-            of(&|line| response.values[line].arg().to_degrees()),
-        ),
+        Column::numbers("real part", "m/(N s)", of(&|h| h.re)),
+        Column::numbers("imaginary part", "m/(N s)", of(&|h| h.im)),
+        Column::numbers("magnitude", "m/(N s)", of(&|h| h.norm())),
+        Column::numbers("phase", "deg", of(&|h| h.arg().to_degrees())),
     ];
     if let Some(variance) = &response.variance {
         let root = variance.iter().map(|v| v.sqrt()).collect();
@@ -65,8 +55,11 @@ pub(super) fn mobility(known: &Known) -> Table {
     }
     columns.push(Column::words(
         "validity",
-        (0..response.values.len())
-            .map(|line| match &known.objections[line] {
+        known
+            .objections
+            .iter()
+            .enumerate()
+            .map(|(line, objection)| match objection {
                 Some(reason) => reason.clone(),
                 None if line < known.first_measured => "valid, by the weighed mass".to_owned(),
                 None => "valid".to_owned(),

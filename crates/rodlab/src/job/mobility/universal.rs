@@ -11,6 +11,10 @@ use crate::universal::{self, axis, property};
 const NAME: &str = "mobility";
 
 /// `mobility.uff`: the complex lines, their standard errors and the coherence.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`lines` are lines of the mobility, and every list has an element for each"
+)]
 pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, RodlabError> {
     let response = &known.mobility;
     let valid = |line: &usize| response.validity[*line] == LineValidity::Valid;

@@ -121,6 +121,10 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
 }
 
 /// The gauges against a free end, where the sheet says that the rod has one.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the estimate is of the lines of these spectra and counts them"
+)]
 fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let (
         MethodSheet::MultiPoint {

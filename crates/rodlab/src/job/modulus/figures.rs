@@ -159,6 +159,10 @@ fn range(lower: &[f64], upper: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// Stretches of lines that are not valid, each with the reason that most of its lines have.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`lines` are all lines of the estimate, and each has its list of reasons"
+)]
 fn greyed(lines: &[&ModulusLine], reasons: &Reasons) -> Vec<Greyed> {
     let (Some(first), Some(last)) = (lines.first(), lines.last()) else {
         return Vec::new();

@@ -128,6 +128,10 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
 }
 
 /// All samples, or the least and the greatest of each stretch in their order.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the least and the greatest are looked for among the samples of the part, of which there is one at least"
+)]
 fn drawn(samples: &[f64], step: f64, scale: f64) -> (Vec<f64>, Vec<f64>) {
     let stretch = samples.len().div_ceil(STRETCHES);
     if stretch <= 2 {

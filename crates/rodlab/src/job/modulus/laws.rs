@@ -214,7 +214,9 @@ pub(super) fn fit(
         parameters(outcome, &row.fit);
     }
     outcome.tables.push(table(&comparison));
-    outcome.figures.push(figure(found, &points, &comparison));
+    outcome
+        .figures
+        .push(figure(found, &points, &comparison, best));
     if let Some(cards) = &asked.cards {
         cards::attach(outcome, found, &comparison, cards)?;
     }
@@ -309,7 +311,12 @@ fn table(comparison: &Comparison) -> Table {
     }
 }
 
-fn figure(found: &Found<'_>, points: &[ModulusPoint], comparison: &Comparison) -> Figure {
+fn figure(
+    found: &Found<'_>,
+    points: &[ModulusPoint],
+    comparison: &Comparison,
+    best: &RheologicalFit,
+) -> Figure {
     let x: Vec<f64> = points
         .iter()
         .map(|point| 1e-3 * point.frequency_hz)
@@ -346,7 +353,7 @@ fn figure(found: &Found<'_>, points: &[ModulusPoint], comparison: &Comparison) -
         title: "Laws fitted to the modulus".to_owned(),
         caption: format!(
             "The preferred law: {}. Drawn are the {} lines that were fitted, of {} valid ones.",
-            comparison.rows[0].fit.law.law(),
+            best.law.law(),
             points.len(),
             found.estimate.valid().count()
         ),

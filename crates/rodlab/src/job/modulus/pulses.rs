@@ -84,18 +84,23 @@ fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
     for (name, edges) in [EARLIER, LATER].iter().zip(edges) {
         let energy = spectra.auto(name).map_err(averaging)?;
         let noise = noise_of_cut_pulse(0.0, edges, lines).map_err(cutting)?;
+        let of_ratio = ratio.variance.iter_mut().zip(&ratio.values);
         // the line at 0 Hz says nothing of the modulus, and has no such error
-        for (index, noise) in noise.iter().enumerate() {
-            let line = index + 1;
+        let above_zero = of_ratio.zip(&energy).skip(1);
+        for (((variance, value), energy), noise) in above_zero.zip(&noise) {
             // the energy of a one-sided line is twice |q|²
-            let relative = 2.0 * noise * noise / energy[line];
-            ratio.variance[line] += ratio.values[line].norm_sqr() * relative;
+            let relative = 2.0 * noise * noise / energy;
+            *variance += value.norm_sqr() * relative;
         }
     }
     Ok(ratio)
 }
 
 /// A record of the two pulses, silent elsewhere, and the values at the edges of each.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the stretch is of three samples or more and ends within the hit; the rows are those of the two pulses"
+)]
 fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<(Record, [[f64; 2]; 2]), RodlabError> {
     let refused = |error| RodlabError::step("cutting a pulse out of a hit", error);
     let mut samples = Array2::zeros((2, hit.n_samples()));

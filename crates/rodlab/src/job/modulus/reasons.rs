@@ -77,11 +77,13 @@ impl Reasons {
     /// One entry for the valid lines, one for each reason against the others, and one for each refusal.
     pub(super) fn log(&self, estimate: &ModulusEstimate) -> Vec<LogEntry> {
         let all = estimate.lines();
-        let frequencies = |keep: &dyn Fn(usize) -> bool| -> Vec<Option<f64>> {
-            let at = |index: usize| keep(index).then(|| all[index].frequency_hz);
-            (0..all.len()).map(at).collect()
+        let frequencies = |keep: &dyn Fn(&[&'static str]) -> bool| -> Vec<Option<f64>> {
+            let lines = all.iter().zip(&self.of_line);
+            lines
+                .map(|(line, reasons)| keep(reasons).then_some(line.frequency_hz))
+                .collect()
         };
-        let valid = frequencies(&|index| self.of_line[index].is_empty());
+        let valid = frequencies(&|reasons| reasons.is_empty());
         let mut log = vec![LogEntry {
             what: format!(
                 "{} of {} are valid: {}",
@@ -93,7 +95,7 @@ impl Reasons {
             reasons: Vec::new(),
         }];
         for (reason, count) in &self.counts {
-            let with = frequencies(&|index| self.of_line[index].contains(reason));
+            let with = frequencies(&|reasons| reasons.contains(reason));
             log.push(LogEntry {
                 what: format!("{}: {}", lines(*count), stretches(&with)),
                 accepted: false,

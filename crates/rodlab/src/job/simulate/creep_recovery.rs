@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cmod::recovery::{LoadHistory, LoadSegment, ThreeElement, ThreeElementParameters};
 use labio::instrument::{Instrument, NoiseSpectrum};
 use labio::{Channel, Provenance, Quantity, Record};
-use ndarray::Array2;
+use ndarray::{Axis as Row, aview1};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
@@ -137,7 +137,7 @@ impl CreepRecoverySheet {
     fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let name = "loss factor";
-        let values = Array2::from_shape_fn((1, exact.len()), |(_, k)| exact[k]);
+        let values = aview1(exact).insert_axis(Row(0)).to_owned();
         let channel = Channel::new(name, Quantity::Strain).map_err(refused)?;
         let record = Record::new(
             values,

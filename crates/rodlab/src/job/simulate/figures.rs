@@ -74,12 +74,15 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
         marks.push(Mark::Line {
             name: channel.name().to_owned(),
             role: Role::of_series(index),
-            x: spectra.frequency_hz()[1..]
+            x: spectra
+                .frequency_hz()
                 .iter()
+                .skip(1)
                 .map(|f| 1e-3 * f)
                 .collect(),
-            y: auto[1..]
+            y: auto
                 .iter()
+                .skip(1)
                 .map(|g| 10.0 * (g / largest).log10())
                 .collect(),
         });

@@ -194,6 +194,10 @@ impl InstrumentSheet {
     }
 
     /// `history` filtered and sampled: the record begins at time 0, the blow is `before` later.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a row of the record is that of a channel of the history"
+    )]
     pub(super) fn sampled(&self, history: &History) -> Result<Record, RodlabError> {
         let refused = |error| RodlabError::step("instrument", error);
         let before = self.samples(self.before(), "instrument.before")?;

@@ -79,6 +79,10 @@ fn put<const N: usize>(field: &mut [u8], at: usize, bytes: [u8; N]) {
 
 /// The two digits of a number below 100.
 #[inline]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a table made by the compiler, which would refuse an index beyond it"
+)]
 fn pair(value: u64) -> [u8; 2] {
     const PAIRS: [[u8; 2]; 100] = {
         let mut pairs = [[0; 2]; 100];
@@ -118,6 +122,10 @@ struct ScaledPowers {
 #[expect(
     clippy::cast_sign_loss,
     reason = "a table made by the compiler, from numbers that are in range"
+)]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a table made by the compiler, which would refuse an index beyond it"
 )]
 impl ScaledPowers {
     const FIRST: i32 = -330;

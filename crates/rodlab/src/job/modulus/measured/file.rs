@@ -68,10 +68,11 @@ pub(super) fn of_file(
             let errors = file
                 .column(column, "source.errors.column")?
                 .pure_numbers()?;
-            if let Some(line) = errors.iter().position(|error| *error < 0.0) {
+            let mut lines = errors.iter().enumerate();
+            if let Some((line, error)) = lines.find(|(_, error)| **error < 0.0) {
                 return Err(RodlabError::request(
                     format!("source.errors.column, line {}", line + 1),
-                    errors[line].to_string(),
+                    error.to_string(),
                     "a standard error of 0 or more",
                 ));
             }
