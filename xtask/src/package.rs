@@ -71,6 +71,7 @@ pub(crate) fn run() -> Outcome {
         found.extend(
             said.remarks
                 .lines()
+                .filter(|line| line.starts_with("warning"))
                 .map(|line| format!("cargo says {line}")),
         );
         println!(
