@@ -176,8 +176,8 @@ mod tests {
         assert_eq!(
             linked(&["cmod", "clap", "serde"]).faults(labio, None),
             [
-                "labio pulls in cmod, expected of ours []",
                 "labio pulls in clap, which belongs to the command, to tests or to tasks",
+                "labio pulls in cmod, expected of ours []",
                 "labio pulls in serde, expected only with the feature `serde`",
             ]
         );

@@ -245,6 +245,7 @@ mod tests {
         files.retain(|file| *file != "LICENSE-MIT");
         files.extend([
             "src/a.rs.orig",
+            "src/a.snap.new",
             "src/.a.swp",
             "tests/physics.rs",
             "notes.txt",
