@@ -12,9 +12,13 @@
     reason = "the project's own tool: where an index fails the gate fails, loudly and at the right place"
 )]
 
+mod api;
 mod book;
+mod cargo;
 mod fixtures;
 mod generated;
+mod outside;
+mod package;
 mod reproduce;
 mod snapshot;
 mod traceability;
@@ -78,6 +82,20 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Build a program outside the workspace on each library crate alone, and write docs/dependencies.md: what comes with it.
+    Outside {
+        /// Change nothing in the repository; fail where the page is not what would be written.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write docs/api: everything public of each library crate.
+    Api {
+        /// Change nothing in the repository; fail where a listing is not what would be written.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can have.
+    Package,
     /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
@@ -117,6 +135,9 @@ impl Comparison {
 }
 
 fn main() -> ExitCode {
+    if let Some(status) = api::as_rustdoc() {
+        return status;
+    }
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
         Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], comparison.keep()),
@@ -135,6 +156,9 @@ fn main() -> ExitCode {
                 .as_ref()
                 .map(|Question::Supports { renderer }| renderer.as_str()),
         ),
+        Task::Outside { check } => outside::run(check),
+        Task::Api { check } => api::run(check),
+        Task::Package => package::run(),
         Task::Validate { data, check } => validate::run(data.as_deref(), check),
         Task::Traceability { check } => traceability::run(check),
     };

@@ -135,3 +135,10 @@ pub use pulses::{PulsedRod, SeparatePulses, noise_of_cut_pulse};
 pub use resonance::Resonances;
 pub use section_ratio::{RatioOfSpectra, SectionUncertainty};
 pub use two_point::{Solver, Specimen, TwoPoint};
+
+// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+pub use {num_complex, rodwave};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ExampleOfReadme;

@@ -158,3 +158,10 @@ pub use reconstruct::{
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
 pub use unilateral::ContactInterval;
+
+// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+pub use {num_complex, rand, rodwave};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ExampleOfReadme;

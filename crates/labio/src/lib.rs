@@ -105,3 +105,10 @@ pub use spectra::{AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};
+
+// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+pub use {ndarray, num_complex, rand};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ExampleOfReadme;

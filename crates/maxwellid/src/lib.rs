@@ -73,3 +73,10 @@ pub use report::Report;
 pub use start::StartOutcome;
 pub use test::{Provenance, RodTest, RodTestData, TestFlag};
 pub use velocity::Differentiator;
+
+// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+pub use {num_complex, rodwave};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ExampleOfReadme;

@@ -77,3 +77,10 @@ pub use chain::{Chain, Termination};
 pub use characteristics::DirectProblem;
 pub use error::RodwaveError;
 pub use rod::InelasticRod;
+
+// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+pub use num_complex;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ExampleOfReadme;

@@ -1,0 +1,102 @@
+//! `cargo xtask api`: everything public of each library crate, one item a line, in `docs/api`.
+//!
+//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a stable rustdoc does on the condition of
+//! `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would have build scripts of dependencies run again; so cargo calls this
+//! program as rustdoc, and rustdoc alone gets the variable.
+
+mod listing;
+
+use std::ffi::OsString;
+use std::process::{Command, ExitCode};
+
+use crate::Outcome;
+use crate::cargo::{Metadata, run as call, target_folder};
+use crate::generated::{ensure_file_contents, workspace_root};
+use crate::outside::{LIBRARIES, Program};
+use listing::Listing;
+
+/// Names the rustdoc that is to be called, where this program is called as rustdoc.
+const RUSTDOC: &str = "XTASK_RUSTDOC";
+
+/// What is wrong with a public interface, or with how it is read.
+#[derive(Debug, thiserror::Error)]
+enum ApiError {
+    #[error(
+        "{krate}: {source}. The JSON of rustdoc has a format for each version: `public-api` in Cargo.toml and rust-toolchain.toml are raised together"
+    )]
+    NotRead {
+        krate: &'static str,
+        source: public_api::Error,
+    },
+    #[error("types in signatures that who depends on one crate alone cannot name:\n{0}")]
+    NotNameable(String),
+}
+
+/// Writes the listings, or with `check` compares them.
+pub(crate) fn run(check: bool) -> Outcome {
+    let root = workspace_root();
+    let workspace = Metadata::of(root, &[])?;
+    let mut faults = Vec::new();
+    let mut listings = Vec::new();
+    for library in &LIBRARIES {
+        let krate = library.name;
+        let program = Program::write(root, krate, &workspace)?;
+        // what cargo keeps is shared, what rustdoc writes is apart from the pages of `cargo doc`
+        let written = target_folder().join("outside").join("json");
+        call(
+            program
+                .call("doc")
+                .args(["--no-deps", "--package", krate])
+                .env("CARGO_BUILD_BUILD_DIR", target_folder())
+                .env("CARGO_TARGET_DIR", &written)
+                .env("RUSTDOC", std::env::current_exe()?)
+                .env(RUSTDOC, rustdoc())
+                .env_remove("CARGO_ENCODED_RUSTDOCFLAGS")
+                .env("RUSTDOCFLAGS", "-Z unstable-options --output-format json"),
+        )?;
+        let path = written.join("doc").join(format!("{krate}.json"));
+        let public = public_api::Builder::from_rustdoc_json(path)
+            .omit_blanket_impls(true)
+            .include_function_parameter_names(true)
+            .build()
+            .map_err(|source| ApiError::NotRead { krate, source })?;
+        let listing = Listing::of(krate, public.items().map(ToString::to_string));
+        faults.extend(listing.not_nameable());
+        println!("{krate}: {} public items", listing.len());
+        listings.push((krate, listing));
+    }
+    if !faults.is_empty() {
+        return Err(ApiError::NotNameable(faults.join("\n")).into());
+    }
+    for (krate, listing) in listings {
+        ensure_file_contents(
+            &root.join("docs").join("api").join(format!("{krate}.txt")),
+            &listing.to_string(),
+            check,
+            "cargo xtask api",
+        )?;
+    }
+    Ok(())
+}
+
+fn rustdoc() -> OsString {
+    std::env::var_os("RUSTDOC").unwrap_or_else(|| "rustdoc".into())
+}
+
+/// Calls rustdoc as cargo has called this program, if cargo has.
+pub(crate) fn as_rustdoc() -> Option<ExitCode> {
+    let rustdoc = std::env::var_os(RUSTDOC)?;
+    let ended = Command::new(&rustdoc)
+        .args(std::env::args_os().skip(1))
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env_remove(RUSTDOC)
+        .status();
+    Some(match ended {
+        Ok(status) if status.success() => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {}: {error}", rustdoc.to_string_lossy());
+            ExitCode::FAILURE
+        }
+    })
+}

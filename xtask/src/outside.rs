@@ -1,0 +1,185 @@
+//! `cargo xtask outside`: a program outside the workspace on each library crate alone, and `docs/dependencies.md`.
+//!
+//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block `main.rs`. It is a workspace of its own, so
+//! that no feature and no dependency of a neighbour comes in, takes the versions of our `Cargo.lock`, and is checked without
+//! warnings, with the features of the crate and without. What cargo has compiled is kept beside that of the
+//! workspace: a dependency with the same features is not compiled twice.
+
+mod page;
+mod program;
+mod pulled_in;
+
+use crate::Outcome;
+use crate::cargo::Metadata;
+use crate::generated::{ensure_file_contents, workspace_root};
+
+pub(crate) use program::Program;
+use pulled_in::PulledIn;
+
+/// A library crate, and what of ours it may pull in.
+#[derive(Debug)]
+pub(crate) struct Library {
+    pub(crate) name: &'static str,
+    ours: &'static [&'static str],
+}
+
+/// The library crates. `rodlab` is none: a program, whose library is how it is made.
+pub(crate) const LIBRARIES: [Library; 5] = [
+    Library {
+        name: "rodwave",
+        ours: &[],
+    },
+    Library {
+        name: "labio",
+        ours: &[],
+    },
+    Library {
+        name: "cmod",
+        ours: &["rodwave"],
+    },
+    Library {
+        name: "maxwellid",
+        ours: &["rodwave"],
+    },
+    Library {
+        name: "impulse",
+        ours: &["rodwave"],
+    },
+];
+
+/// What belongs to the command, to tests or to tasks, and to no library.
+const NOT_FOR_LIBRARIES: [&str; 12] = [
+    "clap",
+    "criterion",
+    "ctrlc",
+    "indicatif",
+    "insta",
+    "kuva",
+    "miette",
+    "minijinja",
+    "proptest",
+    "ron",
+    "serde_json",
+    "tempfile",
+];
+
+/// What comes with the feature of that name, and never without.
+const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
+
+/// What comes with a library crate alone, and with each of its features.
+#[derive(Debug)]
+struct Alone<'a> {
+    library: &'a Library,
+    by_default: PulledIn,
+    by_feature: Vec<(String, PulledIn)>,
+}
+
+/// What is wrong with a crate that somebody depends on.
+#[derive(Debug, thiserror::Error)]
+enum OutsideError {
+    #[error("{0} crates pull in what they must not:\n{1}")]
+    PulledIn(usize, String),
+}
+
+/// Builds the programs and writes the page, or with `check` compares it.
+pub(crate) fn run(check: bool) -> Outcome {
+    let root = workspace_root();
+    let workspace = Metadata::of(root, &[])?;
+    let mut listed = Vec::new();
+    let mut faults = Vec::new();
+    for library in &LIBRARIES {
+        let program = Program::write(root, library.name, &workspace)?;
+        let (by_default, by_feature) = program.pulled_in()?;
+        faults.extend(by_default.faults(library, None));
+        for (feature, pulled_in) in &by_feature {
+            faults.extend(pulled_in.faults(library, Some(feature)));
+        }
+        program.check_alone(&[])?;
+        if !by_feature.is_empty() {
+            program.check_alone(&["--all-features"])?;
+        }
+        println!(
+            "{}: {} crates linked, {} on some platforms, {} while compiling; its README is a program without warnings",
+            library.name,
+            by_default.everywhere.len(),
+            by_default.somewhere.len(),
+            by_default.compiling.len()
+        );
+        listed.push(Alone {
+            library,
+            by_default,
+            by_feature,
+        });
+    }
+    if !faults.is_empty() {
+        return Err(OutsideError::PulledIn(faults.len(), faults.join("\n")).into());
+    }
+    ensure_file_contents(
+        &root.join("docs").join("dependencies.md"),
+        &page::of(&listed, &workspace),
+        check,
+        "cargo xtask outside",
+    )?;
+    Ok(())
+}
+
+impl PulledIn {
+    /// What stands here and must not, with `feature` or without any.
+    fn faults(&self, library: &Library, feature: Option<&str>) -> Vec<String> {
+        let name = library.name;
+        let alone = feature.map_or_else(String::new, |feature| format!(" with `{feature}`"));
+        let mut faults = Vec::new();
+        for package in self.linked() {
+            let package = package.split(' ').next().unwrap_or(package);
+            let ours = LIBRARIES.iter().any(|library| library.name == package);
+            if ours && !library.ours.contains(&package) {
+                faults.push(format!(
+                    "{name}{alone} pulls in {package}, expected of ours {:?}",
+                    library.ours
+                ));
+            }
+            if NOT_FOR_LIBRARIES.contains(&package) {
+                faults.push(format!(
+                    "{name}{alone} pulls in {package}, which belongs to the command, to tests or to tasks"
+                ));
+            }
+            if BY_FEATURE_ONLY.contains(&package) && feature != Some(package) {
+                faults.push(format!(
+                    "{name}{alone} pulls in {package}, expected only with the feature `{package}`"
+                ));
+            }
+        }
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn linked(names: &[&str]) -> PulledIn {
+        PulledIn {
+            everywhere: names.iter().map(|name| (*name).to_owned()).collect(),
+            ..PulledIn::default()
+        }
+    }
+
+    #[test]
+    fn what_a_library_must_not_pull_in_is_named() {
+        let [rodwave, labio, cmod, ..] = &LIBRARIES;
+        assert!(linked(&["num-complex"]).faults(rodwave, None).is_empty());
+        assert!(
+            linked(&["rodwave", "serde"])
+                .faults(cmod, Some("serde"))
+                .is_empty()
+        );
+        assert_eq!(
+            linked(&["cmod", "clap", "serde"]).faults(labio, None),
+            [
+                "labio pulls in clap, which belongs to the command, to tests or to tasks",
+                "labio pulls in cmod, expected of ours []",
+                "labio pulls in serde, expected only with the feature `serde`",
+            ]
+        );
+    }
+}

@@ -1,0 +1,105 @@
+//! `docs/dependencies.md`: what whoever depends on one crate of ours gets with it.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::Alone;
+use super::pulled_in::PulledIn;
+use crate::cargo::{Metadata, Package};
+
+const HEAD: &str = "\
+# What each crate pulls in
+
+Written by `cargo xtask outside` from programs that depend on one crate each and lie outside the workspace; never by hand. Versions are those
+of `Cargo.lock`. A crate that is linked is part of the program; macros, build scripts and what they need are compiled and run on the
+way, and are no part of it.
+
+| crate | linked | on some platforms | while compiling |
+|---|--:|--:|--:|
+";
+
+/// The page.
+pub(super) fn of(listed: &[Alone<'_>], workspace: &Metadata) -> String {
+    let mut page = HEAD.to_owned();
+    for Alone {
+        library,
+        by_default,
+        by_feature,
+    } in listed
+    {
+        row(&mut page, library.name, by_default);
+        for (feature, pulled_in) in by_feature {
+            row(
+                &mut page,
+                &format!("{}, feature {feature}", library.name),
+                pulled_in,
+            );
+        }
+    }
+    page.push('\n');
+    for Alone {
+        library,
+        by_default,
+        by_feature,
+    } in listed
+    {
+        let _ = write!(page, "## {}\n\n", library.name);
+        let declared = workspace
+            .local(library.name)
+            .map(declared)
+            .unwrap_or_default();
+        paragraph(&mut page, "Declared", &declared);
+        let below = by_default
+            .everywhere
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !declared.contains(name))
+            .collect::<Vec<_>>();
+        paragraph(&mut page, "With them", &below);
+        paragraph(
+            &mut page,
+            "On some platforms",
+            &names(&by_default.somewhere),
+        );
+        paragraph(&mut page, "While compiling", &names(&by_default.compiling));
+        for (feature, pulled_in) in by_feature {
+            paragraph(
+                &mut page,
+                &format!("More with the feature {feature}"),
+                &pulled_in.beyond(by_default),
+            );
+        }
+    }
+    page.trim_end().to_owned() + "\n"
+}
+
+fn row(page: &mut String, name: &str, pulled_in: &PulledIn) {
+    let _ = writeln!(
+        page,
+        "| {name} | {} | {} | {} |",
+        pulled_in.everywhere.len(),
+        pulled_in.somewhere.len(),
+        pulled_in.compiling.len()
+    );
+}
+
+/// What a manifest asks for by default.
+fn declared(package: &Package) -> Vec<&str> {
+    let names: BTreeSet<&str> = package
+        .dependencies
+        .iter()
+        .filter(|dependency| dependency.kind.is_none() && !dependency.optional)
+        .map(|dependency| dependency.name.as_str())
+        .collect();
+    names.into_iter().collect()
+}
+
+fn names(of: &BTreeSet<String>) -> Vec<&str> {
+    of.iter().map(String::as_str).collect()
+}
+
+fn paragraph(page: &mut String, title: &str, names: &[&str]) {
+    if !names.is_empty() {
+        let _ = write!(page, "{title}: {}.\n\n", names.join(", "));
+    }
+}

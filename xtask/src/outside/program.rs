@@ -1,0 +1,279 @@
+//! One program outside the workspace: from the README of a crate to a folder that cargo can check.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::pulled_in::PulledIn;
+use crate::cargo::{CargoError, Metadata, cargo, run, target_folder};
+use crate::generated::{GeneratedError, write_whole};
+
+/// Where a README says that the crates are, seen from the program of its reader.
+const CLONE: &str = "../rodlab/crates/";
+
+/// The profile of the workspace: what is compiled with it there is not compiled again here.
+const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = \"line-tables-only\"\n";
+
+/// Why there is no program.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ProgramError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    File(#[from] GeneratedError),
+    #[error(transparent)]
+    Cargo(#[from] CargoError),
+    #[error("the workspace has no crate {0}")]
+    NoCrate(String),
+    #[error("{} has {found} blocks of `{language}`, expected one: it is made the program that depends on the crate", path.display())]
+    Blocks {
+        path: PathBuf,
+        language: &'static str,
+        found: usize,
+    },
+    #[error("{} declares\n{found}\nexpected [dependencies] and the crate alone, at {CLONE}", path.display())]
+    Manifest { path: PathBuf, found: String },
+    #[error(
+        "alone, {krate} takes {package}, which our Cargo.lock does not have: run `cargo update --workspace` and review the difference"
+    )]
+    Moved { krate: String, package: String },
+}
+
+/// A program that depends on one library crate and nothing else.
+#[derive(Debug)]
+pub(crate) struct Program {
+    krate: String,
+    folder: PathBuf,
+    features: Vec<String>,
+}
+
+impl Program {
+    /// Writes the program of `krate` below `target`, with the versions of our `Cargo.lock`.
+    pub(crate) fn write(
+        root: &Path,
+        krate: &str,
+        workspace: &Metadata,
+    ) -> Result<Self, ProgramError> {
+        let package = workspace
+            .local(krate)
+            .ok_or_else(|| ProgramError::NoCrate(krate.to_owned()))?;
+        let features: Vec<String> = package
+            .features
+            .keys()
+            .filter(|feature| *feature != "default")
+            .cloned()
+            .collect();
+        let readme = root.join("crates").join(krate).join("README.md");
+        let text = read(&readme)?;
+        let declared = block(&text, "toml", &readme)?;
+        let main = block(&text, "rust", &readme)?;
+        let folder = target_folder().join("outside").join(krate);
+        let manifest =
+            manifest(krate, &declared, &features, root).ok_or(ProgramError::Manifest {
+                path: readme,
+                found: declared,
+            })?;
+        write_changed(&folder.join("Cargo.toml"), &manifest)?;
+        write_changed(
+            &folder.join("src").join("main.rs"),
+            &format!("#![deny(warnings)]\n{main}"),
+        )?;
+        let program = Self {
+            krate: krate.to_owned(),
+            folder,
+            features,
+        };
+        program.lock(root)?;
+        Ok(program)
+    }
+
+    /// Copies our `Cargo.lock`, lets cargo leave out what this program has no use for, and sees that nothing else was changed.
+    fn lock(&self, root: &Path) -> Result<(), ProgramError> {
+        let ours = read(&root.join("Cargo.lock"))?;
+        let path = self.folder.join("Cargo.lock");
+        write_whole(&path, &ours)?;
+        Metadata::of(&self.folder, &[])?;
+        let ours = locked(&ours);
+        match locked(&read(&path)?)
+            .into_iter()
+            .find(|package| !ours.contains(package) && package.0 != self.name())
+        {
+            Some((name, version)) => Err(ProgramError::Moved {
+                krate: self.krate.clone(),
+                package: format!("{name} {version}"),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn name(&self) -> String {
+        format!("outside-{}", self.krate)
+    }
+
+    /// What comes with the crate by default, and with each of its features.
+    pub(crate) fn pulled_in(&self) -> Result<(PulledIn, Vec<(String, PulledIn)>), ProgramError> {
+        let with = |selection: &[&str]| {
+            Metadata::of(&self.folder, selection).map(|graph| PulledIn::of(&self.krate, &graph))
+        };
+        let by_default = with(&["--no-default-features"])?;
+        let by_feature = self
+            .features
+            .iter()
+            .map(|feature| {
+                let pulled_in = with(&["--no-default-features", "--features", feature])?;
+                Ok((feature.clone(), pulled_in))
+            })
+            .collect::<Result<_, ProgramError>>()?;
+        Ok((by_default, by_feature))
+    }
+
+    /// `cargo check` of the program, whose warnings are errors.
+    pub(crate) fn check_alone(&self, selection: &[&str]) -> Result<(), ProgramError> {
+        let selection = if selection.is_empty() {
+            &["--no-default-features"]
+        } else {
+            selection
+        };
+        run(self.call("check").args(selection))?;
+        Ok(())
+    }
+
+    /// A call of cargo in the folder of the program. By default the program asks for all features of the crate.
+    pub(crate) fn call(&self, verb: &str) -> Command {
+        let mut command = cargo();
+        command
+            .args([verb, "--offline", "--locked", "--quiet"])
+            .env("CARGO_TARGET_DIR", target_folder())
+            .current_dir(&self.folder);
+        command
+    }
+}
+
+/// The manifest of the program, if the block of the README is the crate alone at the place of a clone.
+fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Option<String> {
+    let clone = format!("\"{CLONE}{krate}\"");
+    let lines: Vec<&str> = declared
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .collect();
+    let ["[dependencies]", dependency] = lines.as_slice() else {
+        return None;
+    };
+    if !(dependency.starts_with(&format!("{krate} = ")) && dependency.contains(&clone)) {
+        return None;
+    }
+    // a literal string, because a path may have backslashes
+    let here = format!("'{}'", root.join("crates").join(krate).display());
+    let named: Vec<String> = features
+        .iter()
+        .map(|feature| format!("\"{feature}\""))
+        .collect();
+    let forwarded: String = features
+        .iter()
+        .map(|feature| format!("{feature} = [\"{krate}/{feature}\"]\n"))
+        .collect();
+    Some(format!(
+        "# Written by `cargo xtask outside` from the README of {krate}.\n\
+         [package]\nname = \"outside-{krate}\"\nversion = \"0.0.0\"\nedition = \"2024\"\npublish = false\n\n\
+         [workspace]\n\n\
+         [features]\ndefault = [{}]\n{forwarded}\n\
+         [dependencies]\n{}\n\n{PROFILE}",
+        named.join(", "),
+        dependency.replace(&clone, &here),
+    ))
+}
+
+/// The one block of `language` in a README.
+fn block(text: &str, language: &'static str, path: &Path) -> Result<String, ProgramError> {
+    let opening = format!("```{language}\n");
+    let blocks: Vec<&str> = text
+        .split(&opening)
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .collect();
+    match blocks.as_slice() {
+        [block] => Ok((*block).to_owned()),
+        _ => Err(ProgramError::Blocks {
+            path: path.to_path_buf(),
+            language,
+            found: blocks.len(),
+        }),
+    }
+}
+
+/// Names and versions in a `Cargo.lock`.
+fn locked(lock: &str) -> Vec<(String, String)> {
+    lock.split("[[package]]")
+        .skip(1)
+        .filter_map(|package| {
+            let value = |key: &str| {
+                package.lines().find_map(|line| {
+                    line.strip_prefix(key)
+                        .map(|value| value.trim_matches([' ', '=', '"']).to_owned())
+                })
+            };
+            Some((value("name")?, value("version")?))
+        })
+        .collect()
+}
+
+/// Writes what is not there yet: a file that is older than what was made of it is not compiled again.
+fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
+    if fs::read_to_string(path).is_ok_and(|found| found == contents) {
+        return Ok(());
+    }
+    Ok(write_whole(path, contents)?)
+}
+
+/// With line ends as Git has them.
+fn read(path: &Path) -> Result<String, ProgramError> {
+    fs::read_to_string(path)
+        .map(|text| text.replace("\r\n", "\n"))
+        .map_err(|source| ProgramError::Io {
+            path: path.to_path_buf(),
+            source,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_manifest_takes_the_crate_alone() {
+        let root = Path::new("/clone");
+        let alone = "[dependencies]\ncmod = { path = \"../rodlab/crates/cmod\" }\n";
+        let features = ["serde".to_owned()];
+        let text = manifest("cmod", alone, &features, root).unwrap();
+        assert!(
+            text.contains("default = [\"serde\"]\nserde = [\"cmod/serde\"]\n"),
+            "{text}"
+        );
+        assert!(text.contains("cmod = { path = '/clone"), "{text}");
+        for wrong in [
+            "[dependencies]\ncmod = \"0.1\"\n",
+            "[dependencies]\ncmod = { path = \"../rodlab/crates/cmod\" }\nndarray = \"0.17\"\n",
+            "[dependencies]\nrodwave = { path = \"../rodlab/crates/rodwave\" }\n",
+        ] {
+            assert_eq!(manifest("cmod", wrong, &features, root), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_readme_has_one_block_of_a_language() {
+        let path = Path::new("README.md");
+        let text = "a\n```rust\nfn main() {}\n```\nb\n```toml\n```\n```toml\n```\n";
+        assert_eq!(block(text, "rust", path).unwrap(), "fn main() {}\n");
+        assert!(matches!(
+            block(text, "toml", path),
+            Err(ProgramError::Blocks { found: 2, .. })
+        ));
+    }
+
+    #[test]
+    fn a_lock_is_read_by_name_and_version() {
+        let lock = "version = 4\n\n[[package]]\nname = \"a\"\nversion = \"1.0.0\"\ndependencies = [\n \"b\",\n]\n";
+        assert_eq!(locked(lock), [("a".to_owned(), "1.0.0".to_owned())]);
+    }
+}

@@ -1,0 +1,145 @@
+//! What comes with a crate: along the graph of cargo, from it downwards.
+
+use std::collections::BTreeSet;
+
+use crate::cargo::{EdgeKind, Metadata, Package};
+
+/// Names of the packages that come with a crate, itself excepted; with the version that matters where there are several.
+#[derive(Debug, Default)]
+pub(crate) struct PulledIn {
+    /// Part of the program on every platform.
+    pub(crate) everywhere: BTreeSet<String>,
+    /// Part of the program on some platforms only.
+    pub(crate) somewhere: BTreeSet<String>,
+    /// Macros, build scripts, and what they need: compiled and run, but no part of the program.
+    pub(crate) compiling: BTreeSet<String>,
+}
+
+impl PulledIn {
+    /// Below the crate of ours that is called `krate`.
+    pub(crate) fn of(krate: &str, graph: &Metadata) -> Self {
+        let Some(top) = graph.local(krate) else {
+            return Self::default();
+        };
+        let in_program = |edge: &EdgeKind| edge.kind.is_none();
+        let everywhere = reached(graph, &top.id, false, |edge| {
+            in_program(edge) && edge.target.is_none()
+        });
+        let linked = reached(graph, &top.id, false, in_program);
+        let all = reached(graph, &top.id, true, |edge| {
+            in_program(edge) || edge.kind.as_deref() == Some("build")
+        });
+        let names = |packages: BTreeSet<&str>| {
+            packages
+                .into_iter()
+                .filter_map(|id| graph.package(id))
+                .map(|package| graph.told_apart(package))
+                .collect::<BTreeSet<_>>()
+        };
+        Self {
+            somewhere: names(linked.difference(&everywhere).copied().collect()),
+            compiling: names(all.difference(&linked).copied().collect()),
+            everywhere: names(everywhere),
+        }
+    }
+
+    /// What becomes part of a program, on whatever platform.
+    pub(crate) fn linked(&self) -> impl Iterator<Item = &String> {
+        self.everywhere.iter().chain(&self.somewhere)
+    }
+
+    /// What is here and not in `less`.
+    pub(crate) fn beyond(&self, less: &Self) -> Vec<&str> {
+        let known: BTreeSet<_> = less.linked().chain(&less.compiling).collect();
+        self.linked()
+            .chain(&self.compiling)
+            .filter(|name| !known.contains(name))
+            .map(String::as_str)
+            .collect()
+    }
+}
+
+impl Metadata {
+    /// Its name, and behind it the part of the version that tells it from a namesake.
+    fn told_apart(&self, package: &Package) -> String {
+        let name = &package.name;
+        let is_one_of_several = self
+            .packages
+            .iter()
+            .any(|other| other.name == *name && other.id != package.id);
+        if !is_one_of_several {
+            return name.clone();
+        }
+        let mut numbers = package.version.split('.');
+        match (numbers.next(), numbers.next()) {
+            (Some("0"), Some(minor)) => format!("{name} 0.{minor}"),
+            (Some(major), _) => format!("{name} {major}"),
+            _ => name.clone(),
+        }
+    }
+}
+
+/// Packages below `top` by edges that `follows` lets through; macros, and what is below them, only `with_macros`.
+fn reached<'a>(
+    graph: &'a Metadata,
+    top: &'a str,
+    with_macros: bool,
+    follows: impl Fn(&EdgeKind) -> bool + Copy + 'a,
+) -> BTreeSet<&'a str> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![top];
+    while let Some(id) = open.pop() {
+        for below in graph.below(id, follows) {
+            let is_macro = graph
+                .package(below)
+                .is_some_and(|package| package.is_macro());
+            if (with_macros || !is_macro) && found.insert(below) {
+                open.push(below);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn macros_build_scripts_and_platforms_are_told_apart() {
+        let package = |name: &str, kind: &str| {
+            serde_json::json!({
+                "id": if name == "ours" { "path+ours" } else { name }, "name": name, "version": "1.0.0",
+                "keywords": [], "categories": [], "features": {}, "dependencies": [], "targets": [{"kind": [kind]}],
+            })
+        };
+        let edge = |to: &str, kind: Option<&str>, target: Option<&str>| serde_json::json!({"pkg": to, "dep_kinds": [{"kind": kind, "target": target}]});
+        let graph: Metadata = serde_json::from_value(serde_json::json!({
+            "workspace_members": [],
+            "packages": [
+                package("ours", "lib"), package("always", "lib"), package("windows", "lib"),
+                {"id": "elsewhere", "name": "syn", "version": "0.15.2", "keywords": [], "categories": [], "features": {},
+                 "dependencies": [], "targets": []},
+                package("derive", "proc-macro"), package("syn", "lib"), package("cc", "lib"), package("tests", "lib"),
+            ],
+            "resolve": {"nodes": [
+                {"id": "path+ours", "deps": [
+                    edge("always", None, None), edge("derive", None, None), edge("tests", Some("dev"), None),
+                ]},
+                {"id": "always", "deps": [
+                    edge("windows", None, Some("cfg(windows)")), edge("cc", Some("build"), None),
+                ]},
+                {"id": "derive", "deps": [edge("syn", None, None)]},
+            ]},
+        }))
+        .unwrap();
+        let found = PulledIn::of("ours", &graph);
+        assert_eq!(found.everywhere, BTreeSet::from(["always".to_owned()]));
+        assert_eq!(found.somewhere, BTreeSet::from(["windows".to_owned()]));
+        assert_eq!(
+            found.compiling,
+            ["cc", "derive", "syn 1"].map(str::to_owned).into()
+        );
+        assert_eq!(found.beyond(&PulledIn::default()).len(), 5);
+    }
+}

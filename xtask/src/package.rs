@@ -1,0 +1,275 @@
+//! `cargo xtask package`: what would be in the package of each crate, and whether its manifest says what a registry wants to know.
+//!
+//! Nothing is published. A package is what a vendor or a distribution takes, and it shows what a crate needs to be built: it holds no
+//! test data, and its sources read nothing outside of it.
+
+mod oldest;
+
+use std::fs;
+use std::path::Path;
+
+use crate::Outcome;
+use crate::cargo::{Metadata, Package, cargo, run as call};
+use crate::generated::workspace_root;
+
+/// Files that every package has; cargo adds the first three itself.
+const FILES: [&str; 8] = [
+    ".cargo_vcs_info.json",
+    "Cargo.lock",
+    "Cargo.toml",
+    "Cargo.toml.orig",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "src/lib.rs",
+];
+
+/// What a crate is made of, by the folder and the endings of its files.
+const FOLDERS: [(&str, &[&str]); 4] = [
+    // the page of a report has its template, style and script beside the code, a unit test its snapshot; one that waits for a
+    // decision ends in `.new`
+    ("src/", &["rs", "html", "css", "js", "snap"]),
+    ("benches/", &["rs"]),
+    // sheets and records of the command
+    ("examples/", &["rs", "md", "ron", "npy", "csv"]),
+    ("templates/", &["ron"]),
+];
+
+/// The longest package that a registry takes is 10 MB compressed; this is not far from what the largest one of ours is \[bytes\].
+const LARGEST: u64 = 4_000_000;
+
+/// What is wrong with a package.
+#[derive(Debug, thiserror::Error)]
+#[error("{} faults in packages:\n{}", .0.len(), .0.join("\n"))]
+struct Faults(Vec<String>);
+
+/// Looks at the package of every crate.
+pub(crate) fn run() -> Outcome {
+    let root = workspace_root();
+    let workspace = Metadata::of(root, &["--all-features"])?;
+    let mut faults = Vec::new();
+    for package in crates(&workspace) {
+        let said = call(
+            cargo()
+                // what is new and not committed yet would be packaged too
+                .args([
+                    "package",
+                    "--list",
+                    "--allow-dirty",
+                    "--no-verify",
+                    "--offline",
+                    "--locked",
+                ])
+                .args(["--package", &package.name])
+                .current_dir(root),
+        )?;
+        let files: Vec<&str> = said.output.lines().collect();
+        let folder = root.join("crates").join(&package.name);
+        let mut found = of_files(&files);
+        found.extend(of_manifest(package));
+        found.extend(of_contents(root, &folder, &files));
+        found.extend(
+            said.remarks
+                .lines()
+                .filter(|line| line.starts_with("warning"))
+                .map(|line| format!("cargo says {line}")),
+        );
+        println!(
+            "{}: {} files, {} kB",
+            package.name,
+            files.len(),
+            size(&folder, &files) / 1000
+        );
+        faults.extend(
+            found
+                .into_iter()
+                .map(|fault| format!("{}: {fault}", package.name)),
+        );
+    }
+    let names: Vec<_> = crates(&workspace).collect();
+    let (oldest, of_oldest) = oldest::of(&names, &workspace);
+    println!("{oldest}");
+    faults.extend(of_oldest);
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(Faults(faults).into())
+    }
+}
+
+/// The crates of the workspace that others can use: all but the tasks.
+fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
+    workspace
+        .workspace_members
+        .iter()
+        .filter_map(|id| workspace.package(id))
+        .filter(|package| package.name != "xtask")
+}
+
+/// Files that are missing, and files that are none of a package's business.
+fn of_files(files: &[&str]) -> Vec<String> {
+    let missing = FILES
+        .iter()
+        .filter(|file| !files.contains(file))
+        .map(|file| format!("{file} is missing"));
+    let stray = files
+        .iter()
+        .filter(|file| !FILES.contains(file) && !belongs(file))
+        .map(|file| format!("{file} does not belong into a package: its folder or its ending is not one of those in xtask/src/package.rs"));
+    missing.chain(stray).collect()
+}
+
+fn belongs(file: &str) -> bool {
+    let name = file.rsplit('/').next().unwrap_or(file);
+    let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let is_hidden = file.split('/').any(|part| part.starts_with('.'));
+    !is_hidden
+        && FOLDERS
+            .iter()
+            .any(|(folder, endings)| file.starts_with(folder) && endings.contains(&ending))
+}
+
+fn of_manifest(package: &Package) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (key, value) in [
+        ("description", &package.description),
+        ("license", &package.license),
+        ("repository", &package.repository),
+        ("rust-version", &package.rust_version),
+    ] {
+        if value.as_ref().is_none_or(String::is_empty) {
+            faults.push(format!("the manifest has no {key}"));
+        }
+    }
+    if package.readme.is_none() {
+        faults.push("the manifest has no readme".to_owned());
+    }
+    let keywords = &package.keywords;
+    let fits =
+        |word: &String| word.len() <= 20 && word.starts_with(|c: char| c.is_ascii_alphanumeric());
+    if !(1..=5).contains(&keywords.len()) || !keywords.iter().all(fits) {
+        faults.push(format!(
+            "keywords are {keywords:?}, expected one to five of up to 20 letters"
+        ));
+    }
+    if !(1..=5).contains(&package.categories.len()) {
+        faults.push(format!(
+            "categories are {:?}, expected one to five",
+            package.categories
+        ));
+    }
+    if package
+        .publish
+        .as_ref()
+        .is_none_or(|registries| !registries.is_empty())
+    {
+        faults.push(
+            "publish is not false: two of the names belong to others in the registry".to_owned(),
+        );
+    }
+    faults
+}
+
+/// Licences that are not ours, sources that read outside of the package, and too many bytes.
+fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
+    let mut faults = Vec::new();
+    for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        let same = fs::read(folder.join(licence))
+            .is_ok_and(|text| fs::read(root.join(licence)).is_ok_and(|ours| ours == text));
+        if !same {
+            faults.push(format!(
+                "{licence} is not the one of the repository (a link to it, which a checkout without links loses)"
+            ));
+        }
+    }
+    for file in files.iter().filter(|file| file.ends_with(".rs")) {
+        match fs::read_to_string(folder.join(file)) {
+            Ok(text) => faults.extend(outside(file, &text)),
+            Err(error) => faults.push(format!("{file}: {error}")),
+        }
+    }
+    let bytes = size(folder, files);
+    if bytes > LARGEST {
+        faults.push(format!("{bytes} bytes, expected at most {LARGEST}"));
+    }
+    faults
+}
+
+/// What `file` of a package includes or reads from outside of it.
+fn outside(file: &str, text: &str) -> Vec<String> {
+    let depth = file.matches('/').count();
+    let mut faults = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let included = ["include!(\"", "include_str!(\"", "include_bytes!(\""]
+            .iter()
+            .find_map(|call| line.split_once(call))
+            .is_some_and(|(_, path)| {
+                path.starts_with('/')
+                    || path
+                        .split('"')
+                        .next()
+                        .is_some_and(|path| path.matches("../").count() > depth)
+            });
+        if included || line.contains("/fixtures/") {
+            faults.push(format!(
+                "{file}, line {}: reads outside of the package: {}",
+                number + 1,
+                line.trim()
+            ));
+        }
+    }
+    faults
+}
+
+fn size(folder: &Path, files: &[&str]) -> u64 {
+    files
+        .iter()
+        .filter_map(|file| fs::metadata(folder.join(file)).ok())
+        .map(|file| file.len())
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stray_and_missing_files_are_named() {
+        let mut files = FILES.to_vec();
+        files.extend([
+            "src/format/uff58.rs",
+            "examples/nylon/record.npy",
+            "templates/frf.ron",
+        ]);
+        assert_eq!(of_files(&files), Vec::<String>::new());
+        files.retain(|file| *file != "LICENSE-MIT");
+        files.extend([
+            "src/a.rs.orig",
+            "src/a.snap.new",
+            "src/.a.swp",
+            "tests/physics.rs",
+            "notes.txt",
+        ]);
+        let faults = of_files(&files);
+        assert_eq!(faults.len(), 6, "{faults:?}");
+        assert_eq!(faults[0], "LICENSE-MIT is missing");
+    }
+
+    #[test]
+    fn sources_that_leave_their_package_are_named() {
+        let inside = "const A: &str = include_str!(\"../README.md\");";
+        assert_eq!(outside("src/lib.rs", inside), Vec::<String>::new());
+        assert_eq!(
+            outside("src/a/b.rs", "include_bytes!(\"../../x.npy\")"),
+            Vec::<String>::new()
+        );
+        assert_eq!(
+            outside("src/lib.rs", "include_str!(\"../../x.csv\")").len(),
+            1
+        );
+        assert_eq!(
+            outside("src/a.rs", "path.join(\"../../fixtures/golden\")").len(),
+            1
+        );
+    }
+}
