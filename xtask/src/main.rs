@@ -8,6 +8,7 @@
     reason = "a command-line program talks to its user"
 )]
 
+mod bench;
 mod book;
 mod fixtures;
 mod generated;
@@ -74,6 +75,11 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it wants a quiet machine.
+    Bench(Measurement),
+    /// One kernel, once, for callgrind.
+    #[command(hide = true)]
+    BenchKernel { name: String },
     /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
@@ -90,6 +96,31 @@ enum Task {
 enum Question {
     /// Whether a renderer is supported, as exit status.
     Supports { renderer: String },
+}
+
+#[derive(clap::Args)]
+struct Measurement {
+    /// Run nothing; fail where docs/performance.md is not what its numbers give, or benchmarks are not those of the sources.
+    #[arg(long)]
+    check: bool,
+    /// Measure for a shorter time and write the page to target/bench.
+    #[arg(long, conflicts_with_all = ["check", "instructions"])]
+    quick: bool,
+    /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them with the page's.
+    #[arg(long)]
+    instructions: bool,
+}
+
+impl Measurement {
+    fn task(&self) -> bench::Task {
+        match (self.instructions, self.check, self.quick) {
+            (true, true, _) => bench::Task::CompareCounts,
+            (true, false, _) => bench::Task::Count,
+            (false, true, _) => bench::Task::Check,
+            (false, false, true) => bench::Task::Try,
+            (false, false, false) => bench::Task::Measure,
+        }
+    }
 }
 
 #[derive(clap::Args)]
@@ -131,6 +162,8 @@ fn main() -> ExitCode {
                 .as_ref()
                 .map(|Question::Supports { renderer }| renderer.as_str()),
         ),
+        Task::Bench(measurement) => bench::run(measurement.task()),
+        Task::BenchKernel { name } => bench::run_kernel(&name),
         Task::Validate { data, check } => validate::run(data.as_deref(), check),
         Task::Traceability { check } => traceability::run(check),
     };
