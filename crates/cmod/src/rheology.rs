@@ -75,7 +75,6 @@ mod prony;
 mod shift_law;
 mod start;
 mod sweep;
-mod symmetric;
 mod whiteness;
 
 pub use comparison::{Comparison, ComparisonRow};
