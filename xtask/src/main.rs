@@ -106,6 +106,9 @@ struct Measurement {
     /// Measure for a shorter time and write the page to target/bench.
     #[arg(long, conflicts_with_all = ["check", "instructions"])]
     quick: bool,
+    /// Only make the page again, of the numbers there are.
+    #[arg(long, conflicts_with_all = ["check", "quick", "instructions"])]
+    page: bool,
     /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them with the page's.
     #[arg(long)]
     instructions: bool,
@@ -113,12 +116,13 @@ struct Measurement {
 
 impl Measurement {
     fn task(&self) -> bench::Task {
-        match (self.instructions, self.check, self.quick) {
-            (true, true, _) => bench::Task::CompareCounts,
-            (true, false, _) => bench::Task::Count,
-            (false, true, _) => bench::Task::Check,
-            (false, false, true) => bench::Task::Try,
-            (false, false, false) => bench::Task::Measure,
+        match (self.instructions, self.check) {
+            (true, true) => bench::Task::CompareCounts,
+            (true, false) => bench::Task::Count,
+            (false, true) => bench::Task::Check,
+            (false, false) if self.quick => bench::Task::Try,
+            (false, false) if self.page => bench::Task::Page,
+            (false, false) => bench::Task::Measure,
         }
     }
 }

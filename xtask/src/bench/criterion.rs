@@ -69,17 +69,25 @@ pub(super) fn run(
         .args(["--sample-size", pace.samples()])
         .current_dir(root)
         .env("CRITERION_HOME", &home)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null());
+        .stdin(Stdio::null());
     let shown = format!("cargo bench --workspace --bench {}", program.name);
-    let status = command.status().map_err(|source| BenchError::Command {
+    let output = command.output().map_err(|source| BenchError::Command {
         command: shown.clone(),
         reason: source.to_string(),
     })?;
-    if !status.success() {
+    if !output.status.success() {
+        // what the compiler or the benchmark said of it
+        let said = String::from_utf8_lossy(&output.stderr);
+        let error = said
+            .lines()
+            .find(|line| line.contains("error") || line.contains("panicked"));
+        let reason = match error {
+            Some(line) => format!("{}, expected 0: {line}", output.status),
+            None => format!("{}, expected 0", output.status),
+        };
         return Err(BenchError::Command {
             command: shown,
-            reason: format!("{status}, expected 0"),
+            reason,
         });
     }
     let mut found = Vec::new();
@@ -130,16 +138,29 @@ fn benchmark(folder: &Path, program: &BenchProgram) -> Result<Benchmark, BenchEr
             .map(|nanoseconds| four_digits(nanoseconds * 1e-9))
             .ok_or_else(|| missing(&estimates, key))
     };
+    let sample = folder.join("sample.json");
+    let shortest = shortest(&json(&sample)?).ok_or_else(|| missing(&sample, "iters and times"))?;
     let throughput = &description["throughput"];
     Ok(Benchmark {
         program: program.path(),
         id: id.to_owned(),
         median: estimate("median")?,
+        least: four_digits(shortest * 1e-9),
         deviation: estimate("median_abs_dev")?,
         elements: throughput["Elements"]
             .as_u64()
             .or_else(|| throughput["Bytes"].as_u64()),
     })
+}
+
+/// The shortest mean time of an iteration among the samples [ns].
+fn shortest(sample: &Value) -> Option<f64> {
+    let (iterations, times) = (sample["iters"].as_array()?, sample["times"].as_array()?);
+    iterations
+        .iter()
+        .zip(times)
+        .filter_map(|(iterations, time)| Some(time.as_f64()? / iterations.as_f64()?))
+        .min_by(f64::total_cmp)
 }
 
 fn json(path: &Path) -> Result<Value, BenchError> {

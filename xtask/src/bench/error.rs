@@ -40,6 +40,8 @@ pub(super) enum BenchError {
     Command { command: String, reason: String },
     #[error("instructions of {} kernels rose by more than {limit:.0} %: {}", kernels.len(), kernels.join("; "))]
     MoreInstructions { limit: f64, kernels: Vec<String> },
+    #[error("this is a build without optimisation, which tells nothing: call `cargo xtask bench`")]
+    Unoptimised,
     #[error("valgrind is not installed: no instructions were counted")]
     NoValgrind,
     #[error("there is no kernel `{name}`, expected one of {expected}")]

@@ -41,6 +41,8 @@ pub(super) struct Benchmark {
     pub(super) id: String,
     /// Median time of an iteration \[s\].
     pub(super) median: f64,
+    /// The shortest \[s\]: what a busy machine disturbs least.
+    pub(super) least: f64,
     /// Median absolute deviation from it \[s\].
     pub(super) deviation: f64,
     /// Elements of an iteration, where the benchmark tells.
@@ -109,10 +111,10 @@ impl Measured {
 }
 
 impl Benchmark {
-    /// Elements a second.
+    /// Elements in a second if an iteration takes `time` \[s\].
     #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
-    pub(super) fn rate(&self) -> Option<f64> {
-        self.elements.map(|elements| elements as f64 / self.median)
+    pub(super) fn rate(&self, time: f64) -> Option<f64> {
+        self.elements.map(|elements| elements as f64 / time)
     }
 }
 

@@ -25,6 +25,7 @@ pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Result<String,
         }
         page.push_str(&rows(&section.rows, results));
     }
+    page.push_str(&programs(measured));
     page.push_str(&instructions(measured));
     page.push_str(&without_target(targets, measured));
     Ok(page)
@@ -42,11 +43,11 @@ fn head(measured: &Measured) -> String {
          Every target that was set, what the software takes, and what else takes for the same. `{COMMAND}` runs the benchmarks and \
          programs and writes this page; `{COMMAND} --check`, in the gate, compares the page with the numbers beside it and the \
          benchmarks with the sources, and runs nothing. A target whose benchmark is gone is an error.\n\n\
-         Measured on {}, {} processors, {}, {}{load}. Times are medians of criterion's samples or of whole processes, wall clock. The \
-         spread of a benchmark is its median absolute deviation, that of a program half its range; a program without one ran \
+         Measured on {}, {} processors, {}, {}{load}. Times are medians of criterion's samples or of whole processes, wall clock; *best* is of the \
+         quickest samples, which a busy machine disturbs least, and decides nothing. The spread of a benchmark is its median absolute deviation, that of a program half its range; a program without one ran \
          once. *Used* is the part of what the target allows: above 100 % it is missed. *Times better* compares with the baseline: \
-         another benchmark of the same run, or the time of another program as it was recorded on a machine of this kind, which the row \
-         names. Times of a shared machine say less than ratios; instructions, [below](#instructions-of-the-hottest-kernels), are the same on any day.\n",
+         another benchmark of the same run, or the time of another program as it was recorded on two processors of an AMD EPYC, which the row \
+         names (`xtask/baselines.py` takes those of Python packages again). Times of a shared machine say less than ratios; instructions, [below](#instructions-of-the-hottest-kernels), are the same on any day.\n",
         machine.processor, machine.processors, machine.system, machine.compiler,
     )
 }
@@ -113,6 +114,7 @@ fn rows(rows: &[Row], results: &[RowResult]) -> String {
         "unit",
         "target",
         "ours",
+        "best",
         "spread",
         "used",
         "verdict",
@@ -137,6 +139,7 @@ fn rows(rows: &[Row], results: &[RowResult]) -> String {
             row.unit.symbol().to_owned(),
             target(row.target),
             significant(result.ours, 3),
+            significant(result.best, 3),
             result.spread.map_or_else(|| "-".to_owned(), percent),
             percent(result.used),
             verdict.to_owned(),
@@ -156,6 +159,38 @@ fn percent(part: f64) -> String {
     } else {
         format!("{:.0} %", 100.0 * part)
     }
+}
+
+/// Time and memory of every program.
+fn programs(measured: &Measured) -> String {
+    let mut table = Table::new(&[
+        "program",
+        "runs",
+        "median",
+        "least",
+        "greatest",
+        "peak memory",
+    ]);
+    for program in &measured.programs {
+        let memory = program
+            .peak_memory
+            .and_then(|bytes| u32::try_from(bytes / 1_000_000).ok())
+            .map_or_else(|| "-".to_owned(), |megabytes| format!("{megabytes} MB"));
+        table.row([
+            program.name.clone(),
+            program.runs.to_string(),
+            time(program.median),
+            time(program.least),
+            time(program.greatest),
+            memory,
+        ]);
+    }
+    format!(
+        "\n## Time and memory of the programs\n\n\
+         Peak memory is the high-water mark of the resident set, read every millisecond where the system tells it; `reproduce-all` is the sum of the \
+         five papers.\n\n{}",
+        table.markdown()
+    )
 }
 
 fn instructions(measured: &Measured) -> String {
@@ -217,7 +252,7 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
             with.insert(id);
         }
     }
-    let mut table = Table::new(&["benchmark", "time", "spread", "M/s"]);
+    let mut table = Table::new(&["benchmark", "time", "least", "spread", "M/s"]);
     let mut rest: Vec<&Benchmark> = measured
         .benchmarks
         .iter()
@@ -232,9 +267,10 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
                 benchmark.id.replace('|', "\\|")
             ),
             time(benchmark.median),
+            time(benchmark.least),
             percent(benchmark.deviation / benchmark.median),
             benchmark
-                .rate()
+                .rate(benchmark.median)
                 .map_or_else(|| "-".to_owned(), |rate| significant(1e-6 * rate, 3)),
         ]);
     }

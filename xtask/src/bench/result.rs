@@ -1,7 +1,7 @@
 //! A target with what was measured for it.
 
 use super::error::BenchError;
-use super::measured::Measured;
+use super::measured::{Benchmark, Measured};
 use super::target::{Baseline, Quantity, Row, Target, Targets};
 
 /// What a row says of the software.
@@ -9,6 +9,8 @@ use super::target::{Baseline, Quantity, Row, Target, Targets};
 pub(super) struct RowResult {
     /// In the unit of the row.
     pub(super) ours: f64,
+    /// The same of the quickest samples or runs.
+    pub(super) best: f64,
     /// Median absolute deviation over the median of a benchmark; half the range over the median of a program that ran more than once.
     pub(super) spread: Option<f64>,
     /// Part of what the target allows: above 1 it is missed.
@@ -56,9 +58,9 @@ pub(super) fn results(
 }
 
 fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
-    let (ours, spread) = value(&row.of, measured)?;
+    let Value { ours, best, spread } = value(&row.of, measured)?;
     let unit = row.unit.a_si();
-    let ours = unit * ours;
+    let (ours, best) = (unit * ours, unit * best);
     let used = match row.target {
         Target::AtMost(limit) => ours / limit,
         Target::AtLeast(limit) => limit / ours,
@@ -71,7 +73,7 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
                 Quantity::Rate(_) => Quantity::Rate(id.clone()),
                 _ => Quantity::Time(id.clone()),
             };
-            Some(unit * value(&of, measured)?.0)
+            Some(unit * value(&of, measured)?.ours)
         }
     };
     let better = baseline.map(|baseline| match row.target {
@@ -80,6 +82,7 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
     });
     Some(RowResult {
         ours,
+        best,
         spread,
         used,
         baseline,
@@ -87,40 +90,69 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
     })
 }
 
-/// In SI units, with its relative spread.
-fn value(of: &Quantity, measured: &Measured) -> Option<(f64, Option<f64>)> {
-    let relative = |id: &str| {
-        let benchmark = measured.benchmark(id)?;
-        Some((benchmark, benchmark.deviation / benchmark.median))
+/// In SI units, but for the relative spread.
+struct Value {
+    ours: f64,
+    best: f64,
+    spread: Option<f64>,
+}
+
+fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
+    let spread = |benchmark: &Benchmark| benchmark.deviation / benchmark.median;
+    let pair = |first: &str, second: &str| {
+        let (first, second) = (measured.benchmark(first)?, measured.benchmark(second)?);
+        Some((first, second, Some(spread(first).hypot(spread(second)))))
     };
     match of {
         Quantity::Time(id) => {
-            let (benchmark, spread) = relative(id)?;
-            Some((benchmark.median, Some(spread)))
+            let found = measured.benchmark(id)?;
+            Some(Value {
+                ours: found.median,
+                best: found.least,
+                spread: Some(spread(found)),
+            })
         }
         Quantity::Rate(id) => {
-            let (benchmark, spread) = relative(id)?;
-            Some((benchmark.rate()?, Some(spread)))
+            let found = measured.benchmark(id)?;
+            Some(Value {
+                ours: found.rate(found.median)?,
+                best: found.rate(found.least)?,
+                spread: Some(spread(found)),
+            })
         }
         Quantity::Multiple(first, second) => {
-            let ((first, a), (second, b)) = (relative(first)?, relative(second)?);
-            Some((first.median / second.median, Some(a.hypot(b))))
+            let (first, second, spread) = pair(first, second)?;
+            Some(Value {
+                ours: first.median / second.median,
+                best: first.least / second.least,
+                spread,
+            })
         }
         Quantity::MultipleOfRate(first, second) => {
-            let ((first, a), (second, b)) = (relative(first)?, relative(second)?);
-            Some((first.rate()? / second.rate()?, Some(a.hypot(b))))
+            let (first, second, spread) = pair(first, second)?;
+            Some(Value {
+                ours: first.rate(first.median)? / second.rate(second.median)?,
+                best: first.rate(first.least)? / second.rate(second.least)?,
+                spread,
+            })
         }
         Quantity::Process(name) => {
             let program = measured.program(name)?;
             let half = 0.5 * (program.greatest - program.least) / program.median;
-            Some((program.median, (program.runs > 1).then_some(half)))
+            Some(Value {
+                ours: program.median,
+                best: program.least,
+                spread: (program.runs > 1).then_some(half),
+            })
         }
         Quantity::Memory(name) => {
-            let bytes = measured.program(name)?.peak_memory?;
-            Some((
-                u32::try_from(bytes / 1024).map(f64::from).ok()? * 1024.0,
-                None,
-            ))
+            let kilobytes = u32::try_from(measured.program(name)?.peak_memory? / 1024).ok()?;
+            let bytes = 1024.0 * f64::from(kilobytes);
+            Some(Value {
+                ours: bytes,
+                best: bytes,
+                spread: None,
+            })
         }
     }
 }

@@ -19,6 +19,7 @@ fn measured() -> Measured {
         program: "rodwave/direct_problem".into(),
         id: id.into(),
         median,
+        least: 0.9 * median,
         deviation: 0.01 * median,
         elements: Some(1_000_000),
     };
@@ -52,7 +53,7 @@ fn results_have_the_units_and_the_sense_of_their_rows() {
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few roundings
     // a million in 4 ms; half as quick as in 2 ms
     assert!(near(found[0].ours, 250.0) && near(found[0].used, 0.4) && found[0].is_met());
-    assert!(near(found[0].better.unwrap(), 0.5));
+    assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].best, 250.0 / 0.9));
     assert!(near(found[1].ours, 2.0) && near(found[1].used, 4.0 / 3.0) && !found[1].is_met());
     assert!(near(found[2].ours, 2.0) && near(found[2].better.unwrap(), 50.0));
     assert!(near(found[2].spread.unwrap(), 0.1));
@@ -127,6 +128,22 @@ fn rows_that_cannot_be_are_refused() {
             .contains("there is no program `rodlab --halp`"),
         "{error}"
     );
+}
+
+#[test]
+fn measurements_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("measured.ron");
+    let mut written = measured();
+    written.machine.load_before = Some(0.25);
+    written.programs[0].peak_memory = None;
+    written.instructions.kernels.push(measured::KernelCount {
+        name: "march".into(),
+        instructions: 12_563_274,
+        spread: 0,
+    });
+    written.write(&path).unwrap();
+    assert_eq!(Measured::read(&path).unwrap(), written);
 }
 
 #[test]
