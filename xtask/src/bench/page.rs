@@ -130,7 +130,7 @@ fn rows(rows: &[Row], results: &[RowResult]) -> String {
         };
         let whose = match &row.baseline {
             Baseline::None => "-".to_owned(),
-            Baseline::Bench(id) => format!("same run: {id}"),
+            Baseline::Bench(id) => format!("same run: `{id}`"),
             Baseline::Recorded { by, .. } => by.clone(),
         };
         let verdict = if result.is_met() { "met" } else { "**missed**" };
@@ -262,7 +262,7 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
     for benchmark in rest {
         table.row([
             format!(
-                "{}: {}",
+                "`{}: {}`",
                 benchmark.program,
                 benchmark.id.replace('|', "\\|")
             ),
