@@ -1,7 +1,8 @@
 //! The hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is collected.
 //!
-//! Chosen by profiles of whole programs, `perf record` over `rodlab modulus` with and without laws, `identify`, `force`, `mobility`,
-//! `convert` and `reproduce-paper-d`: what took the processor most in each, by the public function that a program calls.
+//! The loop in which each job of the libraries spends its time, by the public function that a program calls. Profiles of whole programs
+//! (`perf record`) put first: the order of a Prony series in `rodlab modulus` with laws, histories between samples and then the marches in
+//! `rodlab identify`, the mobilities of chains in `rodlab force`.
 
 mod modulus;
 mod records;
@@ -27,9 +28,10 @@ pub(super) struct Kernel {
 }
 
 /// In the order of the page.
-pub(super) const KERNELS: [Kernel; 8] = [
+pub(super) const KERNELS: [Kernel; 9] = [
     rod::GUREVICH_MARCH,
     rod::NORTON_DERIVATIVES,
+    rod::HISTORY,
     rod::CHAIN_MOBILITY,
     rod::CONTACT_MARCH,
     records::SPECTRA_OF_HITS,

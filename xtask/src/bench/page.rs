@@ -222,7 +222,8 @@ fn instructions(measured: &Measured) -> String {
         "\n## Instructions of the hottest kernels\n\n\
          Counted by {} (callgrind) over one call, made with {}. `{COMMAND} --instructions --check` counts again and fails where a kernel \
          needs 2 % more; `{COMMAND} --instructions` takes new counts for reference. Without valgrind nothing is counted and the task says so. The \
-         kernels are those that took most of the processor in profiles of whole programs. Valgrind has no AVX-512: what is chosen at run time \
+         kernels are the loops in which each job of the libraries spends its time; profiles of whole programs put the order of a Prony series, \
+         histories between samples, marches and chains first. Valgrind has no AVX-512: what is chosen at run time \
          by the processor counts as on one with AVX2, and the mathematics of the system library is part of the count. The spread is that of two \
          counts.\n\n{}",
         counted.counted_by,

@@ -55,6 +55,22 @@ pub(super) const NORTON_DERIVATIVES: Kernel = Kernel {
     },
 };
 
+pub(super) const HISTORY: Kernel = Kernel {
+    name: "history-between-samples",
+    what: "band-limited interpolation of an excitation of 1000 samples, prepared once",
+    of: "sample",
+    count: 1000,
+    prepare: || {
+        let samples: Vec<f64> = (0..1000_u32)
+            .map(|k| 9.0 * (-((f64::from(k) - 35.0) / 3.0).powi(2)).exp())
+            .collect();
+        Ok(Box::new(move || {
+            black_box(SampledHistory::new(black_box(&samples), 51_200.0)?);
+            Ok(())
+        }))
+    },
+};
+
 pub(super) const CHAIN_MOBILITY: Kernel = Kernel {
     name: "chain-mobility",
     what: "mobility of sixteen rods and cones of constant loss at 512 frequencies",
