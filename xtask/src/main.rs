@@ -13,6 +13,7 @@
 )]
 
 mod api;
+mod bench;
 mod book;
 mod cargo;
 mod fixtures;
@@ -96,6 +97,11 @@ enum Task {
     },
     /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can have.
     Package,
+    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it wants a quiet machine.
+    Bench(Measurement),
+    /// One kernel, once, for callgrind.
+    #[command(hide = true)]
+    BenchKernel { name: String },
     /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
@@ -112,6 +118,35 @@ enum Task {
 enum Question {
     /// Whether a renderer is supported, as exit status.
     Supports { renderer: String },
+}
+
+#[derive(clap::Args)]
+struct Measurement {
+    /// Run nothing; fail where docs/performance.md is not what its numbers give, or benchmarks are not those of the sources.
+    #[arg(long)]
+    check: bool,
+    /// Measure for a shorter time and write the page to target/bench.
+    #[arg(long, conflicts_with_all = ["check", "instructions"])]
+    quick: bool,
+    /// Only make the page again, of the numbers there are.
+    #[arg(long, conflicts_with_all = ["check", "quick", "instructions"])]
+    page: bool,
+    /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them with the page's.
+    #[arg(long)]
+    instructions: bool,
+}
+
+impl Measurement {
+    fn task(&self) -> bench::Task {
+        match (self.instructions, self.check) {
+            (true, true) => bench::Task::CompareCounts,
+            (true, false) => bench::Task::Count,
+            (false, true) => bench::Task::Check,
+            (false, false) if self.quick => bench::Task::Try,
+            (false, false) if self.page => bench::Task::Page,
+            (false, false) => bench::Task::Measure,
+        }
+    }
 }
 
 #[derive(clap::Args)]
@@ -159,6 +194,8 @@ fn main() -> ExitCode {
         Task::Outside { check } => outside::run(check),
         Task::Api { check } => api::run(check),
         Task::Package => package::run(),
+        Task::Bench(measurement) => bench::run(measurement.task()),
+        Task::BenchKernel { name } => bench::run_kernel(&name),
         Task::Validate { data, check } => validate::run(data.as_deref(), check),
         Task::Traceability { check } => traceability::run(check),
     };

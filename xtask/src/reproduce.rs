@@ -3,13 +3,13 @@
 //! A paper gives a [`Reproduction`]; what is the same for all of them stands here: where files go, what is compared with the snapshot,
 //! what is printed.
 
-mod number;
+pub(crate) mod number;
 mod paper_a;
 mod paper_b;
 mod paper_c;
 mod paper_d;
 mod paper_e;
-mod table;
+pub(crate) mod table;
 
 use std::time::Instant;
 

@@ -13,7 +13,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
-use rodwave::line::{Body, Drive, End, Line, Segment};
+use rodwave::line::{Body, Drive, End, Gauge, Line, Segment};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use rodwave::{DirectProblem, InelasticRod};
 
@@ -134,5 +134,75 @@ fn derivatives(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, lines, derivatives);
+/// Striker, incident bar, specimen and transmitter bar of one wave speed, as elastic programs take them: 1935 cells, 1600 steps.
+fn split_bars(criterion: &mut Criterion) {
+    const CELL: f64 = 1e-3;
+    let bar = |cells: u32, area| {
+        let length = CELL * f64::from(cells);
+        Body::new([Segment::elastic(length, area, 7800.0, 210e9).unwrap()]).unwrap()
+    };
+    let cells = [300_u32, 800, 35, 800];
+    let bodies = [
+        bar(cells[0], AREA).moving_at(10.0).unwrap(),
+        bar(cells[1], AREA),
+        bar(cells[2], 0.5 * AREA),
+        bar(cells[3], AREA),
+    ];
+    let line = Line::new(bodies).unwrap();
+    let step = CELL / (210e9_f64 / 7800.0).sqrt() * (1.0 + 1e-9);
+    assert_eq!(line.grid(step).unwrap().cells.iter().sum::<usize>(), 1935);
+    let everywhere: Vec<Gauge> = cells
+        .iter()
+        .enumerate()
+        .flat_map(|(body, cells)| {
+            (0..*cells).map(move |cell| Gauge {
+                body,
+                position: CELL * (f64::from(cell) + 0.5),
+            })
+        })
+        .collect();
+    let mut group = criterion.benchmark_group("split Hopkinson bars, 1935 cells, 1600 steps");
+    group.sample_size(10);
+    for (name, gauges) in [("march", &[][..]), ("x-t diagram", &everywhere)] {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| line.run(step, 1599.5 * step, black_box(gauges)).unwrap());
+        });
+    }
+    group.finish();
+}
+
+/// Striker, incident bar, a specimen that flows, transmitter bar; contacts that open: 6030 cells, 23 038 steps.
+fn tension_bars(criterion: &mut Criterion) {
+    const CELL: f64 = 1e-3;
+    let step = CELL / (70e9_f64 / 2700.0).sqrt() * (1.0 + 1e-9);
+    let bar = |cells: u32| {
+        let length = CELL * f64::from(cells);
+        Segment::elastic(length, AREA, 2700.0, 70e9).unwrap()
+    };
+    let flow = MaxwellNorton::from_reference_rate(10.0, 1e3, 200e6).unwrap();
+    let specimen = Segment::new(0.03, 0.2 * AREA, 2700.0).unwrap();
+    let specimen = specimen.with_branch(70e9, flow).unwrap();
+    let bodies = [
+        Body::new([bar(1500)]).unwrap().moving_at(10.0).unwrap(),
+        Body::new([bar(3000), specimen, bar(1500)]).unwrap(),
+    ];
+    let line = Line::new(bodies).unwrap();
+    let cells: usize = line.grid(step).unwrap().cells.iter().sum();
+    assert_eq!(cells, 6030);
+    let mut group = criterion.benchmark_group("bars with a specimen that flows");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(23_038 * cells as u64));
+    group.bench_function("6030 cells, 23038 steps", |bencher| {
+        bencher.iter(|| {
+            let mut march = line.march(black_box(step)).unwrap();
+            for _ in 0..23_038 {
+                march.advance().unwrap();
+            }
+            march.ends()
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, lines, derivatives, split_bars, tension_bars);
 criterion_main!(benches);

@@ -1,0 +1,168 @@
+//! Instructions of the kernels, by callgrind: the same on a busy machine as on a quiet one.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::error::BenchError;
+use super::kernel::KERNELS;
+use super::machine;
+use super::measured::{Instructions, KernelCount};
+
+/// A rise below this is none: other versions of the system's mathematics and of the compiler's inlining move counts by less.
+const TOLERANCE: f64 = 0.02;
+
+/// Runs of each kernel; they should agree to the instruction.
+const RUNS: usize = 2;
+
+/// The version of valgrind, none if there is none.
+pub(super) fn valgrind() -> Option<String> {
+    let output = Command::new("valgrind").arg("--version").output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output
+        .status
+        .success()
+        .then(|| text.trim().replace('-', " "))
+}
+
+/// Counts all kernels; callgrind writes to `folder`.
+pub(super) fn count(folder: &Path) -> Result<Instructions, BenchError> {
+    let counted_by = valgrind().ok_or(BenchError::NoValgrind)?;
+    let mut kernels = Vec::new();
+    for kernel in &KERNELS {
+        eprintln!("  {}", kernel.name);
+        let mut counts = Vec::with_capacity(RUNS);
+        for _ in 0..RUNS {
+            counts.push(count_once(kernel.name, folder)?);
+        }
+        let least = counts.iter().copied().min().unwrap_or(0);
+        let greatest = counts.iter().copied().max().unwrap_or(0);
+        kernels.push(KernelCount {
+            name: kernel.name.to_owned(),
+            instructions: least,
+            spread: greatest - least,
+        });
+    }
+    Ok(Instructions {
+        counted_by,
+        compiler: machine::compiler(),
+        kernels,
+    })
+}
+
+fn count_once(name: &str, folder: &Path) -> Result<u64, BenchError> {
+    let shown = format!("valgrind --tool=callgrind xtask bench-kernel {name}");
+    let fail = |reason: String| BenchError::Command {
+        command: shown.clone(),
+        reason,
+    };
+    let program = std::env::current_exe().map_err(|error| fail(error.to_string()))?;
+    std::fs::create_dir_all(folder).map_err(|error| fail(error.to_string()))?;
+    let file = folder.join(format!("callgrind.{name}"));
+    let output = Command::new("valgrind")
+        .args([
+            "--tool=callgrind",
+            "--toggle-collect=*collected_by_callgrind*",
+        ])
+        .arg(format!("--callgrind-out-file={}", file.display()))
+        .arg(program)
+        .args(["bench-kernel", name])
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| fail(error.to_string()))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        let last = said.trim().lines().last().unwrap_or_default();
+        return Err(fail(format!("{}, expected 0: {last}", output.status)));
+    }
+    let count = collected(&said).ok_or_else(|| fail("no line `Collected : N`".into()))?;
+    if count == 0 {
+        return Err(fail(
+            "nothing was collected: the function that callgrind looks for was not entered".into(),
+        ));
+    }
+    Ok(count)
+}
+
+/// The count that callgrind prints at its end.
+fn collected(said: &str) -> Option<u64> {
+    let (_, count) = said.split_once("Collected : ")?;
+    count.split_whitespace().next()?.parse().ok()
+}
+
+/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; says what else moved.
+pub(super) fn compare(
+    reference: &Instructions,
+    found: &Instructions,
+) -> Result<Vec<String>, BenchError> {
+    let (mut moved, mut risen) = (Vec::new(), Vec::new());
+    for kernel in &found.kernels {
+        let before = reference.kernels.iter().find(|k| k.name == kernel.name);
+        let Some(before) = before else {
+            risen.push(format!("{} has no reference", kernel.name));
+            continue;
+        };
+        let change = relative(before.instructions, kernel.instructions);
+        let text = format!(
+            "{}: {} instructions, {} before ({:+.1} %)",
+            kernel.name,
+            kernel.instructions,
+            before.instructions,
+            100.0 * change
+        );
+        if change > TOLERANCE {
+            risen.push(text);
+        } else if change.abs() > 0.0 {
+            moved.push(text);
+        }
+    }
+    if risen.is_empty() {
+        Ok(moved)
+    } else {
+        Err(BenchError::MoreInstructions {
+            limit: 100.0 * TOLERANCE,
+            kernels: risen,
+        })
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
+fn relative(before: u64, now: u64) -> f64 {
+    now as f64 / before as f64 - 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counts(count: u64) -> Instructions {
+        Instructions {
+            kernels: vec![KernelCount {
+                name: "march".into(),
+                instructions: count,
+                spread: 0,
+            }],
+            ..Instructions::default()
+        }
+    }
+
+    #[test]
+    fn what_callgrind_says_is_read() {
+        let said = "==7== Events    : Ir\n==7== Collected : 166514\n==7== \n";
+        assert_eq!(collected(said), Some(166_514));
+        assert_eq!(collected("killed"), None);
+    }
+
+    #[test]
+    fn a_rise_beyond_the_tolerance_fails_and_a_fall_is_told() {
+        let reference = counts(1000);
+        assert!(compare(&reference, &counts(1000)).unwrap().is_empty());
+        assert_eq!(compare(&reference, &counts(1019)).unwrap().len(), 1);
+        assert_eq!(compare(&reference, &counts(500)).unwrap().len(), 1);
+        let error = compare(&reference, &counts(1021)).unwrap_err().to_string();
+        assert!(
+            error.contains("march: 1021 instructions, 1000 before (+2.1 %)"),
+            "{error}"
+        );
+        assert!(compare(&Instructions::default(), &counts(1)).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! The hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is collected.
+//!
+//! The loop in which each job of the libraries spends its time, by the public function that a program calls. Profiles of whole programs
+//! (`perf record`) put first: the order of a Prony series in `rodlab modulus` with laws, histories between samples and then the marches in
+//! `rodlab identify`, the mobilities of chains in `rodlab force`.
+
+mod modulus;
+mod records;
+mod rod;
+
+use crate::Outcome;
+
+use super::error::BenchError;
+
+/// A kernel with its data, ready to run.
+type Prepared = Box<dyn FnMut() -> Outcome>;
+
+/// What is counted.
+pub(super) struct Kernel {
+    pub(super) name: &'static str,
+    /// What one call does.
+    pub(super) what: &'static str,
+    /// The thing of which a call has many.
+    pub(super) of: &'static str,
+    /// How many of them.
+    pub(super) count: u32,
+    prepare: fn() -> Result<Prepared, Box<dyn std::error::Error>>,
+}
+
+/// In the order of the page.
+pub(super) const KERNELS: [Kernel; 9] = [
+    rod::GUREVICH_MARCH,
+    rod::NORTON_DERIVATIVES,
+    rod::HISTORY,
+    rod::CHAIN_MOBILITY,
+    rod::CONTACT_MARCH,
+    records::SPECTRA_OF_HITS,
+    records::UNIVERSAL_FILE,
+    modulus::TWO_POINT,
+    modulus::PRONY_ORDER,
+];
+
+/// Prepares the kernel `name` and runs it once.
+pub(crate) fn run(name: &str) -> Outcome {
+    let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == name) else {
+        return Err(Box::new(BenchError::NoKernel {
+            name: name.to_owned(),
+            expected: KERNELS.map(|kernel| kernel.name).join(", "),
+        }));
+    };
+    let mut prepared = (kernel.prepare)()?;
+    // what is planned or allocated at a first call is no part of the kernel
+    prepared()?;
+    collected_by_callgrind(&mut prepared)
+}
+
+/// Callgrind collects while this function runs, and finds it by its name.
+#[inline(never)]
+fn collected_by_callgrind(prepared: &mut Prepared) -> Outcome {
+    prepared()
+}
+
+/// Numbers without pattern between -1/2 and 1/2, from a linear congruence.
+fn noise(state: &mut u64) -> f64 {
+    *state = state
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    f64::from((*state >> 32) as u32) / f64::from(u32::MAX) - 0.5
+}

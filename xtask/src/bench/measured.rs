@@ -1,0 +1,124 @@
+//! docs/performance-measured.ron: the numbers of one run, from which the page is made.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::generated::write_whole;
+
+use super::error::{BenchError, parse_ron};
+
+/// The file.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Measured {
+    pub(super) machine: Machine,
+    pub(super) benchmarks: Vec<Benchmark>,
+    pub(super) programs: Vec<Program>,
+    pub(super) instructions: Instructions,
+}
+
+/// Where it ran.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Machine {
+    pub(super) processor: String,
+    pub(super) processors: usize,
+    pub(super) system: String,
+    pub(super) compiler: String,
+    /// Processes that wanted a processor in the minute before the run, none of them ours; none where the system does not tell.
+    pub(super) load_before: Option<f64>,
+}
+
+/// What criterion found of one benchmark.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Benchmark {
+    /// Folder of its crate and its file, such as `rodwave/chain`.
+    pub(super) program: String,
+    /// Group and name.
+    pub(super) id: String,
+    /// Median time of an iteration \[s\].
+    pub(super) median: f64,
+    /// The shortest \[s\]: what a busy machine disturbs least.
+    pub(super) least: f64,
+    /// Median absolute deviation from it \[s\].
+    pub(super) deviation: f64,
+    /// Elements of an iteration, where the benchmark tells.
+    pub(super) elements: Option<u64>,
+}
+
+/// What was found of a whole process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Program {
+    pub(super) name: String,
+    pub(super) runs: usize,
+    /// Wall-clock times \[s\].
+    pub(super) median: f64,
+    pub(super) least: f64,
+    pub(super) greatest: f64,
+    /// The most memory that was resident \[bytes\]; none where nothing on the machine tells it.
+    pub(super) peak_memory: Option<u64>,
+}
+
+/// Instructions of the hottest kernels.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Instructions {
+    pub(super) counted_by: String,
+    pub(super) compiler: String,
+    pub(super) kernels: Vec<KernelCount>,
+}
+
+/// Instructions of one call.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KernelCount {
+    pub(super) name: String,
+    pub(super) instructions: u64,
+    /// Greatest less least of the runs.
+    pub(super) spread: u64,
+}
+
+impl Measured {
+    pub(super) fn read(path: &Path) -> Result<Self, BenchError> {
+        let text = fs::read_to_string(path).map_err(|source| BenchError::Io {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        parse_ron(path, &text)
+    }
+
+    pub(super) fn write(&self, path: &Path) -> crate::Outcome {
+        let pretty = ron::ser::PrettyConfig::new()
+            .depth_limit(2)
+            .struct_names(false);
+        let head = "// Measured by `cargo xtask bench`, which makes performance.md of it and of performance.ron: do not edit by hand.\n";
+        let text = ron::ser::to_string_pretty(self, pretty)?;
+        write_whole(path, &format!("{head}{text}\n"))?;
+        Ok(())
+    }
+
+    pub(super) fn benchmark(&self, id: &str) -> Option<&Benchmark> {
+        self.benchmarks.iter().find(|benchmark| benchmark.id == id)
+    }
+
+    pub(super) fn program(&self, name: &str) -> Option<&Program> {
+        self.programs.iter().find(|program| program.name == name)
+    }
+}
+
+impl Benchmark {
+    /// Elements in a second if an iteration takes `time` \[s\].
+    #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
+    pub(super) fn rate(&self, time: f64) -> Option<f64> {
+        self.elements.map(|elements| elements as f64 / time)
+    }
+}
+
+/// To four significant digits: a run is not repeatable to more, and the file stays readable.
+pub(super) fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,327 @@
+//! Whole programs, timed from outside: the command, its campaigns, the reproductions, a long stream.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::Pace;
+use super::error::BenchError;
+use super::measured::{Program, four_digits};
+
+/// What the programs need, in a folder of their own.
+pub(super) struct Programs {
+    folder: PathBuf,
+    rodlab: PathBuf,
+    stream: PathBuf,
+    xtask: PathBuf,
+    root: PathBuf,
+}
+
+/// Names that rows of docs/performance.ron may use.
+pub(super) const NAMES: [&str; 12] = [
+    HELP,
+    MODULUS,
+    FORCES,
+    MODULI,
+    LAWS,
+    STREAM,
+    "reproduce-paper-a",
+    "reproduce-paper-b",
+    "reproduce-paper-c",
+    "reproduce-paper-d",
+    "reproduce-paper-e",
+    ALL_PAPERS,
+];
+const HELP: &str = "rodlab --help";
+const MODULUS: &str = "rodlab modulus, ten hits";
+const FORCES: &str = "rodlab batch, 1000 forces";
+const MODULI: &str = "rodlab batch, 100 moduli";
+const LAWS: &str = "rodlab batch, 100 moduli with three laws";
+const STREAM: &str = "spectra of a stream of 1e8 samples";
+const ALL_PAPERS: &str = "reproduce-all";
+
+impl Programs {
+    /// Builds what is run, as the benchmarks are built, and makes the sheets and records.
+    pub(super) fn prepare(root: &Path, folder: &Path) -> Result<Self, BenchError> {
+        let io = |path: &Path, source| BenchError::Io {
+            path: path.to_path_buf(),
+            source,
+        };
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let build = [
+            "build",
+            "--quiet",
+            "--release",
+            "--locked",
+            "--workspace",
+            "--benches",
+            "--bin",
+            "rodlab",
+            "--example",
+            "stream_long_record",
+        ];
+        run(Command::new(cargo).args(build).current_dir(root))?;
+        let xtask = std::env::current_exe().map_err(|source| io(Path::new("xtask"), source))?;
+        let built = xtask.parent().unwrap_or(Path::new(".")).to_path_buf();
+        let programs = Self {
+            folder: folder.to_path_buf(),
+            rodlab: built.join("rodlab"),
+            stream: built.join("examples/stream_long_record"),
+            xtask,
+            root: root.to_path_buf(),
+        };
+        if folder.exists() {
+            fs::remove_dir_all(folder).map_err(|source| io(folder, source))?;
+        }
+        fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
+        programs.ten_hits()?;
+        programs.campaigns()?;
+        Ok(programs)
+    }
+
+    /// Times all of them, each `pace.runs` times where it is short.
+    pub(super) fn time(&self, pace: Pace) -> Result<Vec<Program>, BenchError> {
+        let short = pace.runs();
+        let results = self.folder.join("results");
+        let mut timed = Vec::new();
+        let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
+            eprintln!("  {name}");
+            timed.push(timed_runs(name, runs, command)?);
+            // a thousand reports; and no run finds what another left
+            if results.exists() {
+                fs::remove_dir_all(&results).map_err(|source| BenchError::Io {
+                    path: results.clone(),
+                    source,
+                })?;
+            }
+            Ok::<(), BenchError>(())
+        };
+        add(HELP, 2 * short, &|| self.rodlab(&["--help"]))?;
+        add(MODULUS, short, &|| {
+            let mut command = self.rodlab(&["modulus", "ten-hits/modulus.ron", "--quiet", "--out"]);
+            command.arg(&results);
+            command
+        })?;
+        for (name, campaign) in [(FORCES, "forces"), (MODULI, "moduli"), (LAWS, "laws")] {
+            add(name, 1, &|| {
+                let mut command = self.rodlab(&["batch", campaign, "--quiet", "--out"]);
+                command.arg(&results);
+                command
+            })?;
+        }
+        add(STREAM, 1, &|| {
+            let mut command = Command::new(&self.stream);
+            command
+                .current_dir(&self.folder)
+                .env("TMPDIR", &self.folder);
+            command
+        })?;
+        for paper in ["a", "b", "c", "d", "e"] {
+            add(&format!("reproduce-paper-{paper}"), 1, &|| {
+                let mut command = Command::new(&self.xtask);
+                command
+                    .arg(format!("reproduce-paper-{paper}"))
+                    .current_dir(&self.root);
+                command
+            })?;
+        }
+        // one after the other, as the task that does them all
+        let papers = timed
+            .iter()
+            .filter(|program| program.name.starts_with("reproduce-paper"));
+        let all = four_digits(papers.clone().map(|program| program.median).sum());
+        let peak_memory = papers.map(|program| program.peak_memory).max().flatten();
+        timed.push(Program {
+            name: ALL_PAPERS.to_owned(),
+            runs: 1,
+            median: all,
+            least: all,
+            greatest: all,
+            peak_memory,
+        });
+        Ok(timed)
+    }
+
+    fn rodlab(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.rodlab);
+        command.args(arguments).current_dir(&self.folder);
+        command
+    }
+
+    /// Ten hits of 65 536 samples of two channels, by the plan of the example with more and longer records.
+    fn ten_hits(&self) -> Result<(), BenchError> {
+        let example = self.root.join("crates/rodlab/examples/polypropylene");
+        let folder = self.folder.join("ten-hits");
+        let plan = changed(
+            &example.join("plan.ron"),
+            &[("hits: 5", "hits: 10"), ("\"31.25 ms\"", "\"1 s\"")],
+        )?;
+        write(&folder.join("plan.ron"), &plan)?;
+        let sheet = changed(
+            &example.join("modulus.ron"),
+            &[("hits-*.npy", "records/hits-*.npy")],
+        )?;
+        write(&folder.join("modulus.ron"), &without_laws(&sheet))?;
+        run(&mut self.rodlab(&[
+            "simulate",
+            "ten-hits/plan.ron",
+            "--quiet",
+            "--out",
+            "ten-hits/records",
+        ]))
+    }
+
+    /// Folders of sheets: forces at a thousand velocities, a hundred moduli of the example's records with and without laws.
+    fn campaigns(&self) -> Result<(), BenchError> {
+        let examples = self.root.join("crates/rodlab/examples");
+        for number in 0..1000 {
+            let velocity = format!("{:.3} m/s ± 1 %", 0.5 + 0.001 * f64::from(number));
+            let sheet = changed(
+                &examples.join("cone/force.ron"),
+                &[("0.93 m/s ± 1 %", &velocity)],
+            )?;
+            write(&self.folder.join(format!("forces/{number:04}.ron")), &sheet)?;
+        }
+        let records = examples.join("polypropylene/hits-*.npy");
+        let with_laws = changed(
+            &examples.join("polypropylene/modulus.ron"),
+            &[("hits-*.npy", &records.display().to_string())],
+        )?;
+        for (campaign, sheet) in [
+            ("laws", with_laws.clone()),
+            ("moduli", without_laws(&with_laws)),
+        ] {
+            for number in 0..100 {
+                write(
+                    &self.folder.join(format!("{campaign}/{number:04}.ron")),
+                    &sheet,
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sheet without its fits.
+fn without_laws(sheet: &str) -> String {
+    let mut kept = String::new();
+    let mut inside = false;
+    for line in sheet.lines() {
+        inside |= line.starts_with("    laws: (");
+        if !inside {
+            kept.push_str(line);
+            kept.push('\n');
+        }
+        inside &= line != "    ),";
+    }
+    kept
+}
+
+/// The text of an example with what makes it longer; an example that no longer says what is replaced is an error.
+fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
+    let mut text = fs::read_to_string(path).map_err(|source| BenchError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    for (from, to) in replacements {
+        if !text.contains(from) {
+            return Err(BenchError::Json {
+                path: path.to_path_buf(),
+                reason: format!("no `{from}` to replace by `{to}`"),
+            });
+        }
+        text = text.replace(from, to);
+    }
+    Ok(text)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), BenchError> {
+    let io = |source| BenchError::Io {
+        path: path.to_path_buf(),
+        source,
+    };
+    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(io)?;
+    fs::write(path, text).map_err(io)
+}
+
+/// Runs to the end; anything but exit status 0 is an error that quotes what the program said last.
+fn run(command: &mut Command) -> Result<(), BenchError> {
+    watched(command).map(drop)
+}
+
+/// Wall-clock time of a run \[s\] and the most resident memory \[bytes\].
+fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
+    let shown = format!("{command:?}");
+    let fail = |reason: String| BenchError::Command {
+        command: shown.clone(),
+        reason,
+    };
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let started = Instant::now();
+    let child = command.spawn().map_err(|error| fail(error.to_string()))?;
+    let (process, done) = (child.id(), AtomicBool::new(false));
+    thread::scope(|scope| {
+        let watcher = scope.spawn(|| {
+            let mut peak = None;
+            while !done.load(Ordering::Relaxed) {
+                peak = peak_memory(process).max(peak);
+                thread::sleep(Duration::from_millis(1));
+            }
+            peak
+        });
+        let output = child.wait_with_output();
+        let seconds = started.elapsed().as_secs_f64();
+        done.store(true, Ordering::Relaxed);
+        let peak = watcher.join().unwrap_or(None);
+        let output = output.map_err(|error| fail(error.to_string()))?;
+        if output.status.success() {
+            Ok((seconds, peak))
+        } else {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.trim().lines().last().unwrap_or_default().to_owned();
+            Err(fail(format!("{}, expected 0: {last}", output.status)))
+        }
+    })
+}
+
+/// The high-water mark that Linux keeps of a running process; a program that ends within the millisecond may not be seen.
+fn peak_memory(process: u32) -> Option<u64> {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}
+
+/// Median and extremes of `runs` runs, after one that is not counted if there is more than one.
+fn timed_runs(
+    name: &str,
+    runs: usize,
+    command: &dyn Fn() -> Command,
+) -> Result<Program, BenchError> {
+    let mut peak = None;
+    if runs > 1 {
+        peak = watched(&mut command())?.1;
+    }
+    let mut seconds = Vec::with_capacity(runs);
+    for _ in 0..runs.max(1) {
+        let (time, memory) = watched(&mut command())?;
+        seconds.push(time);
+        peak = memory.max(peak);
+    }
+    seconds.sort_by(f64::total_cmp);
+    let at = |index: usize| four_digits(seconds.get(index).copied().unwrap_or(f64::NAN));
+    Ok(Program {
+        name: name.to_owned(),
+        runs: seconds.len(),
+        median: at(seconds.len() / 2),
+        least: at(0),
+        greatest: at(seconds.len() - 1),
+        peak_memory: peak,
+    })
+}

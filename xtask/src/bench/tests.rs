@@ -1,0 +1,154 @@
+//! The tables say what they say, and a row that nothing backs is refused.
+
+use super::error::BenchError;
+use super::measured::{Benchmark, Machine, Measured, Program};
+use super::result::results;
+use super::*;
+
+const ROWS: &str = r#"(sections: [(title: "marches", rows: [
+    (what: "march", of: Rate("march/Maxwell"), unit: MillionsASecond, target: AtLeast(100.0), because: "one is enough",
+     baseline: Bench("march/elastic")),
+    (what: "with derivatives", of: Multiple("march/Maxwell", "march/elastic"), unit: Multiple, target: AtMost(1.5), because: "x"),
+    (what: "help", of: Process("rodlab --help"), unit: Milliseconds, target: AtMost(20.0), because: "at once",
+     baseline: Recorded(value: 100.0, by: "another")),
+    (what: "memory", of: Memory("rodlab --help"), unit: Megabytes, target: AtMost(10.0), because: "x"),
+])])"#;
+
+fn measured() -> Measured {
+    let benchmark = |id: &str, median: f64| Benchmark {
+        program: "rodwave/direct_problem".into(),
+        id: id.into(),
+        median,
+        least: 0.9 * median,
+        deviation: 0.01 * median,
+        elements: Some(1_000_000),
+    };
+    Measured {
+        machine: Machine::default(),
+        benchmarks: vec![
+            benchmark("march/elastic", 2e-3),
+            benchmark("march/Maxwell", 4e-3),
+        ],
+        programs: vec![Program {
+            name: "rodlab --help".into(),
+            runs: 3,
+            median: 2e-3,
+            least: 1.9e-3,
+            greatest: 2.3e-3,
+            peak_memory: Some(5_000 * 1024),
+        }],
+        instructions: measured::Instructions::default(),
+    }
+}
+
+fn targets(text: &str) -> Result<Targets, BenchError> {
+    Targets::parse(Path::new("performance.ron"), text)
+}
+
+#[test]
+fn results_have_the_units_and_the_sense_of_their_rows() {
+    let found = results(&targets(ROWS).unwrap(), &measured())
+        .unwrap()
+        .remove(0);
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few roundings
+    // a million in 4 ms; half as quick as in 2 ms
+    assert!(near(found[0].ours, 250.0) && near(found[0].used, 0.4) && found[0].is_met());
+    assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].best, 250.0 / 0.9));
+    assert!(near(found[1].ours, 2.0) && near(found[1].used, 4.0 / 3.0) && !found[1].is_met());
+    assert!(near(found[2].ours, 2.0) && near(found[2].better.unwrap(), 50.0));
+    assert!(near(found[2].spread.unwrap(), 0.1));
+    assert!(near(found[3].ours, 5.12) && found[3].baseline.is_none());
+}
+
+#[test]
+fn the_page_tells_what_is_missed_and_what_has_no_target() {
+    let mut measured = measured();
+    let mut other = measured.benchmarks[0].clone();
+    other.id = "march/alone".into();
+    measured.benchmarks.push(other);
+    let page = page::markdown(&targets(ROWS).unwrap(), &measured).unwrap();
+    assert!(page.contains("| all | 4 | 3 | 1 |"), "{page}");
+    assert!(
+        page.contains("- with derivatives: 2.00 ×, ≤ 1.5 wanted, 1.33 times off"),
+        "{page}"
+    );
+    let rest = page.split("## Without a target").nth(1).unwrap();
+    assert!(
+        rest.contains("march/alone") && !rest.contains("march/elastic"),
+        "{page}"
+    );
+}
+
+#[test]
+fn a_row_without_a_measurement_is_refused_by_name() {
+    let mut measured = measured();
+    measured.benchmarks.pop();
+    let error = results(&targets(ROWS).unwrap(), &measured)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "2 rows have nothing that was measured: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
+         \"march/elastic\"))"
+    );
+}
+
+#[test]
+fn rows_that_cannot_be_are_refused() {
+    let message = |from: &str, to: &str| {
+        assert!(ROWS.contains(from));
+        targets(&ROWS.replacen(from, to, 1))
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        message("unit: Milliseconds", "unit: Megabytes"),
+        "performance.ron, row `help`: Process(\"rodlab --help\") is not measured in MB"
+    );
+    assert_eq!(
+        message("AtLeast(100.0)", "AtLeast(-1.0)"),
+        "performance.ron, row `march`: the target is -1, expected a finite number above 0"
+    );
+    assert_eq!(
+        message("because: \"at once\"", "because: \"\""),
+        "performance.ron, row `help`: nothing says why that target"
+    );
+    assert!(
+        message("because: \"at once\"", "becuase: \"at once\"").contains("performance.ron:5: ")
+    );
+    let text = ROWS.replacen(
+        "Process(\"rodlab --help\")",
+        "Process(\"rodlab --halp\")",
+        1,
+    );
+    let error = known_programs(&targets(&text).unwrap(), Path::new("performance.ron")).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("there is no program `rodlab --halp`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn measurements_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("measured.ron");
+    let mut written = measured();
+    written.machine.load_before = Some(0.25);
+    written.programs[0].peak_memory = None;
+    written.instructions.kernels.push(measured::KernelCount {
+        name: "march".into(),
+        instructions: 12_563_274,
+        spread: 0,
+    });
+    written.write(&path).unwrap();
+    assert_eq!(Measured::read(&path).unwrap(), written);
+}
+
+#[test]
+fn the_committed_table_resolves() {
+    let root = workspace_root();
+    let targets = Targets::read(&root.join(TARGETS)).unwrap();
+    known_programs(&targets, &root.join(TARGETS)).unwrap();
+}
