@@ -126,6 +126,19 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     named(staged(path, bytes, ".rodlab-")?, path)
 }
 
+/// As [`write_whole`], where nothing may be yet.
+pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
+    match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(refusal(path, error.error)),
+    }
+}
+
+/// Whether no run was ended while it changed `folder`, and none is changing it now.
+pub(crate) fn is_settled(folder: &Path) -> bool {
+    !folder.join(lock::NAME).exists()
+}
+
 /// `bytes` on the disk under a temporary name in the folder of `path`; gone when it is dropped.
 fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let fail = |source: io::Error| refusal(path, source);
@@ -142,11 +155,22 @@ fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rodl
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(fail)?;
-    file.write_all(bytes).map_err(fail)?;
+    let mut file = builder
+        .tempfile_in(folder)
+        .map_err(|error| fail(without_path(error)))?;
+    file.as_file_mut().write_all(bytes).map_err(fail)?;
     // a name must not outlast a power failure that its bytes do not
     file.as_file().sync_all().map_err(fail)?;
     Ok(file)
+}
+
+/// What the system says, without the temporary name, which is another every time.
+fn without_path(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(std::error::Error::source);
+    inner
+        .and_then(|inner| inner.downcast_ref::<io::Error>())
+        .and_then(io::Error::raw_os_error)
+        .map_or(error, io::Error::from_raw_os_error)
 }
 
 fn named(file: NamedTempFile, path: &Path) -> Result<(), RodlabError> {

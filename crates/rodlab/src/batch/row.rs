@@ -121,7 +121,8 @@ pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
     let base = test.sheet.parent()?;
-    let same = stored.result_version == RESULT_VERSION
+    let same = output::is_settled(folder)
+        && stored.result_version == RESULT_VERSION
         && stored.software == SOFTWARE
         && hash(&test.sheet)? == stored.sheet.sha256
         && stored

@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 
 use crate::RodlabError;
 
-const NAME: &str = ".rodlab-lock";
+/// Name of the file that is locked.
+pub(super) const NAME: &str = ".rodlab-lock";
 
 /// How long another run may take to put its files into the folder, which is a matter of milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
