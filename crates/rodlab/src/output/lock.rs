@@ -36,6 +36,10 @@ impl FolderLock {
     ///
     /// [`RodlabError::Busy`], [`RodlabError::Write`].
     pub(super) fn of(folder: &Path) -> Result<Self, RodlabError> {
+        Self::within(PATIENCE, folder)
+    }
+
+    fn within(patience: Duration, folder: &Path) -> Result<Self, RodlabError> {
         let path = folder.join(NAME);
         let fail = |source| super::refusal(&path, source);
         let began = Instant::now();
@@ -48,20 +52,11 @@ impl FolderLock {
                 .open(&path)
                 .map_err(fail)?;
             match file.try_lock() {
-                Ok(()) if is_at(&file, &path) => {
-                    let mut lock = Self {
-                        path: path.clone(),
-                        file,
-                        unfinished: true,
-                    };
-                    lock.unfinished = !lock.listed()?.is_empty();
-                    lock.sign()?;
-                    return Ok(lock);
-                }
+                Ok(()) if is_at(&file, &path) => return Self::taken(path, file),
                 // the one before has removed the file after we had opened it
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    if began.elapsed() > PATIENCE {
+                    if began.elapsed() > patience {
                         return Err(RodlabError::Busy {
                             folder: folder.to_path_buf(),
                             owner: owner(&path),
@@ -71,24 +66,32 @@ impl FolderLock {
                 }
                 // a file system without locks: files are whole there too, but two runs at a time may mix
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
-                    return Ok(Self {
-                        path,
-                        file,
-                        unfinished: true,
-                    });
+                    return Self::taken(path, file);
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(error)),
             }
         }
     }
 
+    fn taken(path: PathBuf, file: File) -> Result<Self, RodlabError> {
+        let mut lock = Self {
+            path,
+            file,
+            unfinished: true,
+        };
+        lock.unfinished = !lock.listed()?.is_empty();
+        lock.sign()?;
+        Ok(lock)
+    }
+
     /// Names that a run which did not come to its end has listed.
     pub(super) fn listed(&mut self) -> Result<BTreeSet<String>, RodlabError> {
-        let mut text = String::new();
+        let mut bytes = Vec::new();
         self.file
             .seek(SeekFrom::Start(0))
-            .and_then(|_| self.file.read_to_string(&mut text))
+            .and_then(|_| self.file.read_to_end(&mut bytes))
             .map_err(|source| super::refusal(&self.path, source))?;
+        let text = String::from_utf8_lossy(&bytes);
         // the first line is that of the owner; a last line without an end was not written to its end
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         Ok(whole
@@ -200,6 +203,17 @@ mod tests {
         lock.list(["result.json"].into_iter()).unwrap();
         // the torn line remains a name that nobody has
         assert!(lock.listed().unwrap().contains("result.json"));
+    }
+
+    #[test]
+    fn who_has_waited_too_long_is_told_for_whom() {
+        let folder = tempfile::tempdir().unwrap();
+        let _first = FolderLock::of(folder.path()).unwrap();
+        let said = FolderLock::within(2 * PAUSE, folder.path())
+            .unwrap_err()
+            .to_string();
+        let owner = format!("is being written by process {}", std::process::id());
+        assert!(said.contains(&owner), "{said}");
     }
 
     #[test]
