@@ -102,30 +102,29 @@ impl Batch {
             return Some(row);
         }
         match finished::finish(&test.sheet, None, &folder, &Silent, interrupted) {
-            Ok(done) => {
-                row::forget_failure(&folder);
-                Some(Row {
-                    test: test.name.clone(),
-                    job: done.outcome.job.to_owned(),
-                    title: done.outcome.title,
-                    status: match &done.outcome.verdict {
-                        Verdict::Answered => Status::Answered,
-                        Verdict::NotAllowed { .. } => Status::NotAllowed,
-                    },
-                    headline: match done.outcome.verdict {
-                        Verdict::NotAllowed { reason } => reason,
-                        Verdict::Answered => {
-                            done.outcome.summary.into_iter().next().unwrap_or_default()
-                        }
-                    },
-                    quantities: done.outcome.quantities,
-                })
-            }
+            Ok(done) => Some(Row {
+                test: test.name.clone(),
+                job: done.outcome.job.to_owned(),
+                title: done.outcome.title,
+                status: match &done.outcome.verdict {
+                    Verdict::Answered => Status::Answered,
+                    Verdict::NotAllowed { .. } => Status::NotAllowed,
+                },
+                headline: match done.outcome.verdict {
+                    Verdict::NotAllowed { reason } => reason,
+                    Verdict::Answered => {
+                        done.outcome.summary.into_iter().next().unwrap_or_default()
+                    }
+                },
+                quantities: done.outcome.quantities,
+            }),
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
                 let row = Row::failed(&test.name, &in_one_line(&error));
-                // where not even this can be written the line on the terminal has to do
-                let _ = row::remember_failure(&row, &folder);
+                // where not even this can be written the line on the terminal has to do, and an older result stays what it is
+                if !error.is_of_output() {
+                    let _ = row::remember_failure(&row, &folder);
+                }
                 Some(row)
             }
         }
@@ -159,13 +158,8 @@ pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, Rodl
         ("summary.json", summary.to_json()?),
         ("index.html", summary.to_html()?),
     ];
-    let mut paths = Vec::with_capacity(files.len());
-    for (name, text) in files {
-        let path = out.join(name);
-        output::write_whole(&path, text.as_bytes())?;
-        paths.push(path);
-    }
-    Ok(paths)
+    let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    output::replace_files(out, &files)
 }
 
 #[cfg(test)]

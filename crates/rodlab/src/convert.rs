@@ -6,7 +6,6 @@
 mod differences;
 mod fit;
 
-use std::fs;
 use std::path::Path;
 
 use labio::format::npy::Npy;
@@ -16,7 +15,7 @@ use labio::format::wav::{WavEncoding, WavWriter};
 use labio::format::{self, Strictness, Writer, csv::Csv};
 use serde::Serialize;
 
-use crate::{RodlabError, output};
+use crate::{RodlabError, cut_short, input, output};
 
 /// How a file is converted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -42,6 +41,8 @@ pub struct Conversion {
     pub bytes: u64,
     /// Parts of the source that could not be read.
     pub not_read: Vec<String>,
+    /// What a reader should know of the source.
+    pub warnings: Vec<String>,
     /// What the new file does not hold or holds with fewer digits.
     pub lost: Vec<String>,
 }
@@ -64,7 +65,11 @@ impl Conversion {
             self.n_series,
             self.bytes
         );
-        for (heading, lines) in [("not read:", &self.not_read), ("lost:", &self.lost)] {
+        for (heading, lines) in [
+            ("suspicious:", &self.warnings),
+            ("not read:", &self.not_read),
+            ("lost:", &self.lost),
+        ] {
             if !lines.is_empty() {
                 text += &format!("{heading}\n");
                 for line in lines {
@@ -110,10 +115,7 @@ pub fn convert(
             "another file",
         ));
     }
-    let bytes = fs::read(input).map_err(|source| RodlabError::Read {
-        path: input.to_path_buf(),
-        source,
-    })?;
+    let bytes = input::read(input)?;
     let strictness = if options.tolerant {
         Strictness::Tolerant
     } else {
@@ -142,6 +144,9 @@ pub fn convert(
         to: format.to_owned(),
         n_series: contents.series.len(),
         bytes: written.len() as u64,
+        warnings: cut_short::warning(&bytes, contents.format, "the file")
+            .into_iter()
+            .collect(),
         not_read: contents.defects.iter().map(ToString::to_string).collect(),
         lost,
     })

@@ -49,6 +49,34 @@ pub enum RodlabError {
         /// What the system says.
         source: io::Error,
     },
+    /// What should be read is a folder, a pipe or a device.
+    #[error("cannot read {}: it is {found}, expected a file", path.display())]
+    NoRegularFile {
+        /// Its path.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
+    /// Another run has been writing to the folder for too long.
+    #[error("{} is being written by {owner}, expected that it ends within half a minute", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+        /// Who writes, as `process 4711`.
+        owner: String,
+    },
+    /// A file of the result would replace one that is not of a result.
+    #[error("cannot write {}: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away", path.display())]
+    Taken {
+        /// The file that is there.
+        path: PathBuf,
+    },
+    /// A file of the result, or of the one before, is one that the run has read.
+    #[error("cannot write {}: this run has read it, expected another folder (--out)", path.display())]
+    OverInput {
+        /// The file that was read.
+        path: PathBuf,
+    },
     /// What the sheet asks for cannot be: two statements that do not go together, or a channel that no file has.
     #[error("{field} is {found}, expected {expected}")]
     Request {
@@ -85,6 +113,15 @@ impl RodlabError {
             what: what.into(),
             source: Box::new(source),
         }
+    }
+
+    /// Whether the result could not be written, so that whatever was there before is still the last word.
+    #[must_use]
+    pub fn is_of_output(&self) -> bool {
+        matches!(
+            self,
+            Self::Write { .. } | Self::Busy { .. } | Self::Taken { .. } | Self::OverInput { .. }
+        )
     }
 
     /// A statement of the sheet that cannot be met.

@@ -27,8 +27,8 @@ pub struct Finished {
 ///
 /// # Errors
 ///
-/// [`RodlabError`] where the sheet, a file or the folder is wrong. Nothing has been written then, or only whole files of the
-/// result without `result.json`.
+/// [`RodlabError`] where the sheet, a file or the folder is wrong. What was in the folder is there then, or only whole files
+/// without `result.json`.
 pub fn finish(
     path: &Path,
     expected: Option<&'static str>,
@@ -47,7 +47,10 @@ pub fn finish(
     }
     let identity = identity_of(&sheet);
     let outcome = job::run(&sheet, progress, interrupted)?;
-    let files = output::write(&outcome, &identity, folder)?;
+    let mut reads = vec![path.to_path_buf()];
+    let inputs = outcome.inputs.iter();
+    reads.extend(inputs.map(|input| sheet.folder().join(&input.path)));
+    let files = output::write(&outcome, &identity, folder, &reads)?;
     Ok(Finished {
         outcome,
         sheet: identity,

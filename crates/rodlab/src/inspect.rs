@@ -13,15 +13,14 @@ mod time_like;
 
 pub use levels::Levels;
 
-use std::fs;
 use std::path::Path;
 
 use labio::format::{self, Strictness, customary_rate};
 use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series};
 use serde::Serialize;
 
-use crate::RodlabError;
 use crate::rounded::hertz;
+use crate::{RodlabError, cut_short, input};
 
 /// What is in a file.
 #[derive(Debug, Clone, Serialize)]
@@ -102,10 +101,7 @@ pub struct InspectedRecord {
 ///
 /// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if it is of no known format or nothing of it can be read.
 pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
-    let bytes = fs::read(path).map_err(|source| RodlabError::Read {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let bytes = input::read(path)?;
     inspect_bytes(&bytes, &path.display().to_string())
 }
 
@@ -145,6 +141,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         })
         .collect();
     let (mut wrong, as_hits) = suspicions::of_records(&found.records, rate_is_told)?;
+    wrong.extend(cut_short::warning(bytes, contents.format, "the file"));
     for one in &series {
         if one.not_finite > 0 {
             wrong.push(format!(

@@ -27,12 +27,15 @@
 pub mod arguments;
 pub mod batch;
 mod chosen;
+mod closed_pipe;
 pub mod convert;
+mod cut_short;
 mod digits;
 pub mod error;
 pub mod figure;
 pub mod finished;
 pub mod hits;
+mod input;
 pub mod inspect;
 pub mod job;
 mod number_file;

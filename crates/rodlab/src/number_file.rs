@@ -1,12 +1,13 @@
 //! Files of numbers over a time or a frequency that are no records of sensors: readings, ratios of spectra.
 
-use std::fs;
 use std::path::Path;
 
 use labio::{Abscissa, Contents, Dimension, Ordinate, Series, Unit, format};
 use num_complex::Complex64;
 
 use crate::RodlabError;
+use crate::cut_short;
+use crate::input;
 use crate::outcome::InputFile;
 use crate::records::Selector;
 
@@ -15,6 +16,8 @@ use crate::records::Selector;
 pub(crate) struct NumberFile {
     pub(crate) contents: Contents,
     pub(crate) input: InputFile,
+    /// If its last line has no end, a sentence that says so.
+    pub(crate) warning: Option<String>,
 }
 
 impl NumberFile {
@@ -27,7 +30,7 @@ impl NumberFile {
                 folder: folder.to_path_buf(),
             });
         }
-        let bytes = fs::read(&full).map_err(|source| RodlabError::Read { path: full, source })?;
+        let bytes = input::read(&full)?;
         let contents = format::read_bytes(&bytes)
             .map_err(|error| RodlabError::step(format!("{field}: reading {path}"), error))?;
         let input = InputFile {
@@ -36,7 +39,12 @@ impl NumberFile {
             bytes: bytes.len() as u64,
             sha256: labio::ContentHash::of(&bytes).to_string(),
         };
-        Ok(Self { contents, input })
+        let warning = cut_short::warning(&bytes, contents.format, path).map(|text| text + ".");
+        Ok(Self {
+            contents,
+            input,
+            warning,
+        })
     }
 
     /// The column that `selector` names; columns are counted from 1 without the abscissa.

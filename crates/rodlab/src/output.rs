@@ -1,6 +1,10 @@
 //! The files that are written of an outcome, each whole or not at all.
 
 mod layout;
+mod lock;
+mod together;
+
+pub(crate) use together::{replace_by_failure, replace_files};
 
 use std::fs;
 use std::io::{self, Write};
@@ -10,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
 use crate::RodlabError;
-use crate::figure::Drawn;
+use crate::figure::{Drawn, Figure};
 use crate::outcome::{Cells, Outcome, Table};
 use crate::report::html_of;
 
@@ -22,6 +26,12 @@ pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
 
 /// Name of the file that is written last: where it is, everything is.
 pub const RESULT: &str = "result.json";
+
+/// Name of the file that says why there is no result.
+pub(crate) const FAILURE: &str = "failure.json";
+
+/// How the temporary names of files that appear together begin.
+const PART: &str = ".rodlab-part-";
 
 /// The sheet that a result is of.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,29 +52,32 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
 /// Name of the page that is read.
 pub const REPORT: &str = "report.html";
 
-/// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths.
+/// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths. `reads` are the
+/// files that the run has read; none of them is ever replaced.
 ///
-/// Each file appears whole. The `result.json` of an earlier run goes first and the new one comes last: where it is, all files are of
-/// one run.
+/// Each file appears whole. The `result.json` of an earlier run goes first, with the files that it lists and the new one has not, and
+/// the new one comes last: where it is, all files are of one run. Runs that write to one folder do so one after the other.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; [`RodlabError::Step`] if a file cannot be put together.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and [`RodlabError::OverInput`] for files that are not of an
+/// earlier result; [`RodlabError::Step`] if a file cannot be put together. What was there is whole then.
 pub fn write(
     outcome: &Outcome,
     sheet: &SheetIdentity,
     folder: &Path,
+    reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
-        files.push((format!("{}.csv", table.name), csv_of(table)?));
+        files.push((table_file(table), csv_of(table)?));
     }
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
     }
     let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
     for drawn in &drawn {
-        let name = format!("{}.svg", drawn.figure.name);
+        let name = figure_file(&drawn.figure);
         files.push((name, drawn.svg.clone().into_bytes()));
     }
     files.push((REPORT.to_owned(), html_of(outcome, &drawn)?.into_bytes()));
@@ -79,26 +92,33 @@ pub fn write(
         let error = io::Error::other(format!("two of them are called {twice}"));
         return Err(RodlabError::step("writing the files of the result", error));
     }
-    // all of them are on the disk before the first takes its name: a disk that becomes full leaves what was there
-    let staged = files
-        .iter()
-        .map(|(name, bytes)| staged(&folder.join(name), bytes))
-        .collect::<Result<Vec<_>, _>>()?;
-    // of an earlier result; from here on the folder is not complete
-    let result = folder.join(RESULT);
-    match fs::remove_file(&result) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            return Err(refusal(&result, source));
-        }
-        _ => {}
-    }
-    let mut paths = Vec::with_capacity(files.len());
-    for ((name, _), file) in files.iter().zip(staged) {
-        let path = folder.join(name);
-        named(file, &path)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    together::replace_result(folder, &files, reads)
+}
+
+fn table_file(table: &Table) -> String {
+    format!("{}.csv", table.name)
+}
+
+fn figure_file(figure: &Figure) -> String {
+    format!("{}.svg", figure.name)
+}
+
+/// The names of all files of a result, in the order in which they are written.
+fn files_of(outcome: &Outcome) -> Vec<String> {
+    let tables = outcome.tables.iter().map(table_file);
+    let attachments = outcome.attachments.iter().map(|file| file.name.clone());
+    let figures = outcome.figures.iter().map(figure_file);
+    let pages = [REPORT, RESULT].map(str::to_owned);
+    tables
+        .chain(attachments)
+        .chain(figures)
+        .chain(pages)
+        .collect()
+}
+
+/// Whether `name` is that of a file in a folder and leads nowhere else.
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).file_name() == Some(name.as_ref())
 }
 
 /// Writes `bytes` through a temporary file in the same folder, so that `path` is never half written.
@@ -107,11 +127,24 @@ pub fn write(
 ///
 /// [`RodlabError::Write`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
-    named(staged(path, bytes)?, path)
+    named(staged(path, bytes, ".rodlab-")?, path)
 }
 
-/// `bytes` under a temporary name in the folder of `path`; gone when it is dropped.
-fn staged(path: &Path, bytes: &[u8]) -> Result<NamedTempFile, RodlabError> {
+/// As [`write_whole`], where nothing may be yet.
+pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
+    match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(refusal(path, error.error)),
+    }
+}
+
+/// Whether no run was ended while it changed `folder`, and none is changing it now.
+pub(crate) fn is_settled(folder: &Path) -> bool {
+    !folder.join(lock::NAME).exists()
+}
+
+/// `bytes` on the disk under a temporary name in the folder of `path`; gone when it is dropped.
+fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let fail = |source: io::Error| refusal(path, source);
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -119,16 +152,29 @@ fn staged(path: &Path, bytes: &[u8]) -> Result<NamedTempFile, RodlabError> {
     };
     fs::create_dir_all(folder).map_err(fail)?;
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".rodlab-");
+    builder.prefix(prefix);
     #[cfg(unix)]
     {
         // readable by others, as any file a program writes; the umask still applies
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(fail)?;
-    file.write_all(bytes).map_err(fail)?;
+    let mut file = builder
+        .tempfile_in(folder)
+        .map_err(|error| fail(without_path(error)))?;
+    file.as_file_mut().write_all(bytes).map_err(fail)?;
+    // a name must not outlast a power failure that its bytes do not
+    file.as_file().sync_all().map_err(fail)?;
     Ok(file)
+}
+
+/// What the system says, without the temporary name, which is another every time.
+fn without_path(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(std::error::Error::source);
+    inner
+        .and_then(|inner| inner.downcast_ref::<io::Error>())
+        .and_then(io::Error::raw_os_error)
+        .map_or(error, io::Error::from_raw_os_error)
 }
 
 fn named(file: NamedTempFile, path: &Path) -> Result<(), RodlabError> {
@@ -145,7 +191,7 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
     }
 }
 
-/// `result.json`: version of its structure and of the software, the sheet, and the outcome; `docs/result.schema.json` describes it.
+/// `result.json`: version of its structure and of the software, the sheet, the files, and the outcome; `docs/result.schema.json` describes it.
 ///
 /// # Errors
 ///
@@ -156,6 +202,7 @@ pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, Rodla
         result_version: u32,
         software: &'static str,
         sheet: &'a SheetIdentity,
+        files: Vec<String>,
         #[serde(flatten)]
         outcome: &'a Outcome,
     }
@@ -163,6 +210,7 @@ pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, Rodla
         result_version: RESULT_VERSION,
         software: SOFTWARE,
         sheet,
+        files: files_of(outcome),
         outcome,
     };
     let mut bytes = Vec::new();

@@ -2,12 +2,14 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, SheetCommand};
 use crate::batch::{self, Batch, Row, Status, Summary, in_one_line};
+use crate::closed_pipe::UntilClosed;
 use crate::convert::convert;
 use crate::finished::{self, finish};
 use crate::inspect::inspect;
@@ -51,15 +53,11 @@ pub fn run(
     out: &mut (dyn Write + Send),
     err: &mut dyn Write,
 ) -> Ending {
-    match dispatch(arguments, interrupted, out, err) {
+    match dispatch(arguments, interrupted, &mut UntilClosed::new(out), err) {
         Ok(ending) => ending,
         Err(RodlabError::Interrupted) => {
             let _ = writeln!(err, "interrupted: files that are there are whole");
             Ending::Interrupted
-        }
-        // a reader that has seen enough, as `head`
-        Err(RodlabError::Write { source, .. }) if source.kind() == io::ErrorKind::BrokenPipe => {
-            Ending::Done
         }
         Err(error) => {
             complain(error, err);
@@ -266,13 +264,19 @@ fn many_sheets(
         .map_err(|error| RodlabError::step("starting threads", error))?;
     let bar = Bar::new(arguments.quiet || arguments.json);
     let words = !(arguments.quiet || arguments.json);
+    // a line that cannot be said stops no test, and is told at the end
+    let spoken = Mutex::new((&mut *out, Ok(())));
     let tell = |row: &Row| {
-        if words {
-            bar.say(&line(row));
+        if words && let Ok(mut spoken) = spoken.lock() {
+            let (out, said) = &mut *spoken;
+            if said.is_ok() {
+                *said = bar.above(|| say(*out, &line(row)));
+            }
         }
     };
     let rows = pool.install(|| batch.run(&tell, &bar, interrupted));
     drop(bar);
+    let said = spoken.into_inner().map_or(Ok(()), |(_, said)| said);
     if interrupted.load(std::sync::atomic::Ordering::Relaxed) {
         return Err(RodlabError::Interrupted);
     }
@@ -280,6 +284,7 @@ fn many_sheets(
     if batch.shard.is_none() {
         batch::write_summary(&summary, &batch.out)?;
     }
+    said?;
     conclude(&summary, &batch.out, arguments, out)
 }
 

@@ -27,21 +27,9 @@ impl Bar {
         Self { bar }
     }
 
-    /// Prints a line above the bar, or plainly where there is none.
-    pub fn say(&self, line: &str) {
-        if self.bar.is_hidden() {
-            #[allow(clippy::print_stdout, reason = "one line a test is what was asked for")]
-            {
-                println!("{line}");
-            }
-        } else {
-            self.bar.suspend(|| {
-                #[allow(clippy::print_stdout, reason = "one line a test is what was asked for")]
-                {
-                    println!("{line}");
-                }
-            });
-        }
+    /// Has `print` print a line above the bar.
+    pub fn above<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
     }
 }
 

@@ -19,7 +19,6 @@ mod told;
 pub use channel::{ChannelSheet, Selector, Sensitivity};
 pub use expect::expect_quantity;
 
-use std::fs;
 use std::path::Path;
 
 use labio::format;
@@ -27,9 +26,9 @@ use labio::{Channel, LabioError, Provenance, Record};
 use ndarray::Axis;
 use serde::Deserialize;
 
-use crate::RodlabError;
 use crate::outcome::{InputFile, LogEntry, Setting};
 use crate::sheet::{Frequency, Stated};
+use crate::{RodlabError, cut_short, input};
 
 /// Which files, and what their channels are.
 #[derive(Debug, Clone, Deserialize)]
@@ -86,10 +85,7 @@ impl Records {
         let mut lost = None;
         for path in files::paths(&self.files, folder, &format!("{field}.files"))? {
             let shown = files::relative(&path, folder);
-            let bytes = fs::read(&path).map_err(|source| RodlabError::Read {
-                path: path.clone(),
-                source,
-            })?;
+            let bytes = input::read(&path)?;
             lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded)?);
         }
         match lost {
@@ -123,6 +119,9 @@ impl Records {
                 .map(|hash| hash.to_string())
                 .unwrap_or_default(),
         });
+        loaded
+            .warnings
+            .extend(cut_short::warning(bytes, contents.format, &file).map(|text| text + "."));
         let found = contents.records(&provenance);
         // a series that is left out would shift those of later hits into its place
         for (channel, index) in chosen

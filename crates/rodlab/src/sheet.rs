@@ -26,13 +26,11 @@ pub use stated::{
 };
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::RodlabError;
-use crate::job;
+use crate::{RodlabError, input, job};
 
 /// A sheet that was understood.
 #[derive(Debug, Clone)]
@@ -92,10 +90,7 @@ impl Sheet {
     ///
     /// [`RodlabError::Read`], or [`RodlabError::Sheet`] with the place in the text.
     pub fn read(path: &Path) -> Result<Self, RodlabError> {
-        let text = fs::read_to_string(path).map_err(|source| RodlabError::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text = input::read_text(path)?;
         let job = parse(path, &text)?;
         Ok(Self {
             path: path.to_path_buf(),

@@ -1,12 +1,10 @@
 //! Commented sheets to begin with: `rodlab init JOB`.
 
-use std::fs::OpenOptions;
-use std::io::{self, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
 
-use crate::RodlabError;
+use crate::{RodlabError, output};
 
 /// A job that has a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -74,16 +72,7 @@ impl JobName {
 ///
 /// [`RodlabError::Write`]; a file that is there is never replaced.
 pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
-    let fail = |source: io::Error| RodlabError::Write {
-        path: path.to_path_buf(),
-        source,
-    };
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(path)
-        .map_err(fail)?;
-    file.write_all(job.template().as_bytes()).map_err(fail)
+    output::write_new(path, job.template().as_bytes())
 }
 
 #[cfg(test)]

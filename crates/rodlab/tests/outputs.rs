@@ -18,7 +18,7 @@ use serde_json::Value;
 #[test]
 fn every_part_has_its_file_and_the_result_is_the_last() {
     let folder = tempfile::tempdir().unwrap();
-    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
+    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
     let names: Vec<&str> = files
         .iter()
         .map(|path| path.file_name().unwrap().to_str().unwrap())
@@ -39,22 +39,97 @@ fn every_part_has_its_file_and_the_result_is_the_last() {
 }
 
 #[test]
-fn a_run_that_stops_half_way_leaves_no_result_of_an_earlier_one() {
+fn a_result_that_cannot_be_put_there_leaves_the_earlier_one_whole() {
     let folder = tempfile::tempdir().unwrap();
-    output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
+    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
     let mut outcome = rich::outcome();
     // where a file should come there is a folder
     outcome.attachments[0].name = "in the way".into();
     fs::create_dir(folder.path().join("in the way")).unwrap();
-    fs::write(folder.path().join("in the way/x"), "x").unwrap();
-    let error = output::write(&outcome, &rich::sheet(), folder.path())
+    let error = output::write(&outcome, &rich::sheet(), folder.path(), &[])
         .unwrap_err()
         .to_string();
     assert!(
-        error.starts_with("cannot write ") && error.contains("in the way"),
+        error.starts_with("cannot write ") && error.contains("in the way: it is there"),
         "{error}"
     );
-    assert!(!folder.path().join(output::RESULT).exists());
+    assert!(files.iter().all(|file| file.exists()));
+}
+
+#[test]
+fn what_a_run_before_has_left_goes_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
+    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    // what a run that was ended in the middle leaves
+    fs::write(folder.path().join(".rodlab-part-4711"), "half").unwrap();
+    fs::write(
+        folder.path().join(".rodlab-lock"),
+        "process       4711\n\nhalf done.csv\n",
+    )
+    .unwrap();
+    fs::write(folder.path().join("half done.csv"), "1\n").unwrap();
+    let mut outcome = rich::outcome();
+    outcome.attachments.clear();
+    let files = output::write(&outcome, &rich::sheet(), folder.path(), &[]).unwrap();
+    let mut there: Vec<_> = fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    there.sort();
+    let mut expected = files;
+    expected.push(folder.path().join("notes.txt"));
+    expected.sort();
+    assert_eq!(there, expected);
+}
+
+#[test]
+fn a_file_of_somebody_else_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join(output::REPORT);
+    fs::write(&page, "a page of mine").unwrap();
+    let error = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.ends_with(
+            "report.html: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away"
+        ),
+        "{error}"
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    fs::remove_file(&page).unwrap();
+    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
+    // nor what the run itself has read, even if an earlier result lists it
+    let error = output::write(
+        &rich::outcome(),
+        &rich::sheet(),
+        folder.path(),
+        &files[1..2],
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(
+        error.contains("response.uff: this run has read it"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_was_made_read_only_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
+    let mut permissions = fs::metadata(&files[0]).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&files[0], permissions).unwrap();
+    let error = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.ends_with("modulus.csv: the file is read-only"),
+        "{error}"
+    );
+    assert!(files.iter().all(|file| file.exists()));
 }
 
 #[test]
@@ -62,7 +137,7 @@ fn no_file_takes_the_place_of_another() {
     let folder = tempfile::tempdir().unwrap();
     let mut outcome = rich::outcome();
     outcome.figures[0].name = "modulus".into();
-    let error = output::write(&outcome, &rich::sheet(), folder.path())
+    let error = output::write(&outcome, &rich::sheet(), folder.path(), &[])
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -76,7 +151,7 @@ fn no_file_takes_the_place_of_another() {
 fn the_same_outcome_gives_the_same_bytes() {
     let write = || {
         let folder = tempfile::tempdir().unwrap();
-        let files = output::write(&rich::outcome(), &rich::sheet(), folder.path()).unwrap();
+        let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();
         let bytes = |path| fs::read(path).unwrap();
         files.iter().map(bytes).collect::<Vec<_>>()
     };

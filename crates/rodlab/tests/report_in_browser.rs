@@ -42,7 +42,7 @@ fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let folder_kept = env::var_os("RODLAB_KEEP").map(PathBuf::from);
     let folder = folder_kept.as_deref().unwrap_or(folder.path());
-    rodlab::output::write(&rich::outcome(), &rich::sheet(), folder).unwrap();
+    rodlab::output::write(&rich::outcome(), &rich::sheet(), folder, &[]).unwrap();
     let report = fs::read_to_string(folder.join(rodlab::output::REPORT)).unwrap();
     assert_eq!(report.matches("<head>").count(), 1);
     let tried = report

@@ -6,6 +6,7 @@
 
 use std::fmt;
 
+use super::faults;
 use super::page::{Page, Row};
 
 /// In points of percent.
@@ -49,6 +50,14 @@ pub(super) fn between(committed: &Page, current: &Page) -> Vec<Drift> {
                 }
             }
         }
+    }
+    if committed.faults != current.faults {
+        let table = Row {
+            claim: "the table".to_owned(),
+            ..Row::default()
+        };
+        let how = "is not that of docs/faults.ron".to_owned();
+        drift(faults::HEADING, &table, how);
     }
     for table in &committed.tables {
         for row in &table.rows {
@@ -101,6 +110,7 @@ mod tests {
                 name: "rods".to_owned(),
                 rows,
             }],
+            ..Page::default()
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::check::{Check, Verdict};
-use super::{COMMAND, Section, drift};
+use super::{COMMAND, Section, drift, faults};
 
 const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
                         |---|---|---|--:|--:|--:|---|--:|---|\n";
@@ -125,16 +125,19 @@ impl Table {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Page {
     pub(super) tables: Vec<Table>,
+    /// The section on faults of the command, which is taken as it is.
+    pub(super) faults: String,
 }
 
 impl Page {
-    pub(super) fn of(sections: &[Section]) -> Self {
+    pub(super) fn of(sections: &[Section], faults: String) -> Self {
         let table = |section: &Section| Table {
             name: section.name.to_owned(),
             rows: section.report.checks.iter().map(Row::of).collect(),
         };
         Self {
             tables: sections.iter().map(table).collect(),
+            faults,
         }
     }
 
@@ -208,6 +211,7 @@ impl Page {
                 let _ = writeln!(text, "| {} |", row.to_line());
             }
         }
+        let _ = write!(text, "\n## {}\n\n{}", faults::HEADING, self.faults);
         text.push_str("\n## Skipped\n\n");
         let before = text.len();
         for table in &self.tables {
@@ -236,6 +240,13 @@ impl Page {
         }
         // what is skipped is listed again at the end, in words
         page.tables.retain(|table| !table.rows.is_empty());
+        let heading = format!("\n## {}\n\n", faults::HEADING);
+        if let Some((_, rest)) = text.split_once(&heading) {
+            rest.split("\n## ")
+                .next()
+                .unwrap_or(rest)
+                .clone_into(&mut page.faults);
+        }
         page
     }
 }
@@ -285,7 +296,8 @@ mod tests {
     #[test]
     fn a_page_is_read_as_it_was_written() {
         let absent = Err(NotMeasured::Absent("lost".to_owned()));
-        let page = Page::of(&[section([Ok(2.25), absent, Ok(1.234e-15)])]);
+        let rows = [section([Ok(2.25), absent, Ok(1.234e-15)])];
+        let page = Page::of(&rows, "| fault | points |\n\nNone.\n".to_owned());
         let text = page.to_markdown();
         assert_eq!(Page::read(&text), page, "{text}");
         assert!(text.contains("| rods | 3 | 2 | 0 | 1 |"), "{text}");
@@ -304,8 +316,8 @@ mod tests {
     #[test]
     fn rows_without_their_record_stay_as_they_were() {
         let absent = || Err(NotMeasured::Absent("lost".to_owned()));
-        let earlier = Page::of(&[section([Ok(2.25), Ok(2.0), Ok(0.0)])]);
-        let now = Page::of(&[section([absent(), Ok(2.125), Ok(0.0)])]);
+        let earlier = Page::of(&[section([Ok(2.25), Ok(2.0), Ok(0.0)])], String::new());
+        let now = Page::of(&[section([absent(), Ok(2.125), Ok(0.0)])], String::new());
         let kept = now.with_rows_of(&earlier);
         let ours: Vec<&str> = kept.tables[0]
             .rows

@@ -1,6 +1,5 @@
 //! What a campaign remembers of one test, in memory and on disk.
 
-use std::fs;
 use std::path::Path;
 
 use labio::ContentHash;
@@ -8,11 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Test;
 use crate::RodlabError;
+use crate::input;
 use crate::outcome::{InputFile, Quantity, Verdict};
-use crate::output::{self, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
-
-/// Name of the file that says why a test has no result.
-const FAILURE: &str = "failure.json";
+use crate::output::{self, FAILURE, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
 
 /// How a test ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -69,7 +66,7 @@ impl Row {
 
     /// The row of the result, or of the failure, in `folder`; `None` if there is neither or it cannot be read.
     pub(super) fn read(test: &str, folder: &Path) -> Option<Self> {
-        if let Ok(text) = fs::read_to_string(folder.join(FAILURE)) {
+        if let Ok(text) = input::read_text(&folder.join(FAILURE)) {
             let row = serde_json::from_str(&text).ok()?;
             return Some(Self {
                 test: test.to_owned(),
@@ -115,16 +112,17 @@ impl StoredResult {
 }
 
 fn result_in(folder: &Path) -> Option<StoredResult> {
-    let text = fs::read_to_string(folder.join(RESULT)).ok()?;
+    let text = input::read_text(&folder.join(RESULT)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
 /// The row of a result in `folder` that is the one that would come out again: same software, sheet and files.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
-    let hash = |path: &Path| Some(ContentHash::of(&fs::read(path).ok()?).to_string());
+    let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
     let base = test.sheet.parent()?;
-    let same = stored.result_version == RESULT_VERSION
+    let same = output::is_settled(folder)
+        && stored.result_version == RESULT_VERSION
         && stored.software == SOFTWARE
         && hash(&test.sheet)? == stored.sheet.sha256
         && stored
@@ -134,16 +132,21 @@ pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     same.then(|| stored.row(&test.name))
 }
 
+/// Writes the failure in place of an older result: that of a sheet which has become wrong is none any longer.
 pub(super) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
-    // an older result of a sheet that has become wrong is none any longer
-    let _ = fs::remove_file(folder.join(RESULT));
-    let text = serde_json::to_string_pretty(row)
-        .map_err(|error| RodlabError::step("writing failure.json", error))?;
-    output::write_whole(&folder.join(FAILURE), (text + "\n").as_bytes())
-}
-
-pub(super) fn forget_failure(folder: &Path) {
-    let _ = fs::remove_file(folder.join(FAILURE));
+    #[derive(Serialize)]
+    struct Failure<'a> {
+        #[serde(flatten)]
+        row: &'a Row,
+        /// Files of an older result that are still there.
+        files: Vec<String>,
+    }
+    output::replace_by_failure(folder, |files| {
+        let mut text = serde_json::to_vec_pretty(&Failure { row, files })
+            .map_err(|error| RodlabError::step("writing failure.json", error))?;
+        text.push(b'\n');
+        Ok(text)
+    })
 }
 
 /// Whether `folder` holds the result or the failure of a test.

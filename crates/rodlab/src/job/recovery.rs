@@ -157,6 +157,7 @@ pub(crate) fn run(
             reasons: Vec::new(),
         });
         outcome.inputs.extend(read.input);
+        outcome.warnings.extend(read.warning);
         standard_errors.push(read.standard_error);
         tests.push(read.test);
     }

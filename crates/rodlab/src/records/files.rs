@@ -25,7 +25,17 @@ pub(super) fn paths(
         let found = if plain.exists() {
             vec![plain]
         } else {
-            let escaped = glob::Pattern::escape(&folder.to_string_lossy());
+            let Some(folder_text) = folder.to_str() else {
+                return Err(RodlabError::request(
+                    field,
+                    format!(
+                        "the pattern `{pattern}` in {}, whose name is not Unicode",
+                        folder.display()
+                    ),
+                    "the names of the files, or a folder with a name in Unicode",
+                ));
+            };
+            let escaped = glob::Pattern::escape(folder_text);
             let wanted = Path::new(&escaped).join(pattern);
             let listed = glob::glob(&wanted.to_string_lossy()).map_err(|error| {
                 RodlabError::request(

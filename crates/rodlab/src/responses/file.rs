@@ -1,6 +1,5 @@
 //! A frequency response in a file.
 
-use std::fs;
 use std::path::Path;
 
 use labio::format;
@@ -14,7 +13,7 @@ use serde::Deserialize;
 use super::kind::{KINDS, KindSheet, dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
-use crate::{Outcome, RodlabError};
+use crate::{Outcome, RodlabError, cut_short, input};
 
 /// Part of the spacing by which a line may be off its place: what a rounded frequency is off by.
 const OFF_GRID: f64 = 1e-3;
@@ -70,7 +69,7 @@ impl ResponseFile {
         outcome: &mut Outcome,
     ) -> Result<FrequencyResponse, RodlabError> {
         let path = folder.join(&self.file);
-        let bytes = fs::read(&path).map_err(|source| RodlabError::Read { path, source })?;
+        let bytes = input::read(&path)?;
         let reading = |error| RodlabError::step(format!("reading {}", self.file), error);
         let contents = format::read_bytes(&bytes).map_err(reading)?;
         let provenance = Provenance::of_file(Path::new(&self.file), contents.format, &bytes);
@@ -83,6 +82,9 @@ impl ResponseFile {
                 .map(|hash| hash.to_string())
                 .unwrap_or_default(),
         });
+        outcome
+            .warnings
+            .extend(cut_short::warning(&bytes, contents.format, &self.file).map(|text| text + "."));
         let series = self.data_set(&contents, field)?;
         let lines = self.lines(series, field)?;
         let (kind, scale) = self.kind_and_scale(series, field, outcome)?;

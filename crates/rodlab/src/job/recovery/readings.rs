@@ -52,11 +52,12 @@ struct Columns {
     standard_error: Vec<f64>,
 }
 
-/// A test, the standard errors of its readings, and the file that was read for it.
+/// A test, the standard errors of its readings, and the file that was read for it, with what is odd about it.
 pub(super) struct Read {
     pub(super) test: RecoveryTest,
     pub(super) standard_error: Vec<f64>,
     pub(super) input: Option<InputFile>,
+    pub(super) warning: Option<String>,
 }
 
 /// The test at `field` of the sheet.
@@ -66,7 +67,7 @@ pub(super) fn test(
     field: &str,
     around: &Surroundings<'_>,
 ) -> Result<Read, RodlabError> {
-    let (columns, input) = columns(sheet, test, field, around)?;
+    let (columns, file) = columns(sheet, test, field, around)?;
     let virgin = virgin(sheet)?;
     let change: Vec<f64> = columns.value.iter().map(|value| value - virgin).collect();
     let virgin_standard_error = sheet
@@ -87,7 +88,8 @@ pub(super) fn test(
     Ok(Read {
         test,
         standard_error: columns.standard_error,
-        input,
+        warning: file.as_ref().and_then(|file| file.warning.clone()),
+        input: file.map(|file| file.input),
     })
 }
 
@@ -110,7 +112,7 @@ fn columns(
     test: &TestSheet,
     field: &str,
     around: &Surroundings<'_>,
-) -> Result<(Columns, Option<InputFile>), RodlabError> {
+) -> Result<(Columns, Option<NumberFile>), RodlabError> {
     let common = sheet.standard_error.as_ref().map(Stated::si);
     let missing = |place: String| {
         RodlabError::request(
@@ -158,7 +160,7 @@ fn columns(
                 value,
                 standard_error,
             };
-            Ok((columns, Some(file.input)))
+            Ok((columns, Some(file)))
         }
     }
 }

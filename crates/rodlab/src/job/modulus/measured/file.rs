@@ -98,7 +98,7 @@ pub(super) fn of_file(
         log: Vec::new(),
         figures: Vec::new(),
         in_words: Vec::new(),
-        warnings: Vec::new(),
+        warnings: file.warning.into_iter().collect(),
         quantities: Vec::new(),
         first_hit: None,
         calibration_error: 0.0,

@@ -1,0 +1,31 @@
+//! Tables in text that may have been cut in their last line.
+//!
+//! Every other format says how long it is, and its reader refuses a file that ends too early. A table in text does not: cut at the
+//! end of a line it is a shorter table, cut within its last number it is a table with a wrong number. The second leaves a trace.
+
+/// What a reader of `bytes` in `format` has to be told, if the last line has no end; `name` is that of the file.
+pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> {
+    let is_text = matches!(format, "csv" | "lvm");
+    // a line ends by LF or CR, which are two bytes in UTF-16
+    let ended = match bytes {
+        [.., b'\n' | b'\r'] | [.., b'\n' | b'\r', 0] => true,
+        bytes => bytes.is_empty(),
+    };
+    (is_text && !ended).then(|| {
+        format!("the last line of {name} has no end: if the file was cut short, its last number may be too")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_table_in_text_without_an_end_is_suspected() {
+        assert!(warning(b"0;1\n1;2.", "csv", "hit.csv").is_some());
+        for ended in [&b"0;1\n"[..], b"0;1\r", b"0\n\0", b""] {
+            assert!(warning(ended, "csv", "hit.csv").is_none(), "{ended:?}");
+        }
+        assert!(warning(b"\x93NUMPY", "npy", "hit.npy").is_none());
+    }
+}

@@ -1,0 +1,231 @@
+//! One writer of a folder at a time, and a note of what it is replacing.
+//!
+//! The lock is one of the operating system on a file in the folder, which frees it however the process ends: a lock of a process
+//! that is no more cannot be in the way. The file also lists the names that are being replaced. It is gone when a result is there;
+//! where a run was ended in between, the next one finds in it what may be of the unfinished one.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::RodlabError;
+
+/// Name of the file that is locked.
+pub(super) const NAME: &str = ".rodlab-lock";
+
+/// How long another run may take to put its files into the folder, which is a matter of milliseconds.
+const PATIENCE: Duration = Duration::from_secs(30);
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// The right to change a folder, until it is dropped.
+#[derive(Debug)]
+pub(super) struct FolderLock {
+    path: PathBuf,
+    file: File,
+    /// Whether the list is still needed.
+    unfinished: bool,
+}
+
+impl FolderLock {
+    /// Waits until nobody else changes `folder`, which is there.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Busy`], [`RodlabError::Write`].
+    pub(super) fn of(folder: &Path) -> Result<Self, RodlabError> {
+        Self::within(PATIENCE, folder)
+    }
+
+    fn within(patience: Duration, folder: &Path) -> Result<Self, RodlabError> {
+        let path = folder.join(NAME);
+        let fail = |source| super::refusal(&path, source);
+        let began = Instant::now();
+        loop {
+            let file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&path)
+                .map_err(fail)?;
+            match file.try_lock() {
+                Ok(()) if is_at(&file, &path) => return Self::taken(path, file),
+                // the one before has removed the file after we had opened it
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => {
+                    if began.elapsed() > patience {
+                        return Err(RodlabError::Busy {
+                            folder: folder.to_path_buf(),
+                            owner: owner(&path),
+                        });
+                    }
+                    thread::sleep(PAUSE);
+                }
+                // a file system without locks: files are whole there too, but two runs at a time may mix
+                Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
+                    return Self::taken(path, file);
+                }
+                Err(TryLockError::Error(error)) => return Err(fail(error)),
+            }
+        }
+    }
+
+    fn taken(path: PathBuf, file: File) -> Result<Self, RodlabError> {
+        let mut lock = Self {
+            path,
+            file,
+            unfinished: true,
+        };
+        lock.unfinished = !lock.listed()?.is_empty();
+        lock.sign()?;
+        Ok(lock)
+    }
+
+    /// Names that a run which did not come to its end has listed.
+    pub(super) fn listed(&mut self) -> Result<BTreeSet<String>, RodlabError> {
+        let mut bytes = Vec::new();
+        self.file
+            .seek(SeekFrom::Start(0))
+            .and_then(|_| self.file.read_to_end(&mut bytes))
+            .map_err(|source| super::refusal(&self.path, source))?;
+        let text = String::from_utf8_lossy(&bytes);
+        // the first line is that of the owner; a last line without an end was not written to its end
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        Ok(whole
+            .lines()
+            .skip(1)
+            .filter(|name| super::is_plain(name))
+            .map(str::to_owned)
+            .collect())
+    }
+
+    /// Lists `names` before the first of them changes.
+    pub(super) fn list<'n>(
+        &mut self,
+        names: impl Iterator<Item = &'n str>,
+    ) -> Result<(), RodlabError> {
+        // begins with an end of line, because the line before may have none
+        let text: String = std::iter::once("")
+            .chain(names)
+            .map(|name| format!("{name}\n"))
+            .collect();
+        self.file
+            .seek(SeekFrom::End(0))
+            .and_then(|_| self.file.write_all(text.as_bytes()))
+            .and_then(|()| self.file.sync_all())
+            .map_err(|source| super::refusal(&self.path, source))?;
+        self.unfinished = true;
+        Ok(())
+    }
+
+    /// Everything that was listed is as it should be.
+    pub(super) fn done(mut self) {
+        self.unfinished = false;
+    }
+
+    /// Writes the owner over the first line, which has the same length for all.
+    fn sign(&mut self) -> Result<(), RodlabError> {
+        let line = format!("process {:>10}\n", std::process::id());
+        self.file
+            .seek(SeekFrom::Start(0))
+            .and_then(|_| self.file.write_all(line.as_bytes()))
+            .map_err(|source| super::refusal(&self.path, source))
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        if !self.unfinished {
+            // while it is locked: who waits for it sees that it is another file
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Whether `file` is the one that is found at `path`.
+fn is_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let number = |found: io::Result<fs::Metadata>| found.map(|m| (m.dev(), m.ino())).ok();
+        number(fs::metadata(path)) == number(file.metadata())
+    }
+    #[cfg(not(unix))]
+    {
+        // a file that is open cannot be replaced there
+        let _ = file;
+        path.exists()
+    }
+}
+
+/// Who has the lock, as it has signed.
+fn owner(path: &Path) -> String {
+    fs::read_to_string(path)
+        .ok()
+        .and_then(|text| text.lines().next().map(str::to_owned))
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+        .filter(|line| !line.is_empty())
+        .unwrap_or_else(|| "another process".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_leaves_nothing_and_one_that_was_not_finished_leaves_its_list() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["force.csv", "result.json"];
+        drop(FolderLock::of(folder.path()).unwrap());
+        assert!(!folder.path().join(NAME).exists());
+
+        let mut lock = FolderLock::of(folder.path()).unwrap();
+        lock.list(names.into_iter()).unwrap();
+        drop(lock); // as if the process had ended
+        let mut lock = FolderLock::of(folder.path()).unwrap();
+        assert!(lock.listed().unwrap().iter().eq(names));
+        lock.list(["force.svg"].into_iter()).unwrap();
+        assert_eq!(lock.listed().unwrap().len(), 3);
+        lock.done();
+        assert!(!folder.path().join(NAME).exists());
+    }
+
+    #[test]
+    fn a_name_that_was_not_written_to_its_end_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "process          1\n\nforce.csv\n../../precious\nresu";
+        fs::write(folder.path().join(NAME), text).unwrap();
+        let mut lock = FolderLock::of(folder.path()).unwrap();
+        assert!(lock.listed().unwrap().iter().eq(["force.csv"]));
+        lock.list(["result.json"].into_iter()).unwrap();
+        // the torn line remains a name that nobody has
+        assert!(lock.listed().unwrap().contains("result.json"));
+    }
+
+    #[test]
+    fn who_has_waited_too_long_is_told_for_whom() {
+        let folder = tempfile::tempdir().unwrap();
+        let _first = FolderLock::of(folder.path()).unwrap();
+        let said = FolderLock::within(2 * PAUSE, folder.path())
+            .unwrap_err()
+            .to_string();
+        let owner = format!("is being written by process {}", std::process::id());
+        assert!(said.contains(&owner), "{said}");
+    }
+
+    #[test]
+    fn who_comes_second_waits() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = FolderLock::of(folder.path()).unwrap();
+        let place = folder.path().to_path_buf();
+        let second = thread::spawn(move || FolderLock::of(&place).map(|_| Instant::now()));
+        thread::sleep(Duration::from_millis(50));
+        assert!(!second.is_finished());
+        let freed = Instant::now();
+        drop(first);
+        assert!(second.join().unwrap().unwrap() >= freed);
+    }
+}

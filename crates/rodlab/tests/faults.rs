@@ -1,0 +1,87 @@
+//! Faults that a laboratory meets, done to the program as a person runs it, and counted: nothing is lost and nothing panics.
+//!
+//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked --workspace --test faults -- --test-threads 1`
+//! tries all of them, which takes a quarter of an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
+//! in `docs/validation.md` of them.
+#![cfg(unix)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by a panic that says which fault was not withstood, and says what it skips"
+)]
+
+#[path = "faults/cut_records.rs"]
+mod cut_records;
+#[path = "faults/cut_sheets.rs"]
+mod cut_sheets;
+#[path = "faults/folder.rs"]
+mod folder;
+#[path = "faults/full_disk.rs"]
+mod full_disk;
+#[path = "faults/killed.rs"]
+mod killed;
+#[path = "faults/no_permission.rs"]
+mod no_permission;
+#[path = "faults/odd_files.rs"]
+mod odd_files;
+#[path = "faults/program.rs"]
+mod program;
+#[path = "faults/record_files.rs"]
+mod record_files;
+#[path = "faults/struck_mass.rs"]
+mod struck_mass;
+#[path = "faults/system_calls.rs"]
+mod system_calls;
+#[path = "faults/tally.rs"]
+mod tally;
+#[path = "faults/two_runs.rs"]
+mod two_runs;
+
+use tally::{Extent, compared};
+
+#[test]
+fn records_that_were_cut() {
+    compared("records that were cut", cut_records::rows(Extent::asked()));
+}
+
+#[test]
+fn sheets_that_were_cut() {
+    compared("sheets that were cut", cut_sheets::rows(Extent::asked()));
+}
+
+#[test]
+fn a_disk_that_becomes_full() {
+    compared("a disk that becomes full", full_disk::rows(Extent::asked()));
+}
+
+#[test]
+fn what_may_not_be_read_or_written() {
+    compared("no permission", no_permission::rows(Extent::asked()));
+}
+
+#[test]
+fn runs_that_are_killed() {
+    compared("a run that is killed", killed::rows(Extent::asked()));
+}
+
+#[test]
+fn runs_that_are_killed_at_a_system_call() {
+    compared(
+        "a run that is killed at a system call",
+        system_calls::rows(Extent::asked()),
+    );
+}
+
+#[test]
+fn runs_in_one_folder() {
+    compared(
+        "several runs in one folder",
+        two_runs::rows(Extent::asked()),
+    );
+}
+
+#[test]
+fn odd_files_and_places() {
+    compared("odd files and places", odd_files::rows(Extent::asked()));
+}

@@ -1,0 +1,90 @@
+//! What is in a folder, and whether it is what one run has put there.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Files below a folder by their names from there.
+pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
+
+/// All files below `folder`; none if it is not there.
+pub(crate) fn files_in(folder: &Path) -> Files {
+    fn collect(folder: &Path, root: &Path, found: &mut Files) {
+        for entry in fs::read_dir(folder).into_iter().flatten() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                collect(&path, root, found);
+            } else {
+                let name = path.strip_prefix(root).unwrap().to_path_buf();
+                found.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut found = Files::new();
+    collect(folder, folder, &mut found);
+    found
+}
+
+pub(crate) fn put(folder: &Path, files: &Files) {
+    fs::create_dir_all(folder).unwrap();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+}
+
+/// A copy of the files of an example that stand beside its sheet.
+pub(crate) fn example(name: &str, folder: &Path) {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name);
+    for entry in fs::read_dir(source).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+}
+
+/// Whether a name says that the file is temporary.
+fn is_temporary(name: &Path) -> bool {
+    let name = name.file_name().unwrap().to_string_lossy();
+    name.starts_with(".rodlab-")
+}
+
+/// Whether every file under its final name is whole, being that of one of `results`, and whether all files are of one of them where there
+/// is a `result.json`.
+pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
+    let finals: Files = now
+        .iter()
+        .filter(|(name, _)| !is_temporary(name))
+        .map(|(name, bytes)| (name.clone(), bytes.clone()))
+        .collect();
+    for (name, bytes) in &finals {
+        if !results.iter().any(|files| files.get(name) == Some(bytes)) {
+            return Err(format!("{} is of no result", name.display()));
+        }
+    }
+    if finals.contains_key(Path::new("result.json"))
+        && !results.iter().any(|files| **files == finals)
+    {
+        let names: Vec<_> = finals.keys().collect();
+        return Err(format!(
+            "files of several runs, or not all of one: {names:?}"
+        ));
+    }
+    Ok(())
+}
+
+/// Why two folders differ.
+pub(crate) fn difference(now: &Files, expected: &Files) -> Option<String> {
+    if !now.keys().eq(expected.keys()) {
+        let (now, expected): (Vec<_>, Vec<_>) = (now.keys().collect(), expected.keys().collect());
+        return Some(format!("{now:?}, expected {expected:?}"));
+    }
+    let other = now
+        .iter()
+        .find(|(name, bytes)| expected[*name] != **bytes)?;
+    Some(format!("{} is another", other.0.display()))
+}

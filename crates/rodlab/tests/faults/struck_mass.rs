@@ -1,0 +1,40 @@
+//! A sheet that takes a hundredth of a second and needs no records, and its results.
+
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::folder::{Files, example, files_in};
+use crate::program::{rodlab, run};
+
+/// A mass that strikes a long rod.
+pub(crate) fn sheet(velocity: &str) -> String {
+    format!(
+        r#"Force(title: "at {velocity}", problem: Impact(first: RigidMass("0.5 kg"), second: Impedance("1000 kg/s"),
+        velocity: "{velocity}", duration: "2 ms", time_step: "10 us"))"#
+    )
+}
+
+/// A folder with `hit.ron` for 2 m/s, `harder.ron` for 3 m/s and, with other files in its result, `modulus.ron` of the frame.
+pub(crate) fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("hit.ron"), sheet("2 m/s")).unwrap();
+    fs::write(folder.path().join("harder.ron"), sheet("3 m/s")).unwrap();
+    example("frame", folder.path());
+    folder
+}
+
+/// The files of the result of a sheet of [`folder`].
+pub(crate) fn result(folder: &Path, job: &str, sheet: &str) -> Files {
+    let out = TempDir::new().unwrap();
+    let place = out.path().join("out");
+    let ran = run(&mut rodlab(
+        folder,
+        &[job, sheet, "--quiet", "--out", place.to_str().unwrap()],
+    ));
+    assert_eq!(ran.status, Some(0), "{}", ran.err);
+    let files = files_in(&place);
+    assert!(files.contains_key(Path::new("result.json")));
+    files
+}

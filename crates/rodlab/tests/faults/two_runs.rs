@@ -1,0 +1,131 @@
+//! Several runs that write to one folder at the same time.
+
+use std::fs;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use crate::folder::{difference, files_in};
+use crate::program::{rodlab, run};
+use crate::struck_mass::{self, sheet};
+use crate::tally::{Came, Extent, Row};
+
+pub(crate) fn rows(extent: Extent) -> Vec<Row> {
+    vec![
+        runs(
+            "two runs: the same sheet, one folder",
+            [("force", "hit.ron"), ("force", "hit.ron")],
+            extent,
+        ),
+        runs(
+            "two runs: two sheets with the same names of files, one folder",
+            [("force", "hit.ron"), ("force", "harder.ron")],
+            extent,
+        ),
+        runs(
+            "two runs: two sheets with other names of files, one folder",
+            [("force", "hit.ron"), ("modulus", "modulus.ron")],
+            extent,
+        ),
+        campaigns(extent),
+    ]
+}
+
+/// Runs two sheets side by side; the second comes later by a part of the duration of the first, or sooner.
+fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) -> Row {
+    let folder = struck_mass::folder();
+    let mut durations = Vec::new();
+    let results = sheets.map(|(job, sheet)| {
+        let began = Instant::now();
+        let files = struck_mass::result(folder.path(), job, sheet);
+        durations.push(began.elapsed());
+        files
+    });
+    let points: Vec<i32> = (-20..=20).collect();
+    Row::of(
+        fault,
+        "41 differences in time",
+        &extent.of(&points, 3),
+        |&part| {
+            let folder = struck_mass::folder();
+            // that both write at the same time, whichever takes longer
+            let apart = durations[0].as_secs_f64() - durations[1].as_secs_f64();
+            let apart = apart + f64::from(part) / 40.0 * durations[0].as_secs_f64();
+            let wait = [(-apart).max(0.0), apart.max(0.0)].map(Duration::from_secs_f64);
+            let ran = thread::scope(|scope| {
+                let started = [0, 1].map(|which| {
+                    let (job, sheet) = sheets[which];
+                    let folder = folder.path();
+                    scope.spawn(move || {
+                        thread::sleep(wait[which]);
+                        run(&mut rodlab(
+                            folder,
+                            &[job, sheet, "--quiet", "--out", "out"],
+                        ))
+                    })
+                });
+                started.map(|run| run.join().unwrap())
+            });
+            for ran in &ran {
+                if let Some(broke) = ran.broke() {
+                    return broke;
+                }
+                if ran.status != Some(0) {
+                    return Came::Lost(format!("status {:?}: {}", ran.status, ran.err));
+                }
+            }
+            let now = files_in(&folder.path().join("out"));
+            if results.contains(&now) {
+                Came::Right
+            } else {
+                Came::Lost(format!("a mixture: {:?}", now.keys()))
+            }
+        },
+    )
+}
+
+/// Two campaigns of the same tests at the same time.
+fn campaigns(extent: Extent) -> Row {
+    let folder = || {
+        let folder = TempDir::new().unwrap();
+        fs::create_dir(folder.path().join("tests")).unwrap();
+        for number in 1..=4 {
+            let text = sheet(&format!("{number} m/s"));
+            fs::write(folder.path().join(format!("tests/{number}.ron")), text).unwrap();
+        }
+        folder
+    };
+    let arguments = ["batch", "tests", "--out", "out", "--quiet"];
+    let reference = folder();
+    run(&mut rodlab(reference.path(), &arguments));
+    let whole = files_in(&reference.path().join("out"));
+    let points: Vec<u64> = (0..20).collect();
+    Row::of(
+        "two runs: the same campaign, one folder",
+        "20 differences in time",
+        &extent.of(&points, 2),
+        |&part| {
+            let folder = folder();
+            let ran = thread::scope(|scope| {
+                let started = [0, 10 * part].map(|wait| {
+                    let folder = folder.path();
+                    scope.spawn(move || {
+                        thread::sleep(Duration::from_millis(wait));
+                        run(&mut rodlab(folder, &arguments))
+                    })
+                });
+                started.map(|run| run.join().unwrap())
+            });
+            for ran in &ran {
+                if let Some(broke) = ran.broke() {
+                    return broke;
+                }
+            }
+            match difference(&files_in(&folder.path().join("out")), &whole) {
+                Some(other) => Came::Lost(other),
+                None => Came::Right,
+            }
+        },
+    )
+}

@@ -1,0 +1,198 @@
+//! The faults that were injected into the command, as its tests have counted them: docs/faults.ron.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use crate::generated::workspace_root;
+
+/// The counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` says how they are made.
+const COUNTS: &str = "docs/faults.ron";
+
+/// Heading of the section on the page.
+pub(super) const HEADING: &str = "Faults of the command";
+
+const HEAD: &str = "| fault | injected | points | refused | right | said | shorter | ended | lost | panics |\n\
+                    |---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+
+/// Why there is no table.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum FaultsError {
+    #[error("{}: {source}", path.display())]
+    Read {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("{}: {source}", path.display())]
+    Counts {
+        path: PathBuf,
+        source: Box<ron::error::SpannedError>,
+    },
+    #[error(
+        "{COUNTS}: \"{fault}\" counts {lost} points as lost and {broke} as broken, expected none"
+    )]
+    Lost {
+        fault: String,
+        lost: usize,
+        broke: usize,
+    },
+    #[error("{COUNTS}: \"{fault}\" tells what became of {told} points, expected {tried}")]
+    Sum {
+        fault: String,
+        told: usize,
+        tried: usize,
+    },
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    fault: String,
+    injected: String,
+    tried: usize,
+    refused: usize,
+    right: usize,
+    said: usize,
+    shorter: usize,
+    stopped: usize,
+    lost: usize,
+    broke: usize,
+    skipped: Option<String>,
+}
+
+impl Row {
+    fn counts(&self) -> [usize; 8] {
+        [
+            self.tried,
+            self.refused,
+            self.right,
+            self.said,
+            self.shorter,
+            self.stopped,
+            self.lost,
+            self.broke,
+        ]
+    }
+
+    fn check(&self) -> Result<(), FaultsError> {
+        if self.lost + self.broke > 0 {
+            return Err(FaultsError::Lost {
+                fault: self.fault.clone(),
+                lost: self.lost,
+                broke: self.broke,
+            });
+        }
+        let told = self.counts()[1..].iter().sum();
+        if told != self.tried {
+            return Err(FaultsError::Sum {
+                fault: self.fault.clone(),
+                told,
+                tried: self.tried,
+            });
+        }
+        Ok(())
+    }
+}
+
+#[derive(Debug, Deserialize)]
+struct Campaign(BTreeMap<String, Vec<Row>>);
+
+/// The section without its heading.
+pub(super) fn section() -> Result<String, FaultsError> {
+    let path = workspace_root().join(COUNTS);
+    let text = fs::read_to_string(&path).map_err(|source| FaultsError::Read {
+        path: path.clone(),
+        source,
+    })?;
+    let campaign = ron::from_str(&text).map_err(|source| FaultsError::Counts {
+        path,
+        source: Box::new(source),
+    })?;
+    table(&campaign)
+}
+
+fn table(campaign: &Campaign) -> Result<String, FaultsError> {
+    let mut text = String::from(
+        "What a laboratory meets was done to the program as a person runs it, at every point that is named, and counted by \
+         `crates/rodlab/tests/faults.rs`, which tries a few of the points in the gate. \"Refused\": status 1 or 2 with a reason, and what was \
+         there before is whole. \"Right\": the result without the fault. \"Said\": there is a result, which says what is wrong with \
+         its input. \"Shorter\": what is left is a whole file of its format, which nobody can tell from one that never was longer. \
+         \"Ended\": the fault ended the program; every file is whole, a `result.json` has all files of its run beside it, and the next run \
+         gives the right result. \"Lost\": anything missing, mixed or wrong that nobody tells. \"Panics\": those, other signals, and runs \
+         without an end.\n\n",
+    );
+    text.push_str(HEAD);
+    let mut sums = [0; 8];
+    let mut skipped = Vec::new();
+    for row in campaign.0.values().flatten() {
+        row.check()?;
+        if let Some(why) = &row.skipped {
+            skipped.push(format!("{}: {why}", row.fault));
+            continue;
+        }
+        for (sum, count) in sums.iter_mut().zip(row.counts()) {
+            *sum += count;
+        }
+        let words = [&row.fault, &row.injected].map(|words| words.replace('|', "\\|"));
+        let _ = writeln!(text, "| {} | {} |", words.join(" | "), joined(row.counts()));
+    }
+    let _ = writeln!(text, "| all | | {} |", joined(sums));
+    match skipped.as_slice() {
+        [] => text.push_str("\nNo fault was skipped.\n"),
+        skipped => {
+            let _ = writeln!(text, "\nSkipped: {}.", skipped.join("; "));
+        }
+    }
+    Ok(text)
+}
+
+fn joined(counts: [usize; 8]) -> String {
+    counts.map(|count| count.to_string()).join(" | ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn campaign(counts: &str) -> Campaign {
+        let row = format!(
+            "({{\"cuts\": [(fault: \"cut | torn\", injected: \"everywhere\", {counts}, skipped: None)]}})"
+        );
+        ron::from_str(&row).unwrap()
+    }
+
+    #[test]
+    fn counts_become_rows_and_a_sum() {
+        let counts =
+            "tried: 5, refused: 2, right: 1, said: 1, shorter: 1, stopped: 0, lost: 0, broke: 0";
+        let text = table(&campaign(counts)).unwrap();
+        assert!(
+            text.contains("| cut \\| torn | everywhere | 5 | 2 | 1 | 1 | 1 | 0 | 0 | 0 |\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("| all | | 5 | 2 | 1 | 1 | 1 | 0 | 0 | 0 |\n\nNo fault was skipped.\n"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_loss_and_a_wrong_sum_are_refused() {
+        for (counts, part) in [
+            (
+                "tried: 1, refused: 0, right: 0, said: 0, shorter: 0, stopped: 0, lost: 1, broke: 0",
+                "counts 1 points as lost",
+            ),
+            (
+                "tried: 2, refused: 1, right: 0, said: 0, shorter: 0, stopped: 0, lost: 0, broke: 0",
+                "tells what became of 1 points, expected 2",
+            ),
+        ] {
+            let said = table(&campaign(counts)).unwrap_err().to_string();
+            assert!(said.contains(part), "{said}");
+        }
+    }
+}
