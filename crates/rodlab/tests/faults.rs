@@ -6,6 +6,7 @@
 #![cfg(unix)]
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::panic,
     clippy::print_stdout,
     reason = "a test fails by a panic that says which fault was not withstood, and says what it skips"

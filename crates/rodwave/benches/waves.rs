@@ -3,6 +3,7 @@
 #![allow(
     missing_docs,
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "the macros of criterion define undocumented functions, and a benchmark that cannot start should say so"
 )]
 
