@@ -1,0 +1,10 @@
+//! Files of records: every reader of `labio::format`.
+
+mod blocks;
+mod contents;
+mod prints;
+mod reader;
+mod round_trip;
+
+pub use prints::prints;
+pub use reader::{both_manners, csv, lvm, mat5, npy, npz, tdms, uff58, wav};
