@@ -71,7 +71,9 @@ fn every_target_is_replayed() {
     let names = |folder: &str| -> BTreeSet<String> {
         let paths = files(&fuzz().join(folder));
         let stems = paths.iter().filter_map(|path| path.file_stem());
-        stems.map(|stem| stem.to_string_lossy().into_owned()).collect()
+        stems
+            .map(|stem| stem.to_string_lossy().into_owned())
+            .collect()
     };
     let replayed: BTreeSet<String> = TARGETS.iter().map(ToString::to_string).collect();
     assert_eq!(names("fuzz_targets"), replayed);

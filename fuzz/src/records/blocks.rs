@@ -36,7 +36,10 @@ fn all(mut source: impl BlockSource) -> Result<Vec<Vec<f64>>, LabioError> {
 
 fn channels(n: usize) -> Vec<Channel> {
     let channel = |index| Channel::new(format!("channel {index}"), Quantity::Voltage);
-    (0..n).map(channel).collect::<Result<_, _>>().expect("names and quantities of channels")
+    (0..n)
+        .map(channel)
+        .collect::<Result<_, _>>()
+        .expect("names and quantities of channels")
 }
 
 /// What is compared: blocks against the values of the whole file, if both could be read.

@@ -16,7 +16,12 @@ pub fn check(contents: &Contents, bytes: &[u8], is_strict: bool) {
     }
     for series in &contents.series {
         if let Abscissa::Uneven(values) = &series.abscissa {
-            assert_eq!(values.len(), series.ordinate.len(), "abscissa of `{}`", series.name);
+            assert_eq!(
+                values.len(),
+                series.ordinate.len(),
+                "abscissa of `{}`",
+                series.name
+            );
         }
         for axis in [&series.abscissa_axis, &series.ordinate_axis] {
             if let Some(unit) = &axis.unit {
@@ -35,7 +40,11 @@ fn records(contents: &Contents, bytes: &[u8]) {
     }
     assert_eq!(found.channel_names.len(), contents.series.len());
     let placed = found.channel_names.iter().flatten().count();
-    let channels: usize = found.records.iter().map(|record| record.channels().len()).sum();
+    let channels: usize = found
+        .records
+        .iter()
+        .map(|record| record.channels().len())
+        .sum();
     assert_eq!(placed, channels, "every channel is a series");
     for record in &found.records {
         let rate = record.sampling_rate_hz();
@@ -46,7 +55,11 @@ fn records(contents: &Contents, bytes: &[u8]) {
         for (index, channel) in record.channels().iter().enumerate() {
             let same = |other: &labio::Channel| other.name() == channel.name();
             assert!(!channel.name().is_empty());
-            assert_eq!(record.channels().iter().position(same), Some(index), "a name twice");
+            assert_eq!(
+                record.channels().iter().position(same),
+                Some(index),
+                "a name twice"
+            );
         }
     }
 }

@@ -2,9 +2,10 @@
 
 mod blocks;
 mod contents;
+mod memory;
 mod prints;
-mod reader;
+pub mod reader;
 mod round_trip;
 
 pub use prints::prints;
-pub use reader::{both_manners, csv, lvm, mat5, npy, npz, tdms, uff58, wav};
+pub use reader::{csv, lvm, mat5, npy, npz, tdms, uff58, wav};

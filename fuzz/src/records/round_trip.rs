@@ -48,13 +48,23 @@ pub fn check(contents: &Contents) {
             Ok(again) => again,
             Err(error) => panic!("{} does not read what it wrote: {error}", reader.name()),
         };
-        assert_eq!(again.series.len(), contents.series.len(), "series of {}", reader.name());
+        assert_eq!(
+            again.series.len(),
+            contents.series.len(),
+            "series of {}",
+            reader.name()
+        );
         for (before, after) in contents.series.iter().zip(&again.series) {
-            let of = format!("of `{}` in {}", before.name, reader.name());
-            values(before, after, tolerance, &of);
-            abscissa(before, after, &of);
+            same(before, after, tolerance, reader.name());
         }
     }
+}
+
+/// Two series have the same values over the same abscissa.
+pub fn same(before: &Series, after: &Series, tolerance: f64, place: &str) {
+    let of = format!("of `{}` in {place}", before.name);
+    values(before, after, tolerance, &of);
+    abscissa(before, after, &of);
 }
 
 fn parts(ordinate: &Ordinate) -> (bool, Vec<f64>) {
@@ -72,7 +82,10 @@ fn values(before: &Series, after: &Series, tolerance: f64, of: &str) {
     for (index, (a, b)) in before.iter().zip(&after).enumerate() {
         let same = a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
         let close = (a - b).abs() <= tolerance * a.abs() && a.is_finite();
-        assert!(same || (tolerance > 0.0 && close), "value {index} {of}: {a:e} became {b:e}");
+        assert!(
+            same || (tolerance > 0.0 && close),
+            "value {index} {of}: {a:e} became {b:e}"
+        );
     }
 }
 
@@ -91,12 +104,21 @@ fn abscissa(before: &Series, after: &Series, of: &str) {
         return;
     }
     let (first, end) = (place(&before.abscissa, 0), place(&before.abscissa, last));
-    let scale = (end - first).abs().max(first.abs()).max(end.abs());
     for index in [0, last / 2, last] {
-        let (a, b) = (place(&before.abscissa, index), place(&after.abscissa, index));
+        let (a, b) = (
+            place(&before.abscissa, index),
+            place(&after.abscissa, index),
+        );
+        let scale = (end - first)
+            .abs()
+            .max(first.abs())
+            .max(end.abs())
+            .max(a.abs());
         // a list of rounded times becomes even where its digits fix the step to 1e-4
         assert!(
-            (a - b).abs() <= 1e-4 * scale || a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()),
+            (a - b).abs() <= 1e-4 * scale
+                || a.to_bits() == b.to_bits()
+                || (a.is_nan() && b.is_nan()),
             "place {index} {of}: {a:e} became {b:e}"
         );
     }

@@ -3,12 +3,15 @@
 use labio::format;
 use rodlab::inspect::inspect_bytes;
 
-use crate::records::{both_manners, prints};
+use crate::records::prints;
+use crate::records::reader::both_manners;
 
 /// Recognises, reads and inspects.
 pub fn recognition(bytes: &[u8]) {
     let known = format::recognise(bytes).map(format::Reader::name);
-    let found = both_manners(bytes, |strictness| format::read_bytes_with(bytes, strictness));
+    let found = both_manners(bytes, |strictness| {
+        format::read_bytes_with(bytes, strictness)
+    });
     if let Some(found) = found {
         assert_eq!(Some(found.format), known);
     }

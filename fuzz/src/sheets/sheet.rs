@@ -19,7 +19,9 @@ pub fn sheet(bytes: &[u8]) {
         Err(error) => return mistake(&error, text),
     };
     assert!(!job.name().is_empty() && !format!("{job:?}").is_empty());
-    let leaves_its_folder = ["\"/", "..", "\\", "#\"", "~"].iter().any(|part| text.contains(part));
+    let leaves_its_folder = ["\"/", "..", "\\", "#\"", "~"]
+        .iter()
+        .any(|part| text.contains(part));
     if leaves_its_folder {
         return;
     }
@@ -37,11 +39,19 @@ pub fn sheet(bytes: &[u8]) {
 /// A mistake has a place in the text, and the excerpt can be drawn.
 fn mistake(error: &SheetError, text: &str) {
     prints(error);
-    assert!((1..=text.split('\n').count()).contains(&error.line()), "line {}", error.line());
+    assert!(
+        (1..=text.split('\n').count()).contains(&error.line()),
+        "line {}",
+        error.line()
+    );
     assert!(error.column() >= 1);
     for label in error.labels().into_iter().flatten() {
         let end = label.offset() + label.len();
-        assert!(text.get(label.offset()..end).is_some(), "{}..{end}", label.offset());
+        assert!(
+            text.get(label.offset()..end).is_some(),
+            "{}..{end}",
+            label.offset()
+        );
     }
     let mut drawn = String::new();
     GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())

@@ -46,7 +46,11 @@ pub fn response_table(bytes: &[u8]) {
 /// A folder in memory where there is one, for a job reads its tables by their names.
 pub fn memory() -> &'static Path {
     let shared = Path::new("/dev/shm");
-    if shared.is_dir() { shared } else { Path::new("/tmp") }
+    if shared.is_dir() {
+        shared
+    } else {
+        Path::new("/tmp")
+    }
 }
 
 fn jobs(table: &[u8], sheets: &[&str]) {
@@ -82,6 +86,10 @@ fn found(outcome: &Outcome) {
     for table in &outcome.tables {
         let mut lengths = table.columns.iter().map(|column| column.cells.len());
         let first = lengths.next();
-        assert!(lengths.all(|n| Some(n) == first), "columns of `{}`", table.name);
+        assert!(
+            lengths.all(|n| Some(n) == first),
+            "columns of `{}`",
+            table.name
+        );
     }
 }

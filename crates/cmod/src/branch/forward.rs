@@ -5,7 +5,7 @@
 //! of the next well-determined line. Courses that have become negligible are given up, and courses that have run together are
 //! one.
 
-use std::f64::consts::{LN_2, PI};
+use std::f64::consts::{LN_2, PI, TAU};
 
 use num_complex::Complex64;
 
@@ -33,6 +33,9 @@ const SEARCH_RATIO: f64 = 1.02;
 const NEGLIGIBLE: f64 = -23.0;
 /// Courses that are kept.
 const MOST_COURSES: usize = 2048;
+/// Phases \[rad\] that are searched for roots where courses begin: twenty thousand waves in a specimen. A line far from
+/// the others, as by a slip of the pen, would ask for more roots than there is memory.
+const MOST_SEARCHED: f64 = 2e4 * TAU;
 /// Courses up to which pairs are compared.
 const MOST_MERGED: usize = 64;
 /// Courses closer than this many standard deviations in γ and dγ/dω are one.
@@ -201,6 +204,13 @@ impl Courses {
             let reach = REACH * (course.state.variance * scale).sqrt();
             let phases = (expected.im - reach).max(0.0)..(expected.im + reach).max(0.0);
             self.roots.clear();
+            // a root in every half turn: a line that offers more of them than courses are kept tells none from the next
+            if reach.is_nan() || 2.0 * reach > PI * MOST_COURSES as f64 {
+                keep(course.state, &|state| {
+                    (state.skip(course.last), sight.stray_density())
+                });
+                continue;
+            }
             sight
                 .observation
                 .visit_roots(sight.observed, phases, &mut |root| {
@@ -276,6 +286,10 @@ impl Courses {
         let length = sight.length;
         let highest = omega * greatest_transit.min(length / anchors.slowest);
         let lowest = omega * length / anchors.fastest;
+        let searched = highest - lowest;
+        if searched.is_nan() || searched > MOST_SEARCHED {
+            return;
+        }
         let down = (omega / first_omega).ln();
         let alive = &mut self.alive;
         sight
