@@ -6,7 +6,7 @@ use labio::format::{self, Reader, Strictness};
 use labio::{BlockSource, Channel, LabioError, Ordinate, Quantity};
 use ndarray::Array2;
 
-use super::prints;
+use super::{memory, prints};
 
 /// A block that divides neither the buffer nor most files.
 const BLOCK: usize = 7;
@@ -88,7 +88,10 @@ pub fn npy(bytes: &[u8]) {
     same(without.and_then(all), &rows);
     let with = format::npy::Blocks::new(Cursor::new(bytes), &channels(n.saturating_sub(1)));
     same(with.and_then(all), rows.get(1..).unwrap_or_default());
-    if let Err(error) = format::npy::read_from(bytes, &channels(n.saturating_sub(1))) {
+    let record = memory::bounded(bytes, || {
+        format::npy::read_from(bytes, &channels(n.saturating_sub(1)))
+    });
+    if let Err(error) = record {
         prints(&error);
     }
 }
