@@ -347,6 +347,36 @@ fn columns_that_touch_are_parted_where_they_end() {
     );
 }
 
+/// A negative number with three digits of exponent fills its twenty columns, and touches whatever stands before it.
+#[test]
+fn words_for_what_is_not_finite_may_touch_the_next_number() {
+    let values = [f64::NAN, -1e100, f64::NEG_INFINITY, -2.5e-300];
+    let mut contents = Contents::of_format("test");
+    let mut series = only_series(&ascii(1, 4, 1, 1, "  1.000000000000E+00\n"));
+    series.ordinate = Ordinate::Real(values.to_vec());
+    contents.series.push(series);
+    let mut bytes = Vec::new();
+    Uff58Writer::default().write(&contents, &mut bytes).unwrap();
+    let touching = b"                 NaN-1.000000000000E+100";
+    assert!(bytes.windows(touching.len()).any(|part| part == touching));
+    let again = only_series(&bytes);
+    assert!(real(&again)[0].is_nan());
+    assert_eq!(real(&again)[1..], values[1..]);
+}
+
+#[test]
+fn a_file_without_a_data_set_is_not_written() {
+    let mut bytes = Vec::new();
+    let error = Uff58Writer::default()
+        .write(&Contents::of_format("test"), &mut bytes)
+        .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "uff58 cannot hold contents without a data set"
+    );
+    assert!(bytes.is_empty());
+}
+
 #[test]
 fn numbers_that_do_not_keep_to_the_columns_are_parted_by_blanks() {
     let rows = " 1.2345678E-01 2.3456789E-01 3.4567891E-01\n 4.5678912E-01\n 5\t6.\n";

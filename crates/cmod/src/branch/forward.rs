@@ -15,9 +15,6 @@ use super::path::{Passage, Sight, State, WANDER};
 /// Most half waves among which a course may begin; more cannot be told apart, and would fill the memory.
 const MOST_BEGINNINGS: f64 = 2e5;
 
-/// Farthest phase \[rad\] from the expected one to which a course branches out.
-const FARTHEST: f64 = 2e3;
-
 /// Standard deviation of the phase \[rad\] above which a course branches out into the roots of a line.
 const LOST_PHASE: f64 = 0.7;
 /// Farthest root into which it does, in standard deviations.
@@ -207,18 +204,22 @@ impl Courses {
             let reach = REACH * (course.state.variance * scale).sqrt();
             let phases = (expected.im - reach).max(0.0)..(expected.im + reach).max(0.0);
             self.roots.clear();
-            // a course that may be anywhere is not told by any line
-            if reach <= FARTHEST {
-                sight
-                    .observation
-                    .visit_roots(sight.observed, phases, &mut |root| {
-                        if (root - expected).norm_sqr() <= reach * reach
-                            && line.determination_at(root) > 1.0
-                        {
-                            self.roots.push(root);
-                        }
-                    });
+            // a root in every half turn: a line that offers more of them than courses are kept tells none from the next
+            if reach.is_nan() || 2.0 * reach > PI * MOST_COURSES as f64 {
+                keep(course.state, &|state| {
+                    (state.skip(course.last), sight.stray_density())
+                });
+                continue;
             }
+            sight
+                .observation
+                .visit_roots(sight.observed, phases, &mut |root| {
+                    if (root - expected).norm_sqr() <= reach * reach
+                        && line.determination_at(root) > 1.0
+                    {
+                        self.roots.push(root);
+                    }
+                });
             for root in &self.roots {
                 keep(course.state, &|state| {
                     state.update_at(*root, sight, course.last)

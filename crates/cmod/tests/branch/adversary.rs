@@ -1,8 +1,9 @@
 //! Random materials, rods, noise, frequencies and gaps, in search of a line that is silently wrong.
 
 use std::cell::Cell;
+use std::ops::Range;
 
-use cmod::branch::BranchTracker;
+use cmod::branch::{BranchDoubt, BranchTracker, FreeEnd, PhaseObservation, PhaseRecord};
 use num_complex::Complex64;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -119,4 +120,71 @@ fn numbers_without_meaning_are_not_believed() {
         .unwrap();
     // As noise of the size of the signal is allowed for, any material explains some of it.
     assert!(believed.get() < 60 * cases / 50, "{}", believed.get());
+}
+
+/// A free end that counts the roots that it is asked for.
+struct Counting(Cell<usize>);
+
+impl PhaseObservation for Counting {
+    fn expand(&self, x: Complex64) -> [Complex64; 3] {
+        FreeEnd.expand(x)
+    }
+
+    fn visit_roots(
+        &self,
+        observed: Complex64,
+        phases: Range<f64>,
+        visit: &mut dyn FnMut(Complex64),
+    ) {
+        FreeEnd.visit_roots(observed, phases, &mut |root| {
+            self.0.set(self.0.get() + 1);
+            visit(root);
+        });
+    }
+
+    fn nearest_roots(&self, observed: Complex64, expected: Complex64) -> Option<[Complex64; 2]> {
+        FreeEnd.nearest_roots(observed, expected)
+    }
+}
+
+/// A slip of the pen in a column of frequencies: 199999999999 Hz behind 6 kHz. There are 10^8 waves between, and no line
+/// can tell which of them is right.
+#[test]
+fn a_line_beyond_all_others_is_doubted_and_not_searched() {
+    let counting = Counting(Cell::new(0));
+    let track = |frequency_hz: &[f64]| {
+        let phase =
+            |f: f64| Complex64::new(0.03, 1.0) * (0.8 * 2.0 * std::f64::consts::PI * f / 1700.0);
+        let observed: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|&f| phase(f.min(8000.0)).cosh())
+            .collect();
+        let variance = vec![1e-6; observed.len()];
+        let record = PhaseRecord {
+            observation: &counting,
+            length: 0.8,
+            frequency_hz,
+            observed: &observed,
+            variance: Some(&variance),
+        };
+        BranchTracker::new().track(&[record]).unwrap()
+    };
+    let mut frequency_hz: Vec<f64> = (1..=60).map(|line| 100.0 * f64::from(line)).collect();
+    let alone = track(&frequency_hz);
+    frequency_hz.push(199_999_999_999.0);
+    let with_slip = track(&frequency_hz);
+    for (line, other) in alone.records[0].iter().zip(&with_slip.records[0]) {
+        assert_eq!(line.root, other.root);
+        assert!(line.doubt.is_none() && other.doubt.is_none());
+    }
+    assert!(with_slip.records[0][60].confidence < 0.9);
+    // the same where nothing else is there to begin with
+    let beyond: Vec<f64> = frequency_hz.iter().map(|f| f + 2e11).collect();
+    let lost = track(&beyond[..60]);
+    for line in &lost.records[0] {
+        assert_eq!(line.doubt, Some(BranchDoubt::Undetermined));
+    }
+    // some thousand roots for each line, seven times
+    let visited = counting.0.get();
+    assert!(visited < 1_000_000, "{visited} roots");
 }

@@ -112,8 +112,16 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
 
 /// The array, without trusting the shape in the header: memory is taken only for bytes that are there.
 fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
-    if holds_header_only(bytes) {
-        return Err(LabioError::NoData { format: FORMAT });
+    match header_end(bytes) {
+        Some(end) if bytes.len() == end => return Err(LabioError::NoData { format: FORMAT }),
+        // the parser below takes memory for a header as long as it is said to be
+        Some(end) if bytes.len() < end => {
+            return Err(LabioError::MalformedHeader {
+                format: FORMAT,
+                detail: "the file ends inside it".to_owned(),
+            });
+        }
+        _ => {}
     }
     match ArrayView2::<f64>::view_npy(bytes) {
         Ok(view) => Ok(view.to_owned()),
@@ -158,20 +166,17 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     }
 }
 
-/// Whether the bytes end with the header, whose length follows the magic string and two bytes of version: the array is then
-/// empty, or all of its data are missing.
-fn holds_header_only(bytes: &[u8]) -> bool {
-    let header_end = match bytes {
-        [_, _, _, _, _, _, 1, _, a, b, ..] => 10 + usize::from(u16::from_le_bytes([*a, *b])),
-        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => {
-            match usize::try_from(u32::from_le_bytes([*a, *b, *c, *d])) {
-                Ok(length) => length.saturating_add(12),
-                Err(_) => usize::MAX,
-            }
+/// Where the header ends, whose length follows the magic string and two bytes of version; none if there is no such header,
+/// which is for the parser to say.
+fn header_end(bytes: &[u8]) -> Option<usize> {
+    match bytes.strip_prefix(b"\x93NUMPY")? {
+        [1, _, a, b, ..] => Some(10 + usize::from(u16::from_le_bytes([*a, *b]))),
+        [2 | 3, _, a, b, c, d, ..] => {
+            let length = usize::try_from(u32::from_le_bytes([*a, *b, *c, *d]));
+            Some(length.map_or(usize::MAX, |length| length.saturating_add(12)))
         }
-        _ => usize::MAX, // shorter than any header: for the parser to say
-    };
-    bytes.len() == header_end
+        _ => None,
+    }
 }
 
 /// Start and rate of a uniform row of times.

@@ -347,6 +347,13 @@ impl Writer for Uff58Writer {
     }
 
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
+        // a file without a data set could not be told from one that was cut
+        if contents.series.is_empty() {
+            return Err(LabioError::NotRepresentable {
+                format: FORMAT,
+                what: "contents without a data set".to_owned(),
+            });
+        }
         let mut bytes = Vec::new();
         for series in &contents.series {
             self.encode(series, &mut bytes)?;

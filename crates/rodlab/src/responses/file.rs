@@ -18,6 +18,10 @@ use crate::{Outcome, RodlabError, cut_short, input};
 /// Part of the spacing by which a line may be off its place: what a rounded frequency is off by.
 const OFF_GRID: f64 = 1e-3;
 
+/// Lines that the first one of a file may have below it, which are a million: a spacing that the file rounds to nearly nothing
+/// would ask for more memory than there is.
+const MOST_BEFORE: usize = 1 << 20;
+
 /// What stands behind the name of a response in the name of its standard error.
 pub(crate) const STANDARD_ERROR: &str = ", standard error";
 
@@ -271,9 +275,11 @@ impl ResponseFile {
                 };
                 let step = (last - first) / (values.len().max(2) - 1) as f64;
                 let mut places = values.iter().enumerate();
-                if let Some((line, value)) = places
-                    .find(|(k, value)| (*value - first - *k as f64 * step).abs() > OFF_GRID * step)
-                {
+                let on_grid = |k: usize, value: f64| {
+                    (value - first - k as f64 * step).abs() <= OFF_GRID * step
+                };
+                // a frequency that is no number is on no grid
+                if let Some((line, value)) = places.find(|(k, value)| !on_grid(*k, **value)) {
                     return Err(off(format!("uneven at line {line}, {value}")));
                 }
                 (unit.to_si(*first), unit.to_si(step))
@@ -283,8 +289,8 @@ impl ResponseFile {
         if !(step > 0.0 && before >= 0.0 && (start / step - before).abs() < OFF_GRID) {
             return Err(off(format!("lines {step} Hz apart from {start} Hz on")));
         }
-        // a file of a million lines ends below this
-        let before = (0..1_usize << 24).find(|n| *n as f64 >= before);
+        // memory is taken for the lines below the first one, too
+        let before = (0..MOST_BEFORE).find(|n| *n as f64 >= before);
         Ok(Lines {
             spacing_hz: step,
             before: before.ok_or_else(|| off(format!("a first line at {start} Hz")))?,
@@ -394,4 +400,53 @@ fn listed(contents: &Contents) -> String {
         });
     let names: Vec<String> = named.take(20).collect();
     format!("one of the data sets {}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use labio::{SeriesAxis, Unit};
+
+    fn refused(abscissa: Abscissa) -> String {
+        let file = ResponseFile {
+            file: "response.uff".to_owned(),
+            data_set: None,
+            imaginary: None,
+            kind: None,
+            standard_error: None,
+            coherence: None,
+            averages: None,
+        };
+        let series = Series {
+            name: "H".to_owned(),
+            kind: SeriesKind::FrequencyResponse,
+            abscissa,
+            ordinate: Ordinate::Complex(vec![Complex64::ONE; 3]),
+            abscissa_axis: SeriesAxis {
+                unit: Unit::parse("Hz").ok(),
+                ..SeriesAxis::default()
+            },
+            ordinate_axis: SeriesAxis::default(),
+            properties: Vec::new(),
+        };
+        let lines = file.lines(&series, "source");
+        lines.map(|lines| lines.before).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_frequency_that_is_no_number_is_on_no_grid() {
+        assert_eq!(
+            refused(Abscissa::Uneven(vec![0.0, f64::NAN, 2.0])),
+            "source, response.uff is uneven at line 1, NaN, expected lines at multiples of their spacing, in Hz"
+        );
+    }
+
+    #[test]
+    fn a_spacing_of_nearly_nothing_takes_no_memory_for_the_lines_below() {
+        let error = refused(Abscissa::Even {
+            start: 1e4,
+            step: 1e-3,
+        });
+        assert!(error.contains("a first line at 10000 Hz"), "{error}");
+    }
 }

@@ -111,7 +111,10 @@ impl<K: Kind> std::str::FromStr for Stated<K> {
             }));
         }
         let si = unit.to_si(number);
-        if !si.is_finite() || (K::POSITIVE && si <= 0.0) {
+        if !si.is_finite() {
+            return Err(wrong("is beyond the range of numbers".to_owned()));
+        }
+        if K::POSITIVE && si <= 0.0 {
             return Err(wrong("is not above 0".to_owned()));
         }
         let standard_uncertainty = uncertainty
@@ -131,7 +134,12 @@ impl<K: Kind> std::str::FromStr for Stated<K> {
                 }
             })
             .transpose()?;
-        if standard_uncertainty.is_some_and(|u| !u.is_finite() || u < 0.0) {
+        if standard_uncertainty.is_some_and(|u| !u.is_finite()) {
+            return Err(wrong(
+                "has an uncertainty beyond the range of numbers".to_owned(),
+            ));
+        }
+        if standard_uncertainty.is_some_and(|u| u < 0.0) {
             return Err(wrong("has an uncertainty below 0".to_owned()));
         }
         Ok(Self {
@@ -288,6 +296,19 @@ mod tests {
         assert!((room.standard_uncertainty().unwrap() - 0.5).abs() < 1e-12);
         let energetic: Stated<Time> = "1e-3 s".parse().unwrap();
         assert!((energetic.si() - 1e-3).abs() < 1e-18);
+    }
+
+    #[test]
+    fn what_is_beyond_the_range_of_numbers_is_said_to_be() {
+        assert_eq!(
+            written::<Coordinate>("-1e999 m"),
+            "`-1e999 m` is beyond the range of numbers, expected a coordinate, as \"0 mm\" or \"-12 mm\""
+        );
+        let uncertain = written::<Coordinate>("1 m ± 1e999 m");
+        assert!(
+            uncertain.contains("an uncertainty beyond the range of numbers"),
+            "{uncertain}"
+        );
     }
 
     #[test]

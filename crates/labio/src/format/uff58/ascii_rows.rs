@@ -90,11 +90,16 @@ fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     };
     if last.is_ascii_whitespace()
         || first.is_ascii_whitespace()
-        || matches!(first, b'-' | b'+') && has_exponent(field)
+        || matches!(first, b'-' | b'+') && (has_exponent(field) || is_word(field))
     {
         return false;
     }
     !(has_exponent(field) && matches!(tail, [b'0'..=b'9', b'.', ..] | [b'.', b'0'..=b'9', ..]))
+}
+
+/// Whether the field ends as the words that stand for what is not finite do.
+fn is_word(field: &[u8]) -> bool {
+    matches!(field.last(), Some(b'n' | b'N' | b'f' | b'F' | b'y' | b'Y'))
 }
 
 /// Whether the number ends with an exponent of two or three digits.

@@ -1,0 +1,12 @@
+//! What must hold of any input: one function for each reader of files, for units, sheets and tables.
+//!
+//! They know no fuzzer. The programs in `fuzz_targets` give them what libFuzzer finds; a test of `rodlab` includes these folders by
+//! their paths and gives them the inputs that are kept in `corpus` and `regressions`. A body panics where something does not hold.
+
+mod records;
+#[cfg(feature = "sheets")]
+mod sheets;
+
+pub use records::{csv, lvm, mat5, npy, npz, tdms, uff58, wav};
+#[cfg(feature = "sheets")]
+pub use sheets::{ratio_table, recognition, response_table, sheet, unit};

@@ -1,0 +1,97 @@
+//! Files that are read block by block: the same samples as of the whole file.
+
+use std::io::Cursor;
+
+use labio::format::{self, Reader, Strictness};
+use labio::{BlockSource, Channel, LabioError, Ordinate, Quantity};
+use ndarray::Array2;
+
+use super::{memory, prints};
+
+/// A block that divides neither the buffer nor most files.
+const BLOCK: usize = 7;
+
+/// All samples of `source`, channel by channel.
+fn all(mut source: impl BlockSource) -> Result<Vec<Vec<f64>>, LabioError> {
+    let rate = source.sampling_rate_hz();
+    assert!(rate.is_finite() && rate > 0.0, "sampling rate {rate}");
+    let mut block = Array2::zeros((source.channels().len(), BLOCK));
+    let mut samples: Vec<Vec<f64>> = vec![Vec::new(); source.channels().len()];
+    loop {
+        let n = source.read_block(&mut block)?;
+        if n == 0 {
+            break;
+        }
+        for (row, samples) in block.rows().into_iter().zip(&mut samples) {
+            samples.extend(row.iter().take(n));
+        }
+    }
+    let announced = source.n_samples();
+    for samples in &samples {
+        assert!(announced.is_none_or(|n| n == samples.len() as u64));
+        assert!(samples.iter().all(|sample| sample.is_finite()));
+    }
+    Ok(samples)
+}
+
+fn channels(n: usize) -> Vec<Channel> {
+    let channel = |index| Channel::new(format!("channel {index}"), Quantity::Voltage);
+    (0..n)
+        .map(channel)
+        .collect::<Result<_, _>>()
+        .expect("names and quantities of channels")
+}
+
+/// What is compared: blocks against the values of the whole file, if both could be read.
+fn same(blocks: Result<Vec<Vec<f64>>, LabioError>, whole: &[&[f64]]) {
+    match blocks {
+        Ok(blocks) => {
+            assert_eq!(blocks.len(), whole.len());
+            for (blocks, whole) in blocks.iter().zip(whole) {
+                let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(blocks), bits(whole));
+            }
+        }
+        Err(error) => prints(&error),
+    }
+}
+
+/// Values of a file whose series are all real.
+fn reals(contents: &labio::Contents) -> Vec<&[f64]> {
+    let series = contents.series.iter();
+    series
+        .filter_map(|series| match &series.ordinate {
+            Ordinate::Real(values) => Some(values.as_slice()),
+            Ordinate::Complex(_) => None,
+        })
+        .collect()
+}
+
+/// WAVE.
+pub fn wav(bytes: &[u8]) {
+    let whole = format::wav::Wav.read(bytes, Strictness::Strict);
+    let n = whole.as_ref().map_or(1, |contents| contents.series.len());
+    let blocks = format::wav::Blocks::new(Cursor::new(bytes), &channels(n), &vec![1.0; n]);
+    match (blocks.and_then(all), whole) {
+        (blocks, Ok(whole)) => same(blocks, &reals(&whole)),
+        (Ok(blocks), Err(error)) => panic!("{} channels, whole: {error}", blocks.len()),
+        (Err(error), Err(_)) => prints(&error),
+    }
+}
+
+/// Arrays with and without a row of times.
+pub fn npy(bytes: &[u8]) {
+    let whole = format::npy::Npy.read(bytes, Strictness::Strict);
+    let n = whole.as_ref().map_or(1, |contents| contents.series.len());
+    let rows = whole.as_ref().map_or(Vec::new(), reals);
+    let without = format::npy::Blocks::without_times(Cursor::new(bytes), &channels(n), 1.0);
+    same(without.and_then(all), &rows);
+    let with = format::npy::Blocks::new(Cursor::new(bytes), &channels(n.saturating_sub(1)));
+    same(with.and_then(all), rows.get(1..).unwrap_or_default());
+    let record = memory::bounded(bytes, || {
+        format::npy::read_from(bytes, &channels(n.saturating_sub(1)))
+    });
+    if let Err(error) = record {
+        prints(&error);
+    }
+}

@@ -1,0 +1,11 @@
+//! Files of records: every reader of `labio::format`.
+
+mod blocks;
+mod contents;
+mod memory;
+mod prints;
+pub mod reader;
+mod round_trip;
+
+pub use prints::prints;
+pub use reader::{csv, lvm, mat5, npy, npz, tdms, uff58, wav};

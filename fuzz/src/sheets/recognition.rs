@@ -1,0 +1,25 @@
+//! Bytes of any kind: what they are is found out by their content.
+
+use labio::format;
+use rodlab::inspect::inspect_bytes;
+
+use crate::records::prints;
+use crate::records::reader::both_manners;
+
+/// Recognises, reads and inspects.
+pub fn recognition(bytes: &[u8]) {
+    let known = format::recognise(bytes).map(format::Reader::name);
+    let found = both_manners(bytes, |strictness| {
+        format::read_bytes_with(bytes, strictness)
+    });
+    if let Some(found) = found {
+        assert_eq!(Some(found.format), known);
+    }
+    match inspect_bytes(bytes, "input") {
+        Ok(inspection) => {
+            assert_eq!(Some(inspection.format.as_str()), known);
+            assert!(!inspection.to_text().is_empty());
+        }
+        Err(error) => prints(&error),
+    }
+}

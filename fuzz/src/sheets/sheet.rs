@@ -1,0 +1,60 @@
+//! Test sheets of all kinds: what is understood is checked, what is not is shown with its place.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+use rodlab::job::{self, Silent};
+use rodlab::sheet::{self, Sheet, SheetError};
+
+use crate::records::prints;
+
+/// Parses a sheet; where it names no place outside its folder, which is empty, everything that can be is checked.
+pub fn sheet(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return; // the command says so before it parses
+    };
+    let job = match sheet::parse(Path::new("sheet.ron"), text) {
+        Ok(job) => job,
+        Err(error) => return mistake(&error, text),
+    };
+    assert!(!job.name().is_empty() && !format!("{job:?}").is_empty());
+    let leaves_its_folder = ["\"/", "..", "\\", "#\"", "~"]
+        .iter()
+        .any(|part| text.contains(part));
+    if leaves_its_folder {
+        return;
+    }
+    let folder = tempfile::tempdir_in(super::table::memory()).expect("a folder");
+    let sheet = Sheet {
+        path: folder.path().join("sheet.ron"),
+        text: text.to_owned(),
+        job,
+    };
+    if let Err(error) = job::check(&sheet, &Silent, &AtomicBool::new(false)) {
+        prints(&error);
+    }
+}
+
+/// A mistake has a place in the text, and the excerpt can be drawn.
+fn mistake(error: &SheetError, text: &str) {
+    prints(error);
+    assert!(
+        (1..=text.split('\n').count()).contains(&error.line()),
+        "line {}",
+        error.line()
+    );
+    assert!(error.column() >= 1);
+    for label in error.labels().into_iter().flatten() {
+        let end = label.offset() + label.len();
+        assert!(
+            text.get(label.offset()..end).is_some(),
+            "{}..{end}",
+            label.offset()
+        );
+    }
+    let mut drawn = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .render_report(&mut drawn, error)
+        .expect("the excerpt is drawn");
+}

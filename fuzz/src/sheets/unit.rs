@@ -1,0 +1,91 @@
+//! Units of files, and quantities of sheets with unit and uncertainty.
+
+use labio::{LabioError, Unit};
+use rodlab::sheet::{AddedMass, Coordinate, Density, Kind, Length, Ratio, Stated, Temperature};
+
+use crate::records::prints;
+
+/// A text as a unit and as quantities.
+pub fn unit(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match Unit::parse(&text) {
+        Ok(unit) => known(&unit),
+        Err(error) => prints(&error),
+    }
+    quantity::<Length>(&text);
+    quantity::<Coordinate>(&text);
+    quantity::<AddedMass>(&text);
+    quantity::<Density>(&text);
+    quantity::<Temperature>(&text);
+    quantity::<Ratio>(&text);
+}
+
+/// A unit converts there and back, and its symbol is a unit again.
+fn known(unit: &Unit) {
+    let scale = unit.scale();
+    assert!(
+        scale.is_finite() && scale > 0.0,
+        "`{unit}` has the scale {scale}"
+    );
+    assert_eq!(
+        Unit::parse(unit.symbol()).as_ref().ok(),
+        Some(unit),
+        "`{unit}` read again"
+    );
+    for value in [-1.0, 0.0, 3.25e-3, 4096.0] {
+        let si = unit.to_si(value);
+        let back = unit.of_si(si);
+        // zeros of other scales cancel digits, and products of scales leave the range of normal numbers
+        let digits = 8.0 * f64::EPSILON * (value.abs() + unit.of_si(0.0).abs());
+        if si.is_normal() {
+            assert!(
+                (back - value).abs() <= digits,
+                "{value} `{unit}` is {si} and back {back}"
+            );
+        }
+    }
+    let settled = |result: Result<Unit, LabioError>| match result {
+        Ok(unit) => Some(unit),
+        Err(error) => {
+            prints(&error);
+            None
+        }
+    };
+    if let Some(ratio) = settled(unit.per(unit)) {
+        assert_eq!(ratio.dimension(), labio::Dimension::NONE, "`{ratio}`");
+        assert!(
+            (ratio.scale() - 1.0).abs() < 1e-12,
+            "`{ratio}` is {}",
+            ratio.scale()
+        );
+    }
+    if let Some(square) = settled(unit.times(unit)) {
+        assert_eq!(
+            Some(square.dimension()),
+            unit.dimension().power(2),
+            "`{square}`"
+        );
+    }
+}
+
+/// A quantity is finite, above 0 where it has to be, and as it is written it is itself.
+fn quantity<K: Kind + std::fmt::Debug>(text: &str) {
+    match text.parse::<Stated<K>>() {
+        Ok(stated) => {
+            let si = stated.si();
+            assert!(
+                si.is_finite() && (!K::POSITIVE || si > 0.0),
+                "`{text}` is {si}"
+            );
+            let uncertainty = stated.standard_uncertainty();
+            assert!(
+                uncertainty.is_none_or(|u| u.is_finite() && u >= 0.0),
+                "`{text}`"
+            );
+            let again: Stated<K> = stated.to_string().parse().expect("as it is written");
+            assert_eq!(again.si().to_bits(), si.to_bits());
+            assert_eq!(again.standard_uncertainty(), uncertainty);
+        }
+        Err(error) => prints(&error),
+    }
+}
