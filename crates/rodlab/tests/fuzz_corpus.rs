@@ -2,6 +2,7 @@
 //! `fuzz/corpus` and `fuzz/regressions`, without a fuzzer and with the toolchain of the workspace.
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::expect_used,
     clippy::panic,
     unreachable_pub,
