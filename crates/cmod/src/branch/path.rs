@@ -205,6 +205,7 @@ impl Backward {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::branch::observation::FreeEnd;
 
     /// Ψ = x: the filter is then exact, and nothing else than least squares.
     struct Linear;
@@ -310,6 +311,64 @@ mod tests {
             assert!((smoothed[index].gamma.re - solution[2 * index]).abs() < 1e-8);
             assert!((smoothed[index].variance / variance[2 * index] - 1.0).abs() < 1e-6);
         }
+    }
+
+    /// A state that is not at a root, and a line with the second order of a cosine.
+    fn uncertain() -> (State, Sight<'static>) {
+        let state = State {
+            gamma: Complex64::new(0.1, 0.9),
+            slope: Complex64::new(0.0, 1e-3),
+            variance: 0.004,
+            covariance: 1e-6,
+            slope_variance: 1e-9,
+        };
+        let sight = Sight {
+            observation: &FreeEnd,
+            length: 2.0,
+            observed: Complex64::new(-0.1, 0.3),
+            variance: 0.01,
+        };
+        (state, sight)
+    }
+
+    #[test]
+    fn a_line_is_as_probable_as_its_misfit_or_as_a_stray_one() {
+        let (state, sight) = uncertain();
+        let [value, slope, curvature] = FreeEnd.expand(state.gamma * 2.0);
+        // E|δx|² is 0.016; the second order adds half of its square times |Ψ''|²
+        let expected = slope.norm_sqr() * 0.016 + 0.01 + 0.5 * curvature.norm_sqr() * 0.016 * 0.016;
+        let chi_square = (sight.observed - value).norm_sqr() / expected;
+        let stray = 0.01 / (4.0 * (1.0 + 0.1));
+        let mut updated = state;
+        let (passage, density) = updated.update(&sight, None);
+        assert!((passage.chi_square.unwrap() / chi_square - 1.0).abs() < 1e-12);
+        let by_hand = 0.99 * (-chi_square).exp() / expected + stray;
+        assert!(
+            (density / by_hand - 1.0).abs() < 1e-12,
+            "{density} {by_hand}"
+        );
+        assert!((sight.stray_density() / stray - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_line_at_a_root_is_linear_there() {
+        let (state, sight) = uncertain();
+        let mut root = None;
+        FreeEnd.visit_roots(sight.observed, 0.0..3.0, &mut |found| root = Some(found));
+        let root = root.unwrap();
+        let [_, slope, _] = FreeEnd.expand(root);
+        // Ψ' δx against the noise and the variance of γ, both in Ψ
+        let expected = slope.norm_sqr() * 4.0 * 0.004 + 0.01;
+        let misfit = slope * (root - 2.0 * state.gamma);
+        let chi_square = misfit.norm_sqr() / expected;
+        let mut updated = state;
+        let (passage, density) = updated.update_at(root, &sight, None);
+        assert!((passage.chi_square.unwrap() / chi_square - 1.0).abs() < 1e-12);
+        let by_hand = 0.99 * (-chi_square).exp() / expected;
+        assert!((density / by_hand - 1.0).abs() < 1e-12);
+        // γ moves by its share of the misfit towards the root
+        let moved = state.variance * (slope * 2.0).conj() * misfit / expected;
+        assert!((updated.gamma - state.gamma - moved).norm() < 1e-12);
     }
 
     fn eliminate(matrix: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
