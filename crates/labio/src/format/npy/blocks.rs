@@ -141,6 +141,8 @@ impl<R: Read + Seek> Blocks<R> {
             "mean time step [s]",
             (last - first) / (blocks.n_samples - 1) as f64,
         )?;
+        // a step may be so small that its reciprocal is no number
+        check_positive("sampling rate [Hz]", step.recip())?;
         blocks.clock = Clock::Times {
             step,
             previous: None,
