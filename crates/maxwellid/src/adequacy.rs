@@ -398,7 +398,9 @@ mod tests {
         for class in [1 << 16, usize::MAX] {
             let error = Weights::least_squares(&features[..1], &[class], 1e-3).unwrap_err();
             assert!(
-                error.to_string().starts_with("class of a sample is "),
+                error
+                    .to_string()
+                    .starts_with("class of a standard sample is "),
                 "{error}"
             );
         }

@@ -295,10 +295,7 @@ mod tests {
         let mut unequal = patterns.clone();
         unequal[7].pop();
         let error = KarhunenLoeve::of(&unequal, 2).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "50 samples with features and 50 with a class, the first of another length being Some(7)"
-        );
+        assert_eq!(error.to_string(), "the pattern has 2 numbers, expected 3");
         let error = KarhunenLoeve::of(&patterns, 3).unwrap_err();
         assert_eq!(
             error.to_string(),

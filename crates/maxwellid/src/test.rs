@@ -87,6 +87,9 @@ impl std::fmt::Display for TestFlag {
     }
 }
 
+/// Samples beyond this many V0 are no velocities, and their squares leave the range of numbers.
+const LARGEST: f64 = 1e150;
+
 /// Share of V0 that the first sample may have: noise, not motion.
 const REST: f64 = 0.15;
 
@@ -132,6 +135,19 @@ impl RodTest {
                 index,
                 value,
             }));
+        }
+        for (history, samples) in [
+            ("excitation over V0", &excitation_samples),
+            ("response over V0", &response),
+        ] {
+            let ratios = samples.iter().map(|sample| sample / impact_velocity);
+            if let Some(value) = ratios.into_iter().find(|ratio| ratio.abs() > LARGEST) {
+                return Err(in_test(RodwaveError::NonPhysical {
+                    quantity: history,
+                    value,
+                    expected: "at most 1e150",
+                }));
+            }
         }
         if response.len() != excitation_samples.len() {
             return Err(MaxwellidError::UnequalLengths {

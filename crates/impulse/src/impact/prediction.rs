@@ -17,9 +17,6 @@ const ROUNDING: f64 = 1e-9;
 /// Part of the impulse from which a contact counts for the duration.
 const COUNTS: f64 = 1e-3;
 
-/// Steps of the peak force that a contact carries at least to count for the duration: what a jump within a step leaves is less.
-const UNRESOLVED: f64 = 2.0;
-
 /// Inner energy below minus this part of the work is a body that makes energy.
 const ACTIVE: f64 = 1e-3;
 
@@ -196,16 +193,11 @@ impl Prediction {
 
     /// From the first touch to the last parting, or to the end of the history if the faces still press \[s\].
     ///
-    /// Contacts that carry less than a thousandth of the impulse, or than two steps of the peak force, do not count: a jump within a step leaves some of one step where elastic
+    /// Contacts that carry less than a thousandth of the impulse do not count: a jump within a step leaves some of one step where elastic
     /// bodies part without a force. [`Prediction::contacts`] has them all.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let peak_step = self.peak().force * self.history.time_step();
-        let impulses = self.contacts.iter().map(|contact| contact.impulse);
-        let largest = impulses.fold(0.0, f64::max);
-        let least = (COUNTS * self.balance.impulse)
-            .max(UNRESOLVED * peak_step)
-            .min(largest);
+        let least = COUNTS * self.balance.impulse;
         let mut counting = self
             .contacts
             .iter()

@@ -135,7 +135,7 @@ fn a_response_with_arrays_of_unequal_lengths_is_refused() {
         |result: Result<FrequencyResponse, labio::LabioError>| result.unwrap_err().to_string();
     assert_eq!(
         text(short.to_kind(ResponseKind::Mobility)),
-        "validities of a response: found 4, expected 5"
+        "lines of the validity: found 4, expected 5"
     );
     assert!(short.clone().impulse_response().is_err());
     assert!(short.clone().with_coherence(vec![0.5; 5], 3).is_err());
