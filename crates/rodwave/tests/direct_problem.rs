@@ -358,7 +358,7 @@ fn bad_requests_are_refused_with_the_quantity_and_the_value() {
     let rod = || rod(Maxwell::new(1e6).unwrap());
     assert_eq!(
         DirectProblem::new(rod(), 3).unwrap_err().to_string(),
-        "number of cells is 3, expected at least 8"
+        "number of cells is 3, expected from 8 to 2^27"
     );
     assert_eq!(
         InelasticRod::new(0.4, -910.0, 2.5e9, Elastic)

@@ -264,7 +264,7 @@ fn unphysical_parameters_are_refused_by_name() {
         ),
         (
             MaxwellNorton::new(f64::NAN, 1.0).unwrap_err(),
-            "exponent kappa is NaN, expected a finite value above 0",
+            "exponent kappa is NaN, expected above 0 and at most 1e6",
         ),
         (
             MaxwellGurevichRabinovich::new(1.0, f64::INFINITY).unwrap_err(),
