@@ -125,12 +125,12 @@ fn rods_from_a_millimetre_to_a_kilometre() {
             (found.balance().impulse / exact - 1.0).abs() < 1e-6,
             "{length}"
         );
-        let last = found.contacts().first().unwrap().end.unwrap();
+        let last = found.contacts.first().unwrap().end.unwrap();
         // three steps of 6e-4
         assert!(
             (last / round_trip - 1.0).abs() < 2e-3,
             "{length}: {:?}",
-            found.contacts()
+            found.contacts
         );
     }
 }

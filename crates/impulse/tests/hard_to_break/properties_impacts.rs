@@ -149,7 +149,7 @@ proptest! {
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 1e-6, "{}", found.balance().impulse / exact);
-        let last = found.contacts().first().unwrap().end.unwrap();
-        prop_assert!((last / round_trip - 1.0).abs() < 3.0 * share, "{:?} {}", found.contacts(), round_trip);
+        let last = found.contacts.first().unwrap().end.unwrap();
+        prop_assert!((last / round_trip - 1.0).abs() < 3.0 * share, "{:?} {}", found.contacts, round_trip);
     }
 }
