@@ -126,9 +126,9 @@ fn rods_from_a_millimetre_to_a_kilometre() {
             "{length}"
         );
         let last = found.contacts.first().unwrap().end.unwrap();
-        // three steps of 6e-4
+        // a step of 6e-4 before it, and some behind in which the rest of the front goes to and fro
         assert!(
-            (last / round_trip - 1.0).abs() < 2e-3,
+            (-6e-4..5e-3).contains(&(last / round_trip - 1.0)),
             "{length}: {:?}",
             found.contacts
         );

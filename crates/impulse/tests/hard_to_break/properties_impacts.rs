@@ -150,6 +150,7 @@ proptest! {
         let exact = 0.5 * impedance * round_trip;
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 1e-6, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
-        prop_assert!((last / round_trip - 1.0).abs() < 3.0 * share, "{:?} {}", found.contacts, round_trip);
+        // The front falls within one step of the round trip; what is left of it goes to and fro for some more.
+        prop_assert!(last > round_trip - share * round_trip && last < (1.0 + 8.0 * share) * round_trip, "{:?} {}", found.contacts, round_trip);
     }
 }
