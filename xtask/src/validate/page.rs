@@ -238,8 +238,9 @@ impl Page {
                 table.rows.push(row);
             }
         }
-        // what is skipped is listed again at the end, in words
-        page.tables.retain(|table| !table.rows.is_empty());
+        // what is skipped is listed again at the end, in words; the faults have a table of their own
+        page.tables
+            .retain(|table| !table.rows.is_empty() && table.name != faults::HEADING);
         let heading = format!("\n## {}\n\n", faults::HEADING);
         if let Some((_, rest)) = text.split_once(&heading) {
             rest.split("\n## ")
