@@ -153,7 +153,7 @@ fn benchmark(folder: &Path, program: &BenchProgram) -> Result<Benchmark, BenchEr
     })
 }
 
-/// The shortest mean time of an iteration among the samples [ns].
+/// The shortest mean time of an iteration among the samples \[ns\].
 fn shortest(sample: &Value) -> Option<f64> {
     let (iterations, times) = (sample["iters"].as_array()?, sample["times"].as_array()?);
     iterations
