@@ -21,6 +21,7 @@ mod generated;
 mod outside;
 mod package;
 mod reproduce;
+mod ron_text;
 mod snapshot;
 mod traceability;
 mod validate;

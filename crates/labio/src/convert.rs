@@ -34,6 +34,16 @@ pub enum ResponseKind {
 }
 
 impl ResponseKind {
+    /// All six: those of a motion over a force, and then their reciprocals.
+    pub const ALL: [Self; 6] = [
+        Self::Receptance,
+        Self::Mobility,
+        Self::Accelerance,
+        Self::DynamicStiffness,
+        Self::Impedance,
+        Self::DynamicMass,
+    ];
+
     /// The kind of a response from a channel of `input` to one of `output`; none if it is not between a force and a motion.
     #[must_use]
     pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
@@ -209,15 +219,6 @@ mod tests {
     use ndarray::Array2;
     use std::f64::consts::TAU;
 
-    const KINDS: [ResponseKind; 6] = [
-        ResponseKind::Receptance,
-        ResponseKind::Mobility,
-        ResponseKind::Accelerance,
-        ResponseKind::DynamicStiffness,
-        ResponseKind::Impedance,
-        ResponseKind::DynamicMass,
-    ];
-
     /// Three hits of a force and a motion without pattern.
     fn spectra(output: Quantity) -> AveragedSpectra {
         let channels = vec![
@@ -239,8 +240,8 @@ mod tests {
     #[test]
     fn every_kind_is_reached_from_every_other_on_every_way() {
         let receptance = spectra(Quantity::Displacement).h1("f", "x").unwrap();
-        for first in KINDS {
-            for second in KINDS {
+        for first in ResponseKind::ALL {
+            for second in ResponseKind::ALL {
                 let there = receptance.to_kind(first).unwrap().to_kind(second).unwrap();
                 let direct = receptance.to_kind(second).unwrap();
                 assert_eq!(there.kind().unwrap(), second);
@@ -278,7 +279,7 @@ mod tests {
         // the relative error of a line does not change
         let relative =
             |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line] / r.values[line].norm_sqr();
-        for kind in KINDS {
+        for kind in ResponseKind::ALL {
             let ratio = relative(&receptance.to_kind(kind).unwrap()) / relative(&receptance);
             assert!((ratio - 1.0).abs() < 1e-14);
         }

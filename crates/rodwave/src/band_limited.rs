@@ -21,10 +21,6 @@ pub trait VelocityHistory: Sync {
     fn end(&self) -> f64;
 }
 
-/// sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
-///
-/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ = β/(2π `half_width`)
-/// and a ripple of order e^{-β}.
 /// Accepts times of a response that the excitation reaches, and returns the last of them.
 pub(crate) fn check_times(
     times: &[f64],
@@ -52,6 +48,10 @@ pub(crate) fn check_times(
     Ok(last)
 }
 
+/// sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
+///
+/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ = β/(2π `half_width`)
+/// and a ripple of order e^{-β}.
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
     if u.abs() >= 1.0 {

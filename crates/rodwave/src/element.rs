@@ -304,8 +304,8 @@ impl Segment {
     /// At ω = 0 a solid gives the identity.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain has no
-    /// such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain
+    /// has no such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,
         medium: &Medium<L>,

@@ -110,8 +110,8 @@ impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, and for more than
-    /// 2²⁶ cells or 1e9 steps.
+    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, for more than
+    /// 2^27 cells or 1e9 steps, and where the energy grows: cells too long for a material that relaxes within a time step.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

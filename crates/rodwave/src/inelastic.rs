@@ -20,8 +20,8 @@
 //!
 //! Theory: `docs/theory/inelastic-laws.md`.
 
-/// An array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of `LANES`. Unlike `std::array::from_fn` it is a plain loop,
-/// which the compiler turns into vector instructions.
+/// An array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of `LANES`.
+/// Unlike `std::array::from_fn` it is a plain loop, which the compiler turns into vector instructions.
 macro_rules! lanes {
     (|$i:ident| $value:expr) => {{
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];

@@ -60,7 +60,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// Cuts `rod` into `cells` cells; the time step is `courant_number` dx/c.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2²⁶, or a Courant number outside ]0, 0.95].
+    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2^27, or a Courant number outside ]0, 0.95].
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(
         rod: &InelasticRod<L>,

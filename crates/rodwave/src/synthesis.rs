@@ -77,12 +77,12 @@ fn to_samples(mut lines: Vec<Complex64>) -> Vec<f64> {
     samples
 }
 
-/// Accepts lines that are finite and as many as `expected`.
 /// Accepts samples of a synthesis that did not overflow.
 fn check_synthesized(samples: &[f64]) -> Result<(), RodwaveError> {
     check_samples("the synthesized history", samples)
 }
 
+/// Accepts lines that are finite and as many as `expected`.
 fn check_lines(
     name: &'static str,
     lines: &[Complex64],

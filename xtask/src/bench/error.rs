@@ -1,21 +1,16 @@
 //! Why no page of performance can be made.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use serde::de::DeserializeOwned;
+use crate::ron_text::RonError;
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum BenchError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    #[error("{}:{line}: {reason}, at `{text}`", path.display())]
-    Ron {
-        path: PathBuf,
-        line: usize,
-        text: String,
-        reason: String,
-    },
+    #[error(transparent)]
+    Ron(#[from] RonError),
     #[error("{}: {reason}", path.display())]
     Json { path: PathBuf, reason: String },
     #[error("{}, row `{what}`: {reason}", path.display())]
@@ -46,22 +41,4 @@ pub(super) enum BenchError {
     NoValgrind,
     #[error("there is no kernel `{name}`, expected one of {expected}")]
     NoKernel { name: String, expected: String },
-}
-
-/// A value from the RON of `text`; `path` is for messages.
-pub(super) fn parse_ron<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, BenchError> {
-    ron::from_str(text).map_err(|error| {
-        let line = error.span.start.line;
-        BenchError::Ron {
-            path: path.to_path_buf(),
-            line,
-            text: text
-                .lines()
-                .nth(line.saturating_sub(1))
-                .unwrap_or_default()
-                .trim()
-                .to_owned(),
-            reason: error.code.to_string(),
-        }
-    })
 }

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::generated::write_whole;
 
-use super::error::{BenchError, parse_ron};
+use super::error::BenchError;
+use crate::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -88,7 +89,7 @@ impl Measured {
             path: path.to_path_buf(),
             source,
         })?;
-        parse_ron(path, &text)
+        Ok(parse_ron(path, &text)?)
     }
 
     pub(super) fn write(&self, path: &Path) -> crate::Outcome {

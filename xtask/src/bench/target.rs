@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::BenchError;
+use crate::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Clone, Deserialize)]
@@ -156,7 +157,7 @@ impl Targets {
 
     /// Reads and checks `text`; `path` is for messages.
     pub(super) fn parse(path: &Path, text: &str) -> Result<Self, BenchError> {
-        let targets: Self = super::error::parse_ron(path, text)?;
+        let targets: Self = parse_ron(path, text)?;
         for row in targets.rows() {
             row.check(path)?;
         }

@@ -13,7 +13,7 @@ use crate::generated::{GeneratedError, write_whole};
 const CLONE: &str = "../rodlab/crates/";
 
 /// The profile of the workspace: what is compiled with it there is not compiled again here.
-const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = \"line-tables-only\"\n";
+const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = false\n";
 
 /// Why there is no program.
 #[derive(Debug, thiserror::Error)]

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::numbered::Numbered;
 use super::workspace::Unresolved;
+use crate::ron_text::RonError;
 
 /// Why the table cannot be checked at all.
 #[derive(Debug, thiserror::Error)]
@@ -15,13 +16,8 @@ pub(crate) enum TraceabilityError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
     /// The rows are not RON, or not of the schema.
-    #[error("{}, line {line}: {reason}, in `{text}`", path.display())]
-    Rows {
-        path: PathBuf,
-        line: usize,
-        text: String,
-        reason: String,
-    },
+    #[error(transparent)]
+    Rows(#[from] RonError),
     /// A source file is no Rust.
     #[error("{file}: {reason}")]
     Rust { file: String, reason: String },

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::error::TraceabilityError;
 use super::numbered::{Kind, Numbered, Part};
+use crate::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Deserialize)]
@@ -75,19 +76,5 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Row>, TraceabilityError> {
 
 /// Reads the rows from `text`; `path` is for messages.
 pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Row>, TraceabilityError> {
-    let file: Rows = ron::from_str(text).map_err(|error| {
-        let line = error.span.start.line;
-        TraceabilityError::Rows {
-            path: path.to_path_buf(),
-            line,
-            text: text
-                .lines()
-                .nth(line.saturating_sub(1))
-                .unwrap_or_default()
-                .trim()
-                .to_owned(),
-            reason: error.code.to_string(),
-        }
-    })?;
-    Ok(file.rows)
+    Ok(parse_ron::<Rows>(path, text)?.rows)
 }

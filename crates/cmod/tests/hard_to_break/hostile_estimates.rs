@@ -17,7 +17,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
 use super::specimen::{Specimen, strain_of_two_waves};
-use super::sweep::{Findings, Numbers};
+use super::{Findings, Numbers};
 
 const LINES: usize = 40;
 
@@ -70,6 +70,17 @@ fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     (frequency_hz, ratio)
 }
 
+/// What is estimated of lines whose frequencies are scaled by the first number, one of which is spoilt by the second, and
+/// whose variance is the third.
+fn estimated(
+    a: &[f64],
+    estimate: impl Fn(&[f64], &[Complex64], &[f64]) -> Result<ModulusEstimate, CmodError>,
+) -> Numbers {
+    let (mut frequency_hz, ratio) = spoilt(&Specimen::polymer(), a[1]);
+    frequency_hz.iter_mut().for_each(|f| *f *= a[0]);
+    estimate(&frequency_hz, &ratio, &[a[2]; LINES]).map(|estimate| numbers(&estimate))
+}
+
 #[test]
 fn two_points() {
     let mut findings = Findings::default();
@@ -91,14 +102,9 @@ fn two_points() {
             let method = TwoPoint::new(specimen)?
                 .with_solver(solver)
                 .with_specimen_uncertainty(uncertainty)?;
-            let (mut frequency_hz, ratio) = spoilt(&Specimen::polymer(), a[5]);
-            frequency_hz.iter_mut().for_each(|f| *f *= a[4]);
-            let variance = vec![a[6]; LINES];
-            Ok(numbers(&method.estimate(
-                &frequency_hz,
-                &ratio,
-                &variance,
-            )?))
+            estimated(&a[4..], |f, ratio, variance| {
+                method.estimate(f, ratio, variance)
+            })
         });
     }
     findings.sweep("AveragedRatio", &[0.99, 10.0, 1.0], |a| {
@@ -155,11 +161,6 @@ fn neighbours_of_two_points() {
         density: a[1],
         end_mass: a[2],
     };
-    let lines = |a: &[f64]| {
-        let (mut frequency_hz, ratio) = spoilt(&Specimen::polymer(), a[1]);
-        frequency_hz.iter_mut().for_each(|f| *f *= a[0]);
-        (frequency_hz, ratio, vec![a[2]; LINES])
-    };
     let sound = [0.02, 1150.0, 1e-3, 1.0, 0.0, 1600.0, 1.0, 1.0, 1e-6];
     for (name, first, second) in [
         ("accelerations", 0, 0),
@@ -177,22 +178,16 @@ fn neighbours_of_two_points() {
             let method = FreeEnd::new(rod(a), quantity(first, a[3]), quantity(second, a[4]))?
                 .with_wave_speed(a[5])?
                 .with_uncertainty(uncertainty)?;
-            let (frequency_hz, ratio, variance) = lines(&a[6..]);
-            Ok(numbers(&method.estimate(
-                &frequency_hz,
-                &ratio,
-                &variance,
-            )?))
+            estimated(&a[6..], |f, ratio, variance| {
+                method.estimate(f, ratio, variance)
+            })
         });
     }
     findings.sweep("FreeEnd without a wave speed", &sound, |a| {
         let method = FreeEnd::new(rod(a), acceleration(a[3]), acceleration(a[4]))?;
-        let (frequency_hz, ratio, variance) = lines(&a[6..]);
-        Ok(numbers(&method.estimate(
-            &frequency_hz,
-            &ratio,
-            &variance,
-        )?))
+        estimated(&a[6..], |f, ratio, variance| {
+            method.estimate(f, ratio, variance)
+        })
     });
     findings.sweep(
         "OneGauge",
@@ -201,12 +196,9 @@ fn neighbours_of_two_points() {
             let method = OneGauge::new(rod(a), strain(a[3]))?
                 .with_wave_speed(a[4])?
                 .with_uncertainty(uncertainty)?;
-            let (frequency_hz, ratio, variance) = lines(&a[5..]);
-            Ok(numbers(&method.estimate(
-                &frequency_hz,
-                &ratio,
-                &variance,
-            )?))
+            estimated(&a[5..], |f, ratio, variance| {
+                method.estimate(f, ratio, variance)
+            })
         },
     );
     findings.sweep(
@@ -221,12 +213,9 @@ fn neighbours_of_two_points() {
             let method = SeparatePulses::new(rod)?
                 .with_wave_speed(a[3])?
                 .with_uncertainty(uncertainty)?;
-            let (frequency_hz, ratio, variance) = lines(&a[4..]);
-            Ok(numbers(&method.estimate(
-                &frequency_hz,
-                &ratio,
-                &variance,
-            )?))
+            estimated(&a[4..], |f, ratio, variance| {
+                method.estimate(f, ratio, variance)
+            })
         },
     );
     findings.sweep(
@@ -234,12 +223,9 @@ fn neighbours_of_two_points() {
         &[0.02, 1150.0, 1e-3, 1.0, 1.0, 1.0, 1e-6],
         |a| {
             let method = Resonances::new(rod(a), a[3])?.with_uncertainty(uncertainty)?;
-            let (frequency_hz, ratio, variance) = lines(&a[4..]);
-            Ok(numbers(&method.estimate(
-                &frequency_hz,
-                &ratio,
-                &variance,
-            )?))
+            estimated(&a[4..], |f, ratio, variance| {
+                method.estimate(f, ratio, variance)
+            })
         },
     );
     findings.sweep_pairs("noise_of_cut_pulse", &[1e-3, 0.1, -0.2, 50.0], |a| {

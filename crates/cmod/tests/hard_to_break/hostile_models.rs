@@ -13,7 +13,8 @@ use cmod::rheology::{
 };
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
-use super::sweep::{Findings, Numbers, are_modest};
+use super::hostile::are_modest;
+use super::{Findings, Numbers};
 
 fn recovered(model: &ThreeElement, recovery: &Recovery, omega: f64, time: f64) -> Vec<f64> {
     let stress = recovery.initial_dashpot_stress();

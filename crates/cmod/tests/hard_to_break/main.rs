@@ -9,8 +9,14 @@
               the last bit"
 )]
 
+#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+mod hostile;
 mod hostile_estimates;
 mod hostile_models;
 mod properties_round_trips;
 mod specimen;
-mod sweep;
+
+type Findings = hostile::Findings<cmod::CmodError>;
+
+/// What a function makes of its arguments.
+type Numbers = Result<Vec<f64>, cmod::CmodError>;

@@ -8,10 +8,10 @@ use super::sensor::Sensor;
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
-/// Lines of a record of `n_samples` samples.
 /// A square below this has fewer digits than a number: it is within the precision of the smallest normal one.
 const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
+/// Lines of a record of `n_samples` samples.
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
     pub(super) n_samples: usize,

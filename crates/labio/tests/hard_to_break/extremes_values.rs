@@ -12,47 +12,13 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rand::SeedableRng;
 
+use crate::hostile::{self, HOSTILE};
 use crate::{INPUT, OUTPUT, averaged, channels, record};
-
-pub(crate) const HOSTILE: [f64; 19] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    0.0,
-    -0.0,
-    5e-324,
-    -5e-324,
-    1e-310,
-    1e-200,
-    1e-155,
-    -1.0,
-    0.5,
-    1.0,
-    3.0,
-    1e155,
-    1e200,
-    1e300,
-    -1e300,
-    f64::MAX,
-];
 
 type Made = Result<Vec<f64>, LabioError>;
 
-/// What a door may do with a number.
 fn sweep(name: &str, door: impl Fn(f64) -> Made) {
-    for value in HOSTILE {
-        match door(value) {
-            Ok(results) => {
-                assert!(value.is_finite(), "{name} accepts {value}");
-                assert!(
-                    results.iter().all(|r| r.is_finite()),
-                    "{name} of {value} gives {results:?}"
-                );
-            }
-            // a word about what it was, and the number
-            Err(error) => assert!(error.to_string().len() > 10, "{name} of {value}: {error}"),
-        }
-    }
+    hostile::sweep(name, door);
 }
 
 fn history() -> Vec<f64> {

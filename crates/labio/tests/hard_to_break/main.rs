@@ -9,6 +9,8 @@
 
 mod extremes_sizes;
 mod extremes_values;
+#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+mod hostile;
 mod properties_histories;
 mod properties_npz;
 mod properties_responses;

@@ -8,15 +8,6 @@ use proptest::prelude::*;
 
 use crate::{INPUT, OUTPUT, any_hits, averaged};
 
-const KINDS: [ResponseKind; 6] = [
-    ResponseKind::Receptance,
-    ResponseKind::Mobility,
-    ResponseKind::Accelerance,
-    ResponseKind::DynamicStiffness,
-    ResponseKind::Impedance,
-    ResponseKind::DynamicMass,
-];
-
 fn response(values: Vec<Complex64>, spacing_hz: f64) -> FrequencyResponse {
     let force = Channel::new(INPUT, Quantity::Force).unwrap();
     let motion = Channel::new(OUTPUT, Quantity::Acceleration).unwrap();
@@ -38,7 +29,7 @@ proptest! {
     /// There and back over any two kinds, in units that make the numbers as large as they may be.
     #[test]
     fn kinds_invert_each_other(given in any_response(), via in 0..6_usize, over in 0..6_usize) {
-        let back = given.to_kind(KINDS[via]).unwrap().to_kind(KINDS[over]).unwrap()
+        let back = given.to_kind(ResponseKind::ALL[via]).unwrap().to_kind(ResponseKind::ALL[over]).unwrap()
             .to_kind(ResponseKind::Accelerance).unwrap();
         prop_assert_eq!(&back.output, &given.output);
         for line in 1..given.values.len() {
@@ -53,7 +44,7 @@ proptest! {
     #[test]
     fn relative_errors_survive_every_kind((hits, _) in any_hits(3), via in 0..6_usize) {
         let given = averaged(&hits).h1(INPUT, OUTPUT).unwrap();
-        let other = given.to_kind(KINDS[via]).unwrap();
+        let other = given.to_kind(ResponseKind::ALL[via]).unwrap();
         let errors = given.random_error().unwrap().into_iter().zip(other.random_error().unwrap());
         for (line, (a, b)) in errors.enumerate() {
             if given.validity[line] == LineValidity::Valid && other.validity[line] == LineValidity::Valid {

@@ -9,6 +9,8 @@
 )]
 
 mod extremes_values;
+#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+mod hostile;
 mod properties_differentiators;
 mod properties_fits;
 mod properties_models;

@@ -10,7 +10,7 @@ use labio::{
 use num_complex::Complex64;
 use serde::Deserialize;
 
-use super::kind::{KINDS, KindSheet, dimension, quantities};
+use super::kind::{KindSheet, dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, input};
@@ -307,7 +307,7 @@ impl ResponseFile {
         let place = format!("{field}.kind");
         match (&series.ordinate_axis.unit, stated) {
             (Some(unit), stated) => {
-                let found = KINDS
+                let found = ResponseKind::ALL
                     .into_iter()
                     .find(|kind| dimension(*kind) == Some(unit.dimension()));
                 match (found, stated) {

@@ -35,15 +35,6 @@ impl KindSheet {
     }
 }
 
-pub(super) const KINDS: [ResponseKind; 6] = [
-    ResponseKind::Receptance,
-    ResponseKind::Mobility,
-    ResponseKind::Accelerance,
-    ResponseKind::DynamicStiffness,
-    ResponseKind::Impedance,
-    ResponseKind::DynamicMass,
-];
-
 /// Quantities of input and output.
 pub(super) fn quantities(kind: ResponseKind) -> [Quantity; 2] {
     if kind.is_motion_over_force() {

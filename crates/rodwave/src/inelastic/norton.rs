@@ -153,7 +153,6 @@ impl NortonFlow {
         }
     }
 
-    /// Whether the series of [`Self::short_decrement`] holds.
     /// Whether κ > 1 and (σ0/σ_ref)^{κ-1} or what it multiplies has left the range of a double.
     #[inline]
     fn overflows(&self, a: f64) -> bool {
@@ -167,6 +166,7 @@ impl NortonFlow {
         (-((n * self.advance).ln() / n + ratio.ln())).exp().min(1.0)
     }
 
+    /// Whether the series of [`Self::short_decrement`] holds.
     #[inline(always)]
     fn is_short(&self, a: f64) -> bool {
         a * (1.0 + self.excess.abs()) < SHORT

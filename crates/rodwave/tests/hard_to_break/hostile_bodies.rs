@@ -17,7 +17,8 @@ use rodwave::transition::TransitionMatrix;
 use rodwave::waves::TravellingWaves;
 use rodwave::{Chain, Termination};
 
-use super::sweep::{Findings, Numbers, are_modest};
+use super::hostile::are_modest;
+use super::{Findings, Numbers};
 
 fn parts(values: impl IntoIterator<Item = Complex64>) -> Vec<f64> {
     values.into_iter().flat_map(|z| [z.re, z.im]).collect()

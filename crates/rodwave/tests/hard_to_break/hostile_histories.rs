@@ -14,7 +14,8 @@ use rodwave::medium::Medium;
 use rodwave::synthesis::{DampedSynthesis, FourierSynthesis};
 use rodwave::{DirectProblem, InelasticRod, Termination, modulus};
 
-use super::sweep::{Findings, are_modest};
+use super::Findings;
+use super::hostile::are_modest;
 
 #[test]
 fn sampled_histories() {

@@ -13,7 +13,8 @@ use rodwave::modulus::{
     PowerLawPropagation, PronyStandIn, SpringPot, Tabulated, TimeDomainModulus, Zener,
 };
 
-use super::sweep::{Findings, Numbers, are_modest};
+use super::hostile::are_modest;
+use super::{Findings, Numbers};
 
 fn parts(values: impl IntoIterator<Item = Complex64>) -> Vec<f64> {
     values.into_iter().flat_map(|z| [z.re, z.im]).collect()

@@ -10,9 +10,14 @@
 )]
 
 mod extremes_media;
+mod hostile;
 mod hostile_bodies;
 mod hostile_histories;
 mod hostile_laws;
 mod properties_chains;
 mod properties_marches;
-mod sweep;
+
+type Findings = hostile::Findings<rodwave::RodwaveError>;
+
+/// What a function makes of its arguments.
+type Numbers = Result<Vec<f64>, rodwave::RodwaveError>;

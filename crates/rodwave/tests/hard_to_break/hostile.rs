@@ -1,43 +1,75 @@
 //! A function asked with every argument, or every two, at the ends of the scale: it refuses in words or it answers with
-//! numbers.
+//! numbers. The tests named `hard_to_break` of all crates share this file.
+#![allow(dead_code, reason = "each crate asks in the way that suits it")]
 
+use std::fmt::Display;
+use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use cmod::CmodError;
-
-/// What a function makes of its arguments.
-pub(crate) type Numbers = Result<Vec<f64>, CmodError>;
 
 /// What arguments must survive: no numbers, zeros of both signs, denormals, the ends of the range, squares that overflow or
 /// vanish, and sizes that no rod has.
-pub(crate) const HOSTILE: [f64; 22] = [
+pub(crate) const HOSTILE: [f64; 28] = [
     f64::NAN,
     f64::INFINITY,
     f64::NEG_INFINITY,
     0.0,
     -0.0,
-    -1.0,
-    1.0,
     5e-324,
     -5e-324,
+    1e-310,
     f64::MIN_POSITIVE,
-    f64::MAX,
-    f64::MIN,
+    1e-300,
+    1e-200,
+    1e-155,
+    1e-154,
     f64::EPSILON,
     1e-12,
+    -1.0,
+    0.5,
+    1.0,
+    3.0,
     1e12,
     9_007_199_254_740_992.0,
-    1e-200,
-    1e200,
-    1e-154,
     1e154,
-    1e-300,
+    1e155,
+    1e200,
     1e300,
+    -1e300,
+    f64::MAX,
+    f64::MIN,
 ];
 
-/// What went wrong, a line each.
-#[derive(Default)]
-pub(crate) struct Findings(Vec<String>);
+/// Asks `function` with each hostile number: what is no number is refused, and what is answered are numbers.
+pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec<f64>, E>) {
+    for value in HOSTILE {
+        match function(value) {
+            Ok(results) => {
+                assert!(value.is_finite(), "{name} accepts {value}");
+                assert!(
+                    results.iter().all(|r| r.is_finite()),
+                    "{name} of {value} gives {results:?}"
+                );
+            }
+            // a word about what it was, and the number
+            Err(error) => assert!(error.to_string().len() > 10, "{name} of {value}: {error}"),
+        }
+    }
+}
+
+/// What went wrong with functions that refuse by an `E`, a line each.
+pub(crate) struct Findings<E> {
+    lines: Vec<String>,
+    refusal: PhantomData<fn() -> E>,
+}
+
+impl<E> Default for Findings<E> {
+    fn default() -> Self {
+        Self {
+            lines: Vec::new(),
+            refusal: PhantomData,
+        }
+    }
+}
 
 /// Whether arguments are far from the ends of the range, so that plain functions, which nobody checks, give numbers too.
 pub(crate) fn are_modest(arguments: &[f64]) -> bool {
@@ -46,13 +78,13 @@ pub(crate) fn are_modest(arguments: &[f64]) -> bool {
         .all(|argument| *argument == 0.0 || (1e-100..=1e100).contains(&argument.abs()))
 }
 
-impl Findings {
+impl<E: Display> Findings<E> {
     /// Asks `function` with `sound` arguments, which it must answer, and then with a hostile one in each place.
     pub(crate) fn sweep(
         &mut self,
         name: &str,
         sound: &[f64],
-        function: impl Fn(&[f64]) -> Numbers,
+        function: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     ) {
         match function(sound) {
             Ok(values) if values.iter().all(|value| value.is_finite()) => {}
@@ -78,7 +110,7 @@ impl Findings {
         &mut self,
         name: &str,
         sound: &[f64],
-        function: impl Fn(&[f64]) -> Numbers,
+        function: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     ) {
         self.sweep(name, sound, &function);
         let mut arguments = sound.to_vec();
@@ -93,7 +125,12 @@ impl Findings {
         }
     }
 
-    fn ask(&mut self, name: &str, arguments: &[f64], function: &impl Fn(&[f64]) -> Numbers) {
+    fn ask(
+        &mut self,
+        name: &str,
+        arguments: &[f64],
+        function: &impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+    ) {
         match catch_unwind(AssertUnwindSafe(|| function(arguments))) {
             Err(_) => self.add(name, arguments, "panicked"),
             Ok(Ok(values)) if values.iter().any(|value| !value.is_finite()) => {
@@ -107,17 +144,22 @@ impl Findings {
     }
 
     fn add(&mut self, name: &str, arguments: &[f64], what: &str) {
-        self.0.push(format!("{name}{arguments:?}: {what}"));
+        self.lines.push(format!("{name}{arguments:?}: {what}"));
     }
 
     /// Fails with what was found, thinned out to lines that can be read.
     pub(crate) fn none(self) {
-        let stride = self.0.len().div_ceil(60).max(1);
-        let some: Vec<&str> = self.0.iter().step_by(stride).map(String::as_str).collect();
+        let stride = self.lines.len().div_ceil(60).max(1);
+        let some: Vec<&str> = self
+            .lines
+            .iter()
+            .step_by(stride)
+            .map(String::as_str)
+            .collect();
         assert!(
-            self.0.is_empty(),
+            self.lines.is_empty(),
             "{} findings, among them:\n{}",
-            self.0.len(),
+            self.lines.len(),
             some.join("\n")
         );
     }
