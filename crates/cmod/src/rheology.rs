@@ -75,6 +75,7 @@ mod prony;
 mod shift_law;
 mod start;
 mod sweep;
+mod symmetric;
 mod whiteness;
 
 pub use comparison::{Comparison, ComparisonRow};

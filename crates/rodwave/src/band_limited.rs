@@ -5,6 +5,8 @@
 //!
 //! Theory: `docs/theory/direct-problem.md#excitation-between-samples`.
 
+use std::sync::OnceLock;
+
 use crate::RodwaveError;
 use crate::error::{check_positive, check_samples};
 use crate::interpolation::{Interpolated, cubic};
@@ -100,6 +102,37 @@ const OVERSAMPLING: usize = 32;
 /// Fine points kept before time 0 for the cubic stencil.
 const LEAD: usize = 2;
 
+/// What each of the samples around a fine point counts, for every fine point between two samples; the same for all histories.
+#[expect(clippy::cast_precision_loss, reason = "of the order of ten")]
+fn weights() -> &'static [[f64; OVERSAMPLING]] {
+    static WEIGHTS: OnceLock<Vec<[f64; OVERSAMPLING]>> = OnceLock::new();
+    WEIGHTS.get_or_init(|| {
+        let reach = SampledHistory::HALF_WIDTH as f64;
+        let weight = |sample: usize, phase: usize| {
+            let distance = phase as f64 / OVERSAMPLING as f64 - (sample as f64 + 1.0 - reach);
+            windowed_sinc(distance, reach, SampledHistory::SHARPNESS)
+        };
+        (0..2 * SampledHistory::HALF_WIDTH)
+            .map(|sample| std::array::from_fn(|phase| weight(sample, phase)))
+            .collect()
+    })
+}
+
+/// The fine points between two samples at once, each the sum over its samples in their order.
+#[inline(always)]
+fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
+    let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
+    for (around, fine) in continued.windows(weights.len()).zip(fine) {
+        let mut sums = [-0.0; OVERSAMPLING]; // where the sum of no terms begins
+        for (sample, weights) in around.iter().zip(weights) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += weight * sample;
+            }
+        }
+        *fine = sums;
+    }
+}
+
 impl SampledHistory {
     /// Reach of the interpolation, in samples to either side.
     pub const HALF_WIDTH: usize = 16;
@@ -113,10 +146,6 @@ impl SampledHistory {
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
-    )]
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`rows` has one row for each phase, a remainder of a division by their number"
     )]
     pub fn new(samples: &[f64], sampling_rate_hz: f64) -> Result<Self, RodwaveError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;
@@ -133,47 +162,22 @@ impl SampledHistory {
         if count < 4 {
             return Err(too_few(count));
         }
-        // value of the continued record at any index
-        let sample = |index: isize| -> f64 {
-            if index < 0 {
-                return 0.0;
-            }
-            let index = index.unsigned_abs();
-            match samples.get(index) {
-                Some(value) => *value,
-                None => {
-                    let mirrored = (2 * (count - 1)).checked_sub(index);
-                    let mirrored = mirrored.and_then(|k| samples.get(k));
-                    2.0 * last - mirrored.copied().unwrap_or(0.0)
-                }
-            }
-        };
-        let reach = Self::HALF_WIDTH.cast_signed();
-        // the kernel depends on the position between two samples only: one row of weights for each fine position
-        let rows: Vec<Vec<f64>> = (0..OVERSAMPLING)
-            .map(|phase| {
-                let offset = phase as f64 / OVERSAMPLING as f64;
-                (1 - reach..=reach)
-                    .map(|k| {
-                        windowed_sinc(offset - k as f64, Self::HALF_WIDTH as f64, Self::SHARPNESS)
-                    })
-                    .collect()
-            })
-            .collect();
-        let fine_count = LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD;
-        let fine: Vec<f64> = (0..fine_count)
-            .map(|index| {
-                let position = index.cast_signed() - LEAD.cast_signed();
-                let base = position.div_euclid(OVERSAMPLING.cast_signed());
-                let phase = position
-                    .rem_euclid(OVERSAMPLING.cast_signed())
-                    .unsigned_abs();
-                (1 - reach..=reach)
-                    .zip(&rows[phase])
-                    .map(|(k, weight)| weight * sample(base + k))
-                    .sum()
-            })
-            .collect();
+        // the record as far as a fine point reaches, from the sample before the first: nothing, itself, and point symmetric about
+        // its end
+        let (before, after) = (Self::HALF_WIDTH, Self::HALF_WIDTH);
+        let mut continued = Vec::with_capacity(before + count + after);
+        continued.resize(before, 0.0);
+        continued.extend_from_slice(samples);
+        continued.extend((count..count + after).map(|index| {
+            let mirrored = (2 * (count - 1)).checked_sub(index);
+            let mirrored = mirrored.and_then(|k| samples.get(k));
+            2.0 * last - mirrored.copied().unwrap_or(0.0)
+        }));
+        // all fine points from the sample before the first to that behind the last, of which the ends are left out
+        let mut fine = vec![0.0; (count + 1) * OVERSAMPLING];
+        pulp::Arch::new().dispatch(|| interpolate(&continued, weights(), &mut fine));
+        fine.drain(..OVERSAMPLING - LEAD);
+        fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;
         Ok(Self {
             fine,
@@ -348,6 +352,34 @@ mod tests {
             // the sinc vanishes at the other samples to rounding
             let found = history.at(f64::from(u8::try_from(k).unwrap()) / 10.0);
             assert!((found - expected).abs() < 1e-14, "{k}: {found} {expected}");
+        }
+    }
+
+    /// Word by word: zero before the record, point symmetric about its end, a sum over 16 samples to either side.
+    #[test]
+    fn fine_points_have_the_digits_of_their_definition() {
+        for count in [4_i32, 5, 17, 40] {
+            let samples: Vec<f64> = (0..count).map(|k| f64::from(k * k).sin()).collect();
+            let history = SampledHistory::new(&samples, 1.0).unwrap();
+            let known = |k: i32| usize::try_from(k).ok().and_then(|k| samples.get(k));
+            let sample = |k: i32| match known(k) {
+                Some(value) => *value,
+                None if k < 0 => 0.0,
+                None => {
+                    2.0 * known(count - 1).unwrap() - known(2 * (count - 1) - k).unwrap_or(&0.0)
+                }
+            };
+            assert_eq!(history.fine.len(), samples.len() * 32 - 32 + 5);
+            for (index, found) in (-2..).zip(&history.fine) {
+                let (base, phase) = (i32::div_euclid(index, 32), i32::rem_euclid(index, 32));
+                let sum: f64 = (-15..=16)
+                    .map(|k| {
+                        let distance = f64::from(phase) / 32.0 - f64::from(k);
+                        windowed_sinc(distance, 16.0, 12.0) * sample(base + k)
+                    })
+                    .sum();
+                assert_eq!(found.to_bits(), sum.to_bits(), "{count}: {index}");
+            }
         }
     }
 

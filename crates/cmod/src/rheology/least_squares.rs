@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use super::data::ModulusData;
 use super::model::Model;
+use super::symmetric::{add_products, factorise, solve};
 pub use crate::recovery::fit::Ending;
 
 /// How closely a minimum is approached.
@@ -199,7 +200,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
 /// Normal equations of one linearisation.
 struct Normal {
     parameters: usize,
-    /// JᵀJ by rows, upper triangle.
+    /// JᵀJ by rows; below the diagonal are no numbers of it.
     matrix: Vec<f64>,
     /// Jᵀr.
     gradient: Vec<f64>,
@@ -236,14 +237,11 @@ impl Normal {
             .chunks_exact(p.max(1))
             .zip(&linearised.residual)
         {
-            for (i, entry) in row.iter().enumerate() {
-                self.gradient[i] += entry * residual;
-                let target = &mut self.matrix[i * p + i..(i + 1) * p];
-                for (sum, other) in target.iter_mut().zip(&row[i..]) {
-                    *sum += entry * other;
-                }
+            for (sum, entry) in self.gradient.iter_mut().zip(row) {
+                *sum += entry * residual;
             }
         }
+        add_products(&mut self.matrix, &linearised.jacobian, p);
         if let Some(held) = held {
             self.gradient[held] = 0.0;
             for i in 0..p {
@@ -288,35 +286,19 @@ impl Normal {
     /// The components of the step that are not held.
     fn solve(&mut self, damping: f64) -> Option<()> {
         let p = self.parameters;
-        for i in 0..p {
-            for j in 0..i {
-                self.factor[i * p + j] = if self.held[i] || self.held[j] {
+        for j in 0..p {
+            let own = self.matrix[j * p + j];
+            self.factor[j * p + j] = own + damping * (own + FLOOR);
+            for i in j + 1..p {
+                self.factor[j * p + i] = if self.held[i] || self.held[j] {
                     0.0
                 } else {
                     self.matrix[j * p + i]
                 };
             }
-            let own = self.matrix[i * p + i];
-            self.factor[i * p + i] = own + damping * (own + FLOOR);
         }
-        for j in 0..p {
-            let row = &mut self.factor[j * p..=j * p + j];
-            let sum: f64 = row[..j].iter().map(|l| l * l).sum();
-            let pivot = row[j] - sum;
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return None;
-            }
-            let pivot = pivot.sqrt();
-            row[j] = pivot;
-            for i in j + 1..p {
-                let (upper, lower) = self.factor.split_at_mut(i * p);
-                let known: f64 = upper[j * p..j * p + j]
-                    .iter()
-                    .zip(&lower[..j])
-                    .map(|(a, b)| a * b)
-                    .sum();
-                lower[j] = (lower[j] - known) / pivot;
-            }
+        if !factorise(&mut self.factor, p, 0.0) {
+            return None;
         }
         for i in 0..p {
             self.target[i] = if self.held[i] {
@@ -326,19 +308,10 @@ impl Normal {
                 -self.gradient[i] - held.map(|j| self.entry(i, j) * self.step[j]).sum::<f64>()
             };
         }
-        for i in 0..p {
-            let known: f64 = (0..i)
-                .map(|k| self.factor[i * p + k] * self.target[k])
-                .sum();
-            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
-        }
-        for i in (0..p).rev() {
-            let known: f64 = (i + 1..p)
-                .map(|k| self.factor[k * p + i] * self.target[k])
-                .sum();
-            self.target[i] = (self.target[i] - known) / self.factor[i * p + i];
-            if !self.held[i] {
-                self.step[i] = self.target[i];
+        solve(&self.factor, &mut self.target);
+        for ((step, target), held) in self.step.iter_mut().zip(&self.target).zip(&self.held) {
+            if !held {
+                *step = *target;
             }
         }
         self.step.iter().all(|step| step.is_finite()).then_some(())

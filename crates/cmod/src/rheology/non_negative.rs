@@ -1,6 +1,7 @@
 //! Least squares with coefficients that are not negative, from the normal equations.
 
 use super::least_squares::count;
+use super::symmetric::{add_products, factorise, solve};
 
 /// min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23), on
 /// AᵀA and Aᵀb as Bro & de Jong have it (*J. Chemom.* **11** (1997) 393).
@@ -41,12 +42,16 @@ const FEW: usize = 40;
 impl NonNegative {
     /// `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
     pub(super) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
-        let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
         let n = columns.len();
+        let rows: Vec<f64> = (0..target.len())
+            .flat_map(|k| columns.iter().map(move |column| column[k]))
+            .collect();
         let mut gram = vec![0.0; n * n];
+        add_products(&mut gram, &rows, n);
+        let lengths: Vec<f64> = (0..n).map(|i| gram[i * n + i].sqrt()).collect();
         for i in 0..n {
             for j in i..n {
-                let value = dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
+                let value = gram[i * n + j] / (lengths[i] * lengths[j]);
                 gram[i * n + j] = value;
                 gram[j * n + i] = value;
             }
@@ -167,27 +172,17 @@ impl NonNegative {
     fn least_squares(&self, passive: &[usize]) -> Option<Vec<f64>> {
         let k = passive.len();
         let mut factor = vec![0.0; k * k];
-        let mut z = vec![0.0; k];
-        for i in 0..k {
-            for j in 0..=i {
-                let known = dot(&factor[i * k..i * k + j], &factor[j * k..j * k + j]);
-                let value = self.gram[passive[i] * self.columns + passive[j]] - known;
-                if i == j {
-                    if value.is_nan() || value <= LEAST_PIVOT {
-                        return None;
-                    }
-                    factor[i * k + i] = value.sqrt();
-                } else {
-                    factor[i * k + j] = value / factor[j * k + j];
-                }
+        for (j, column) in factor.chunks_exact_mut(k.max(1)).enumerate() {
+            let gram = &self.gram[passive[j] * self.columns..][..self.columns];
+            for (entry, i) in column.iter_mut().zip(passive).skip(j) {
+                *entry = gram[*i];
             }
-            let known = dot(&factor[i * k..i * k + i], &z[..i]);
-            z[i] = (self.target[passive[i]] - known) / factor[i * k + i];
         }
-        for i in (0..k).rev() {
-            let known: f64 = (i + 1..k).map(|j| factor[j * k + i] * z[j]).sum();
-            z[i] = (z[i] - known) / factor[i * k + i];
+        if !factorise(&mut factor, k, LEAST_PIVOT) {
+            return None;
         }
+        let mut z: Vec<f64> = passive.iter().map(|j| self.target[*j]).collect();
+        solve(&factor, &mut z);
         Some(z)
     }
 
