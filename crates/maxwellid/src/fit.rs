@@ -11,7 +11,7 @@ use crate::historical;
 use crate::least_squares::{
     Evaluations, Minimum, ScaledDecomposition, minimise, minimise_to, sum_of_squares,
 };
-use crate::model::{RodModel, check_cell, check_counts};
+use crate::model::{MODULUS_BOUNDS, RodModel, check_cell, check_counts};
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
@@ -539,11 +539,21 @@ impl<M: RodModel> Fit<M> {
                 .unwrap_or(first)
                 .modulus_from_time_of_flight()?,
         };
-        if modulus.is_finite() && modulus > 0.0 {
-            Ok(modulus)
-        } else {
-            Err(start_error(modulus))
+        if !(modulus.is_finite() && modulus > 0.0) {
+            return Err(start_error(modulus));
         }
+        // a wrong unit of density or length; a wave that crosses the rod a million times would be marched all the way
+        let (low, high) = MODULUS_BOUNDS;
+        if !(low..=high).contains(&modulus) {
+            return Err(MaxwellidError::Start {
+                source: RodwaveError::NonPhysical {
+                    quantity: "modulus to start from, given or from the time of flight [Pa]",
+                    value: modulus,
+                    expected: "from 1e3 to 1e13",
+                },
+            });
+        }
+        Ok(modulus)
     }
 }
 

@@ -160,7 +160,7 @@ pub(crate) fn check_counts(
 const LOG_MODULUS_STEP: f64 = 0.1;
 
 /// Bounds of E \[Pa\]: softer than any gel, stiffer than diamond.
-const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
+pub(crate) const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
 
 /// Most cells of a grid: their characteristics alone fill as many megabytes.
 const MOST_CELLS: f64 = 1_048_576.0;

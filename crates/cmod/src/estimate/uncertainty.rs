@@ -244,8 +244,8 @@ impl Uncertainty {
 /// `degrees_of_freedom`, else the normal one.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom are above 0, and the factor
-/// is a number.
+/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom are 0.01 or more, and the
+/// factor is a number.
 pub fn coverage_factor(
     probability: f64,
     degrees_of_freedom: Option<f64>,
@@ -266,14 +266,26 @@ pub fn coverage_factor(
         }
         Some(freedom) => {
             let freedom = check_positive("degrees of freedom", freedom)?;
-            check_positive("half of the degrees of freedom", 0.5 * freedom)?;
+            if freedom < FEWEST {
+                return Err(CmodError::NonPhysical {
+                    quantity: "degrees of freedom",
+                    value: freedom,
+                    expected: "at least 0.01",
+                });
+            }
             let student =
                 StudentsT::new(0.0, 1.0, freedom).map_err(|_| CmodError::NonPhysical {
                     quantity: "degrees of freedom",
                     value: freedom,
                     expected: "a finite value above 0",
                 })?;
-            student.inverse_cdf(tail)
+            let quantile = student.inverse_cdf(tail);
+            // what the inverse of the incomplete beta function gives for few degrees of freedom is not always its inverse
+            if (student.cdf(quantile) / tail - 1.0).abs() < 1e-6 {
+                quantile
+            } else {
+                f64::NAN
+            }
         }
     };
     if quantile.is_finite() {
@@ -286,6 +298,10 @@ pub fn coverage_factor(
         })
     }
 }
+
+/// Fewest degrees of freedom. With one there is neither mean nor variance; far below, the inverse of the incomplete beta
+/// function has no digits.
+const FEWEST: f64 = 0.01;
 
 /// Degrees of freedom from which Student's distribution is expanded about the normal one; the inverse of the incomplete beta
 /// function does not end for very many.
@@ -459,9 +475,36 @@ mod tests {
         }
         let many = coverage_factor(0.9999994267, Some(1e7)).unwrap();
         assert!((many - 5.0).abs() < 1e-4, "{many}");
-        for (probability, freedom) in [(0.0, None), (1.0, None), (f64::NAN, None), (0.5, Some(0.0))]
-        {
+        for (probability, freedom) in [
+            (0.0, None),
+            (1.0, None),
+            (f64::NAN, None),
+            (0.5, Some(0.0)),
+            (0.5, Some(0.0099)),
+            (1e-12, Some(1e-310)),
+        ] {
             assert!(coverage_factor(probability, freedom).is_err());
+        }
+        // one degree of freedom is Cauchy's distribution
+        for probability in [1e-3, 0.5, 0.99, 0.999_999] {
+            let factor = coverage_factor(probability, Some(1.0)).unwrap();
+            let exact = (0.5 * std::f64::consts::PI * probability).tan();
+            assert!((factor / exact - 1.0).abs() < 1e-9, "{factor} {exact}");
+        }
+    }
+
+    /// More is covered by more, or there is no number for it.
+    #[test]
+    fn coverage_factors_rise_with_the_probability() {
+        for exponent in -8..=20 {
+            let freedom = Some(10_f64.powf(0.25 * f64::from(exponent)));
+            let mut before = 0.0;
+            for probability in [1e-16, 1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6, 1.0 - 1e-16] {
+                if let Ok(factor) = coverage_factor(probability, freedom) {
+                    assert!(factor >= before, "{probability} {freedom:?}: {factor}");
+                    before = factor;
+                }
+            }
         }
     }
 }

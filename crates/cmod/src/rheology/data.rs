@@ -199,11 +199,13 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
             "a finite value above 0",
         );
     }
-    if !(std::f64::consts::TAU * point.frequency_hz).is_finite() {
+    let omega = std::f64::consts::TAU * point.frequency_hz;
+    // a relaxation time is of the size of the inverse
+    if !(omega.is_finite() && omega.recip().is_finite()) {
         return refused(
             "frequency [Hz]",
             point.frequency_hz,
-            "a value whose angular frequency is finite",
+            "a value whose angular frequency is finite, and its inverse too",
         );
     }
     for (quantity, value) in [

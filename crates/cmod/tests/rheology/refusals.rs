@@ -44,13 +44,14 @@ fn points_that_cannot_be() {
         ]
     );
     // a grid of relaxation times over a band without end would have no end either
-    assert_eq!(
-        refused(&|p| p.frequency_hz = 1e308),
-        format!(
-            "frequency [Hz] of point 1 is {}, expected a value whose angular frequency is finite",
-            1e308
-        )
-    );
+    for frequency_hz in [1e308, 1e-310] {
+        assert_eq!(
+            refused(&|p| p.frequency_hz = frequency_hz),
+            format!(
+                "frequency [Hz] of point 1 is {frequency_hz}, expected a value whose angular frequency is finite, and its inverse too"
+            )
+        );
+    }
 }
 
 #[test]

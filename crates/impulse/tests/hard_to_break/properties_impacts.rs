@@ -148,8 +148,9 @@ proptest! {
         let found = Impact::between(&first, &second).at_velocity(1.0)
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
-        // of the front a part of a step is left, which presses for a part of a step
-        prop_assert!((found.balance().impulse / exact - 1.0).abs() < share * share, "{}", found.balance().impulse / exact);
+        // Of the front a part of a step is left, which presses for a part of a step: 0.0057 of what a step gives was the most
+        // of 9000 steps, and a front that falls in the wrong step would be seen as 1.
+        prop_assert!((found.balance().impulse / exact - 1.0).abs() < 0.01 * share, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
         // The front falls within one step of the round trip; what is left of it goes to and fro for some more.
         prop_assert!(last > round_trip - share * round_trip && last < (1.0 + 8.0 * share) * round_trip, "{:?} {}", found.contacts, round_trip);
