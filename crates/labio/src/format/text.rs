@@ -203,21 +203,25 @@ pub(crate) fn known_unit(text: &str) -> Option<Unit> {
 /// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it. A zero with an exponent stands
 /// for itself, as any other number would be written with another first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
-    let text = text.trim();
-    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
-        Some((mantissa, _)) if mantissa.bytes().all(|b| !b.is_ascii_digit() || b == b'0') => {
-            return 0.0;
-        }
-        Some((mantissa, exponent)) => (mantissa, exponent.parse().unwrap_or(0)),
-        None => (text, 0_i32),
-    };
     let point = match mark {
-        DecimalMark::Point => '.',
-        DecimalMark::Comma => ',',
+        DecimalMark::Point => b'.',
+        DecimalMark::Comma => b',',
     };
-    let decimals = mantissa
-        .split_once(point)
-        .map_or(0, |(_, decimals)| decimals.len());
+    let text = text.trim();
+    let end = text.bytes().position(|byte| matches!(byte, b'e' | b'E'));
+    let (mantissa, exponent) = text.as_bytes().split_at(end.unwrap_or(text.len()));
+    let exponent = match exponent {
+        [] => 0,
+        _ if mantissa.iter().all(|b| !matches!(b, b'1'..=b'9')) => return 0.0,
+        [_, exponent @ ..] => std::str::from_utf8(exponent)
+            .ok()
+            .and_then(|exponent| exponent.parse().ok())
+            .unwrap_or(0_i32),
+    };
+    let decimals = match mantissa.iter().position(|byte| *byte == point) {
+        Some(place) => mantissa.len() - place - 1,
+        None => 0,
+    };
     let decimals = i32::try_from(decimals).unwrap_or(i32::MAX);
     0.5 * 10_f64.powi(exponent.saturating_sub(decimals))
 }

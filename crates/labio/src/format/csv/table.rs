@@ -160,6 +160,7 @@ pub(super) fn read(
         }
     }
     let mut cells: Vec<Cow<'_, str>> = Vec::new();
+    let mut read: Vec<Option<Value>> = Vec::new();
     let mut n_rows = 0;
     for (line, row) in text::lines(text).skip_while(|(number, _)| *number < shape.first_line) {
         if row.trim().is_empty() {
@@ -183,9 +184,9 @@ pub(super) fn read(
             let at = shape.columns.get(column)?;
             cells.get(*at).map(AsRef::as_ref)
         };
-        let any_number = (0..shape.columns.len())
-            .any(|column| cell(column).is_some_and(|cell| super::dialect::is_number(cell, mark)));
-        if !any_number {
+        read.clear();
+        read.extend((0..shape.columns.len()).map(|column| value(cell(column)?, mark)));
+        if read.iter().all(Option::is_none) {
             let expected = format!("a row of {} numbers", shape.columns.len());
             defects.add(
                 line,
@@ -193,7 +194,7 @@ pub(super) fn read(
             )?;
             continue;
         }
-        for (column, values) in table.columns.iter_mut().enumerate() {
+        for ((column, values), read) in table.columns.iter_mut().enumerate().zip(&read) {
             let text = cell(column).unwrap_or("");
             if text.is_empty() {
                 continue; // the column has ended, or a gap is found at its next number
@@ -214,7 +215,7 @@ pub(super) fn read(
                     }
                 }
             }
-            let value = match value(text, mark) {
+            let value = match *read {
                 Some(value) => value,
                 None => {
                     defects.add(
