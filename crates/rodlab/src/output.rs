@@ -145,6 +145,19 @@ pub(crate) fn is_settled(folder: &Path) -> bool {
 
 /// `bytes` on the disk under a temporary name in the folder of `path`; gone when it is dropped.
 fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
+    let file = written(path, bytes, prefix)?;
+    on_disk(&file, path)?;
+    Ok(file)
+}
+
+/// Waits until the disk has `file`, which shall be at `path`: a name must not outlast a power failure that its bytes do not.
+fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
+    let done = file.as_file().sync_all();
+    done.map_err(|source| refusal(path, source))
+}
+
+/// `bytes` under a temporary name in the folder of `path`; gone when it is dropped.
+fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let fail = |source: io::Error| refusal(path, source);
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -163,8 +176,6 @@ fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rodl
         .tempfile_in(folder)
         .map_err(|error| fail(without_path(error)))?;
     file.as_file_mut().write_all(bytes).map_err(fail)?;
-    // a name must not outlast a power failure that its bytes do not
-    file.as_file().sync_all().map_err(fail)?;
     Ok(file)
 }
 

@@ -5,10 +5,12 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use serde::Deserialize;
+use tempfile::NamedTempFile;
 
 use super::lock::FolderLock;
-use super::{FAILURE, PART, RESULT, is_plain, named, refusal, staged};
+use super::{FAILURE, PART, RESULT, is_plain, named, on_disk, refusal, written};
 use crate::{RodlabError, input};
 
 /// Puts the files of a result into `folder`; `reads` are those that the run has read.
@@ -109,20 +111,26 @@ fn remove_parts(folder: &Path) {
     }
 }
 
-fn stage(
-    folder: &Path,
-    files: &[(String, Vec<u8>)],
-) -> Result<Vec<tempfile::NamedTempFile>, RodlabError> {
-    files
+/// All files on the disk under temporary names.
+fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile>, RodlabError> {
+    let staged: Vec<NamedTempFile> = files
         .iter()
-        .map(|(name, bytes)| staged(&folder.join(name), bytes, PART))
-        .collect()
+        .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
+        .collect::<Result<_, _>>()?;
+    // a disk that is asked for two at a time writes its journal once for both
+    let on_disk: Vec<Result<(), RodlabError>> = files
+        .par_iter()
+        .zip(&staged)
+        .map(|((name, _), file)| on_disk(file, &folder.join(name)))
+        .collect();
+    on_disk.into_iter().collect::<Result<(), _>>()?;
+    Ok(staged)
 }
 
 fn name_all(
     folder: &Path,
     files: &[(String, Vec<u8>)],
-    staged: Vec<tempfile::NamedTempFile>,
+    staged: Vec<NamedTempFile>,
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut paths = Vec::with_capacity(files.len());
     for ((name, _), file) in files.iter().zip(staged) {
