@@ -64,6 +64,9 @@ pub struct WaveSeparation {
     pub misfit: f64,
 }
 
+/// Number of sections up to which nothing is allocated.
+const FEW: usize = 8;
+
 impl TravellingWaves {
     /// The waves of the normal force at a section of the given `state`, with x = 0 there (paper E, eq. A15), from the
     /// `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z [kg/s].
@@ -129,13 +132,28 @@ impl TravellingWaves {
         };
 
         // values = p·forward + n·backward; both columns at most 1 in magnitude
-        let rows = || {
-            positions.iter().zip(values).map(|(x, value)| {
-                let forward = (-gamma * (x - first)).exp();
-                let backward = (-gamma * (last - x)).exp();
-                (forward, backward, value / size)
-            })
+        let decay = |way: f64| {
+            if way == 0.0 {
+                Complex64::ONE
+            } else {
+                (-gamma * way).exp()
+            }
         };
+        let row = |x: f64, value: Complex64| (decay(x - first), decay(last - x), value / size);
+        let sections = positions.iter().zip(values);
+        // few gauges are the rule: their rows need no memory of their own
+        let mut few = [(Complex64::ZERO, Complex64::ZERO, Complex64::ZERO); FEW];
+        let many: Vec<_>;
+        let rows = if let Some(few) = few.get_mut(..positions.len()) {
+            for (entry, (x, value)) in few.iter_mut().zip(sections) {
+                *entry = row(*x, *value);
+            }
+            &*few
+        } else {
+            many = sections.map(|(x, value)| row(*x, *value)).collect();
+            &many
+        };
+        let rows = || rows.iter().copied();
         let forward_squared: f64 = rows().map(|(f, _, _)| f.norm_sqr()).sum();
         let backward_squared: f64 = rows().map(|(_, b, _)| b.norm_sqr()).sum();
         let shared: Complex64 =
