@@ -42,6 +42,7 @@
 
 mod bar;
 mod branch;
+mod diagram;
 mod end;
 mod gauge;
 mod grid;
@@ -52,6 +53,7 @@ mod march;
 mod segment;
 mod tangent;
 
+pub use diagram::Diagram;
 pub use end::{Drive, End};
 pub use gauge::{Gauge, Reading};
 pub use grid::Grid;
@@ -288,6 +290,56 @@ impl Line {
         check_positive("duration [s]", duration)?;
         let march = March::new(self, longest_step, gauges, parameters)?;
         LineHistory::record(march, duration, self.gaps.len(), parameters)
+    }
+
+    /// What every cell goes through until `duration` \[s\], on a grid of a time step not above `longest_step` \[s\]: every
+    /// `stride`-th time level.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 and for more than 2^27 values of a quantity.
+    ///
+    /// ```
+    /// use rodwave::line::{Body, Line, Segment};
+    ///
+    /// // two equal bars, one moving: after the impact half of the first bar's length is crossed by the wave in either
+    /// let bar = || Body::new([Segment::elastic(0.5, 2e-4, 7800.0, 206e9)?]);
+    /// let line = Line::new([bar()?.moving_at(4.0)?, bar()?])?;
+    /// let crossing = 0.5 / (206e9_f64 / 7800.0).sqrt();
+    /// let diagram = line.diagram(0.01 * crossing, 0.5 * crossing, 10)?;
+    /// let last = diagram.at(&diagram.velocity, diagram.times.len() - 1);
+    /// let at = |x: f64| diagram.positions.iter().position(|p| *p > x).map(|cell| last[cell]);
+    /// assert_eq!(at(0.2), Some(4.0)); // not yet
+    /// assert!(at(0.45).is_some_and(|v| (v - 2.0).abs() < 1e-12)); // half the velocity of the striker
+    /// # Ok::<(), rodwave::RodwaveError>(())
+    /// ```
+    pub fn diagram(
+        &self,
+        longest_step: f64,
+        duration: f64,
+        stride: usize,
+    ) -> Result<Diagram, RodwaveError> {
+        check_positive("duration [s]", duration)?;
+        let march = self.march(longest_step)?;
+        let places = self.places(march.grid());
+        Diagram::record(march, places, duration, stride)
+    }
+
+    /// Body and centre \[m\] of every cell, gaps as they are at the start.
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    fn places(&self, grid: &Grid) -> Vec<(usize, f64)> {
+        let mut places = Vec::with_capacity(grid.cells.iter().sum());
+        let mut counts = grid.cells.iter();
+        let mut begin = 0.0;
+        for (index, body) in self.bodies.iter().enumerate() {
+            for (segment, cells) in body.segments.iter().zip(&mut counts) {
+                let length = segment.length() / *cells as f64;
+                let centres = (0..*cells).map(|cell| begin + (cell as f64 + 0.5) * length);
+                places.extend(centres.map(|centre| (index, centre)));
+                begin += segment.length();
+            }
+            begin += self.gaps.get(index).copied().unwrap_or(0.0);
+        }
+        places
     }
 
     /// Segment of a gauge, counted from the left end of the line, and distance from the left end of that segment.

@@ -110,6 +110,10 @@ impl Bar {
         self.right.len()
     }
 
+    pub(super) fn is_elastic(&self) -> bool {
+        self.elastic
+    }
+
     /// Relaxes every cell over a whole step and returns the energy dissipated \[J\].
     pub(super) fn relax(&mut self) -> f64 {
         if self.elastic {

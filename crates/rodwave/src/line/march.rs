@@ -1,6 +1,7 @@
 //! A line on its grid, step by step.
 
 use super::bar::Bar;
+use super::diagram::CellStrains;
 use super::gauge::GaugeState;
 use super::grid::Grid;
 use super::junction::{Contact, Encounter, Hand, Junction, Meeting, Side, SideTangent, Terminal};
@@ -24,6 +25,8 @@ pub struct March {
     meetings: [Meeting; 2],
     meeting_tangents: Vec<[Meeting; 2]>,
     pub(super) gauges: Vec<GaugeState>,
+    /// One for each bar where all cells are watched, none otherwise.
+    cell_strains: Vec<CellStrains>,
     steps: usize,
     initial_energy: f64,
     initial_momentum: f64,
@@ -100,6 +103,7 @@ impl March {
             junctions,
             ends,
             gauges,
+            cell_strains: Vec::new(),
             steps: 0,
             initial_energy: 0.0,
             initial_momentum: 0.0,
@@ -149,6 +153,9 @@ impl March {
         for gauge in &mut self.gauges {
             gauge.before_shift(&self.bars[gauge.segment]);
         }
+        for (strains, bar) in self.cell_strains.iter_mut().zip(&self.bars) {
+            strains.before_shift(bar);
+        }
         for bar in &mut self.bars {
             bar.drag_tangents();
         }
@@ -160,9 +167,22 @@ impl March {
         for gauge in &mut self.gauges {
             gauge.after_shift(&self.bars[gauge.segment]);
         }
+        for (strains, bar) in self.cell_strains.iter_mut().zip(&self.bars) {
+            strains.after_shift(bar);
+        }
         self.steps += 1;
         self.read_gauges();
         Ok(())
+    }
+
+    /// Keeps the strain of every cell from now on.
+    pub(super) fn watch_cells(&mut self) {
+        self.cell_strains = self.bars.iter().map(CellStrains::of).collect();
+    }
+
+    /// Bars with the strains of their cells, if these are watched.
+    pub(super) fn cells_mut(&mut self) -> impl Iterator<Item = (&mut Bar, &CellStrains)> {
+        self.bars.iter_mut().zip(&self.cell_strains)
     }
 
     fn read_gauges(&mut self) {

@@ -27,6 +27,7 @@ use rodwave::{DirectProblem, InelasticRod, RodwaveError};
 mod balances;
 mod closed_forms;
 mod derivatives;
+mod diagram;
 mod materials;
 mod other_solvers;
 mod refusals;

@@ -1,0 +1,180 @@
+//! Velocity, stress and strain of a whole line over place and time: the x-t diagram.
+
+use super::bar::Bar;
+use super::grid::Grid;
+use super::ledger::Ledger;
+use super::march::March;
+use crate::RodwaveError;
+use crate::error::{check_finite, check_steps};
+use crate::inelastic::LANES;
+
+/// Most values of one quantity: a gigabyte.
+const MOST_VALUES: usize = 1 << 27;
+
+/// What every cell of a [`Line`](super::Line) goes through.
+///
+/// | field | shape |
+/// |---|---|
+/// | `positions`, `bodies` | `(n_cells)` |
+/// | `times` | `(n_times)` |
+/// | `velocity`, `stress`, `strain` | `(n_times, n_cells)`, one time after the other |
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Diagram {
+    /// The grid, with its time step dt.
+    pub grid: Grid,
+    /// Centre of each cell \[m\] in the line as it stands at the start, gaps included, from the left end.
+    pub positions: Vec<f64>,
+    /// Body of each cell, from 0 at the left.
+    pub bodies: Vec<usize>,
+    /// Times \[s\].
+    pub times: Vec<f64>,
+    /// Particle velocity [m/s].
+    pub velocity: Vec<f64>,
+    /// Stress \[Pa\], positive in tension.
+    pub stress: Vec<f64>,
+    /// Strain since the start, positive in tension.
+    pub strain: Vec<f64>,
+    /// Energy and momentum at the end.
+    pub ledger: Ledger,
+}
+
+impl Diagram {
+    /// The part of `quantity`, one of the three, at time `index`; empty where there is none.
+    #[must_use]
+    pub fn at<'a>(&self, quantity: &'a [f64], index: usize) -> &'a [f64] {
+        let n_cells = self.positions.len();
+        let first = index.saturating_mul(n_cells);
+        quantity
+            .get(first..first.saturating_add(n_cells))
+            .unwrap_or(&[])
+    }
+
+    /// Runs `march` until `duration` and records every `stride`-th time level.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "for the message of the refusal only"
+    )]
+    pub(super) fn record(
+        mut march: March,
+        places: Vec<(usize, f64)>,
+        duration: f64,
+        stride: usize,
+    ) -> Result<Self, RodwaveError> {
+        // a whole number of steps may be exceeded by rounding
+        let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
+        if stride == 0 {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "stride of the diagram [steps]",
+                value: 0.0,
+                expected: "at least 1",
+            });
+        }
+        let n_times = steps / stride + 1;
+        let values = n_times.saturating_mul(places.len());
+        if values > MOST_VALUES {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "number of values in a diagram",
+                value: values as f64,
+                expected: "at most 2^27: a longer stride or step",
+            });
+        }
+        let (bodies, positions) = places.into_iter().unzip();
+        let empty = || Vec::with_capacity(values);
+        let mut diagram = Self {
+            grid: march.grid().clone(),
+            positions,
+            bodies,
+            times: Vec::with_capacity(n_times),
+            velocity: empty(),
+            stress: empty(),
+            strain: empty(),
+            ledger: march.ledger(),
+        };
+        march.watch_cells();
+        diagram.push(&mut march);
+        for step in 1..=steps {
+            march.advance()?;
+            if step % stride == 0 {
+                diagram.push(&mut march);
+            }
+        }
+        diagram.ledger = march.ledger();
+        // what overflows anywhere in the line is soon in its energy
+        check_finite("energy of the line [J]", diagram.ledger.stored)?;
+        Ok(diagram)
+    }
+
+    fn push(&mut self, march: &mut March) {
+        self.times.push(march.time());
+        for (bar, strain) in march.cells_mut() {
+            bar.read_cells(&mut self.velocity, &mut self.stress);
+            match strain {
+                CellStrains::OfStress => {
+                    let read = self.stress.get(self.strain.len()..).unwrap_or(&[]);
+                    self.strain.extend(read.iter().map(|s| s / bar.modulus));
+                }
+                CellStrains::Own(strains) => self.strain.extend_from_slice(strains),
+            }
+        }
+    }
+}
+
+/// Strain of every cell of a bar.
+#[derive(Debug, Clone)]
+pub(super) enum CellStrains {
+    /// σ/E: the bar is elastic.
+    OfStress,
+    /// The sum of dσ/E over the elastic parts of all steps, in which alone strain changes.
+    Own(Vec<f64>),
+}
+
+impl CellStrains {
+    pub(super) fn of(bar: &Bar) -> Self {
+        if bar.is_elastic() {
+            Self::OfStress
+        } else {
+            Self::Own(vec![0.0; bar.cells()])
+        }
+    }
+
+    /// Takes off the stress before the elastic part of a step.
+    pub(super) fn before_shift(&mut self, bar: &Bar) {
+        self.add_stress(bar, -1.0);
+    }
+
+    /// Adds the stress after it.
+    pub(super) fn after_shift(&mut self, bar: &Bar) {
+        self.add_stress(bar, 1.0);
+    }
+
+    fn add_stress(&mut self, bar: &Bar, sign: f64) {
+        let Self::Own(strains) = self else {
+            return;
+        };
+        let factor = 0.5 * sign * bar.specific_impedance / bar.modulus;
+        let waves = bar.right.as_slice().iter().zip(bar.left.as_slice());
+        for (strain, (r, l)) in strains.iter_mut().zip(waves) {
+            *strain += factor * (r + l);
+        }
+    }
+}
+
+impl Bar {
+    /// Appends velocity and stress of every cell, the half relaxation that ends the step included.
+    fn read_cells(&mut self, velocity: &mut Vec<f64>, stress: &mut Vec<f64>) {
+        let waves = self.right.as_slice().iter().zip(self.left.as_slice());
+        velocity.extend(waves.clone().map(|(r, l)| 0.5 * (l - r)));
+        if self.is_elastic() {
+            let half_impedance = 0.5 * self.specific_impedance;
+            stress.extend(waves.map(|(r, l)| half_impedance * (r + l)));
+            return;
+        }
+        for first in (0..self.cells()).step_by(LANES) {
+            let count = LANES.min(self.cells() - first);
+            self.prepare_block(first, count, true);
+            let sums = self.block.total.iter().zip(&self.block.total_change);
+            stress.extend(sums.take(count).map(|(total, change)| total + change));
+        }
+    }
+}
