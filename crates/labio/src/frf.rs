@@ -233,10 +233,12 @@ impl AveragedSpectra {
         let averages = self.effective_averages();
         let averaged = self.can_have_coherence();
         let least_coherence = self.transform_rounding().powi(2);
-        let lines = pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || pair.estimates(estimator, averages, least_coherence),
-        );
+        let lines = pulp::Arch::new().dispatch(EstimatesOf {
+            pair,
+            estimator,
+            averages,
+            least_coherence,
+        });
         Ok(FrequencyResponse {
             estimator,
             input: input_channel.clone(),
@@ -301,6 +303,39 @@ struct Estimates {
     coherence: Vec<f64>,
     variance: Vec<f64>,
     validity: Vec<LineValidity>,
+}
+
+/// [`Pair::estimates`] as a task that can be run with the vector instructions of the processor at hand.
+struct EstimatesOf<'a> {
+    pair: Pair<'a>,
+    estimator: Estimator,
+    averages: f64,
+    least_coherence: f64,
+}
+
+impl pulp::NullaryFnOnce for EstimatesOf<'_> {
+    type Output = Estimates;
+
+    #[inline(always)]
+    fn call(self) -> Estimates {
+        self.pair
+            .estimates(self.estimator, self.averages, self.least_coherence)
+    }
+}
+
+/// [`Pair::coherence`] as such a task.
+struct CoherenceOf<'a> {
+    pair: &'a Pair<'a>,
+    coherence: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for CoherenceOf<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.pair.coherence(self.coherence);
+    }
 }
 
 impl Pair<'_> {
@@ -441,10 +476,10 @@ impl Pair<'_> {
     /// Coherence alone; NaN without input or output.
     fn coherences(&self) -> Vec<f64> {
         let mut coherence = vec![0.0; self.inputs.len()];
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.coherence(&mut coherence),
-        );
+        pulp::Arch::new().dispatch(CoherenceOf {
+            pair: self,
+            coherence: &mut coherence,
+        });
         coherence
     }
 }

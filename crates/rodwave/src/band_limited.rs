@@ -118,6 +118,22 @@ fn weights() -> &'static [[f64; OVERSAMPLING]] {
     })
 }
 
+/// [`interpolate`] as a task that can be run with the vector instructions of the processor at hand.
+struct Interpolation<'a> {
+    continued: &'a [f64],
+    weights: &'a [[f64; OVERSAMPLING]],
+    fine: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Interpolation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        interpolate(self.continued, self.weights, self.fine);
+    }
+}
+
 /// The fine points between two samples at once, each the sum over its samples in their order.
 #[inline(always)]
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
@@ -175,7 +191,11 @@ impl SampledHistory {
         }));
         // all fine points from the sample before the first to that behind the last, of which the ends are left out
         let mut fine = vec![0.0; (count + 1) * OVERSAMPLING];
-        pulp::Arch::new().dispatch(|| interpolate(&continued, weights(), &mut fine));
+        pulp::Arch::new().dispatch(Interpolation {
+            continued: &continued,
+            weights: weights(),
+            fine: &mut fine,
+        });
         fine.drain(..OVERSAMPLING - LEAD);
         fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;

@@ -2,13 +2,33 @@
 //!
 //! Both are vectorised over columns, so that every sum is taken in the order of its terms and no processor gives another digit.
 
-/// Rows that pass over the sums together.
+/// Rows, or columns of a factor, that pass over the sums together.
 const ROWS: usize = 4;
 
 /// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal are not those of AᵀA.
 pub(super) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     if columns > 0 {
-        pulp::Arch::new().dispatch(|| add_products_vectorised(sums, rows, columns));
+        pulp::Arch::new().dispatch(Products {
+            sums,
+            rows,
+            columns,
+        });
+    }
+}
+
+/// [`add_products`] as a task that can be run with the vector instructions of the processor at hand.
+struct Products<'a> {
+    sums: &'a mut [f64],
+    rows: &'a [f64],
+    columns: usize,
+}
+
+impl pulp::NullaryFnOnce for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        add_products_vectorised(self.sums, self.rows, self.columns);
     }
 }
 
@@ -50,7 +70,27 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
 ///
 /// `factor` comes with M by columns, of which only the lower triangle is read. False if a pivot is not above `least_pivot`.
 pub(super) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
-    pulp::Arch::new().dispatch(|| factorise_vectorised(factor, size, least_pivot))
+    pulp::Arch::new().dispatch(Factorisation {
+        factor,
+        size,
+        least_pivot,
+    })
+}
+
+/// [`factorise`] as such a task.
+struct Factorisation<'a> {
+    factor: &'a mut [f64],
+    size: usize,
+    least_pivot: f64,
+}
+
+impl pulp::NullaryFnOnce for Factorisation<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        factorise_vectorised(self.factor, self.size, self.least_pivot)
+    }
 }
 
 #[inline(always)]
@@ -64,7 +104,17 @@ fn factorise_vectorised(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
         let known = &mut known[j..];
         known.fill(0.0);
         let (before, rest) = factor.split_at_mut(j * size);
-        for column in before.chunks_exact(size) {
+        let mut blocks = before.chunks_exact(ROWS * size);
+        for block in &mut blocks {
+            let (a, b) = block.split_at(2 * size);
+            let ((a, b), (c, d)) = (a.split_at(size), b.split_at(size));
+            let factors = [a[j], b[j], c[j], d[j]];
+            let rest = a[j..].iter().zip(&b[j..]).zip(&c[j..]).zip(&d[j..]);
+            for (known, (((a, b), c), d)) in known.iter_mut().zip(rest) {
+                *known = *known + factors[0] * a + factors[1] * b + factors[2] * c + factors[3] * d;
+            }
+        }
+        for column in blocks.remainder().chunks_exact(size) {
             let own = column[j];
             for (known, entry) in known.iter_mut().zip(&column[j..]) {
                 *known += own * entry;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use memchr::{memchr, memchr_iter};
 use num_complex::Complex64;
 
 use crate::{LabioError, Place, SeriesAxis, Unit};
@@ -77,13 +78,14 @@ pub(crate) fn decode<'a>(
 
 /// The lines of `text` with their numbers from 1. LF, CR LF and CR end a line.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
-    let old_mac = !text.contains('\n');
+    let old_mac = memchr(b'\n', text.as_bytes()).is_none();
     let mut rest = Some(text);
     let mut number = 0;
     std::iter::from_fn(move || {
         let current = rest?;
-        let (line, next) = match current.split_once(if old_mac { '\r' } else { '\n' }) {
-            Some((line, next)) => (line, Some(next)),
+        let end = memchr(if old_mac { b'\r' } else { b'\n' }, current.as_bytes());
+        let (line, next) = match end {
+            Some(end) => (current.get(..end)?, current.get(end + 1..)),
             None => (current, None),
         };
         rest = next;
@@ -92,6 +94,26 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
         }
         number += 1;
         Some((number, line.strip_suffix('\r').unwrap_or(line)))
+    })
+}
+
+/// `text` without the blanks around it; a cell of a table rarely has any.
+pub(crate) fn trimmed(text: &str) -> &str {
+    let bare = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_graphic);
+    if bare(text.as_bytes().first()) && bare(text.as_bytes().last()) {
+        text
+    } else {
+        text.trim()
+    }
+}
+
+/// The cells of a line between the signs `sign`, a byte of ASCII, without the blanks around them.
+pub(crate) fn cells(line: &str, sign: u8) -> impl Iterator<Item = &str> {
+    let ends = memchr_iter(sign, line.as_bytes()).chain([line.len()]);
+    ends.scan(0, move |begin, end| {
+        let cell = line.get(*begin..end)?;
+        *begin = end + 1;
+        Some(trimmed(cell))
     })
 }
 
@@ -115,7 +137,7 @@ pub(crate) fn quoted(found: &str) -> String {
 /// The real number that `text` is, blanks around it allowed; `NaN`, `inf` and the sign of infinity that oscilloscopes write for an
 /// overload are numbers.
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
-    let text = text.trim();
+    let text = trimmed(text);
     match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
         b'0'..=b'9' | b'.' | b',' => {}
         _ => return special(text),
@@ -207,7 +229,7 @@ pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
         DecimalMark::Point => b'.',
         DecimalMark::Comma => b',',
     };
-    let text = text.trim();
+    let text = trimmed(text);
     let end = text.bytes().position(|byte| matches!(byte, b'e' | b'E'));
     let (mantissa, exponent) = text.as_bytes().split_at(end.unwrap_or(text.len()));
     let exponent = match exponent {
@@ -250,6 +272,17 @@ mod tests {
         assert_eq!(all("a\r\n\nb"), [(1, "a"), (2, ""), (3, "b")]);
         assert_eq!(all("a\rb\r"), [(1, "a"), (2, "b")]);
         assert_eq!(all(""), []);
+    }
+
+    #[test]
+    fn cells_are_what_stands_between_the_signs() {
+        let all = |line| cells(line, b';').collect::<Vec<_>>();
+        assert_eq!(all("1;2"), ["1", "2"]);
+        assert_eq!(all(" 1 ;;\u{a0}\u{b5}m\t;"), ["1", "", "\u{b5}m", ""]);
+        assert_eq!(all(""), [""]);
+        for text in ["a", " a", "a ", "\u{a0}a", "\u{e9}", "", " "] {
+            assert_eq!(trimmed(text), text.trim());
+        }
     }
 
     #[test]

@@ -56,6 +56,18 @@ pub struct SpectrumAverager {
     n_averages: usize,
 }
 
+/// The sums of one hit as a task that can be run with the vector instructions of the processor at hand.
+struct Accumulation<'a>(&'a mut SpectrumAverager);
+
+impl pulp::NullaryFnOnce for Accumulation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.0.accumulate_vectorised();
+    }
+}
+
 impl SpectrumAverager {
     /// An averager for hits with these channels and this sampling.
     ///
@@ -212,7 +224,7 @@ impl SpectrumAverager {
     }
 
     fn accumulate(&mut self) {
-        pulp::Arch::new().dispatch(|| self.accumulate_vectorised());
+        pulp::Arch::new().dispatch(Accumulation(self));
         self.n_averages += 1;
     }
 

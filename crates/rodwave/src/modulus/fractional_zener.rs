@@ -56,6 +56,19 @@ impl FractionalZener {
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
+
+    /// E of (sτ)^α, which takes most of the time.
+    fn at_power(&self, power: Complex64) -> Complex64 {
+        self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
+    }
+
+    /// ∂E/∂ln s of (sτ)^α.
+    fn slope_at_power(&self, power: Complex64) -> Complex64 {
+        quotient(
+            quotient(self.step.increment() * self.exponent * power, 1.0 + power),
+            1.0 + power,
+        )
+    }
 }
 
 impl ComplexModulus for FractionalZener {
@@ -64,18 +77,13 @@ impl ComplexModulus for FractionalZener {
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        let power = self.power(Complex64::new(0.0, omega));
-        quotient(
-            quotient(self.step.increment() * self.exponent * power, 1.0 + power),
-            1.0 + power,
-        )
+        self.slope_at_power(self.power(Complex64::new(0.0, omega)))
     }
 }
 
 impl LaplaceModulus for FractionalZener {
     fn at_s(&self, s: Complex64) -> Complex64 {
-        let power = self.power(s);
-        self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
+        self.at_power(self.power(s))
     }
 }
 
@@ -112,14 +120,15 @@ impl DifferentiableModulus for FractionalZener {
 
     fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
-        let slope = self.slope(omega);
+        let power = self.power(Complex64::new(0.0, omega));
+        let slope = self.slope_at_power(power);
         let by_exponent = if slope == Complex64::ZERO {
             Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
             slope * Complex64::new(0.0, omega * self.relaxation_time).ln() / self.exponent
         };
         write(
-            &[relaxed, self.at(omega) - relaxed, slope, by_exponent],
+            &[relaxed, self.at_power(power) - relaxed, slope, by_exponent],
             derivatives,
         )
     }

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use memchr::memchr;
+
 use super::{CsvDialect, CsvSeparator, header, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
@@ -28,12 +30,12 @@ const CANDIDATES: [(CsvSeparator, DecimalMark); 10] = [
 ];
 
 impl CsvSeparator {
-    fn sign(self) -> Option<char> {
+    fn sign(self) -> Option<u8> {
         match self {
-            Self::Comma => Some(','),
-            Self::Semicolon => Some(';'),
-            Self::Tab => Some('\t'),
-            Self::Bar => Some('|'),
+            Self::Comma => Some(b','),
+            Self::Semicolon => Some(b';'),
+            Self::Tab => Some(b'\t'),
+            Self::Bar => Some(b'|'),
             Self::Blanks => None,
         }
     }
@@ -43,12 +45,12 @@ impl CsvSeparator {
         cells.clear();
         match self.sign() {
             None => cells.extend(line.split_ascii_whitespace().map(Cow::Borrowed)),
-            Some(sign) if !line.contains('"') => {
-                cells.extend(line.split(sign).map(|cell| Cow::Borrowed(cell.trim())));
+            Some(sign) if memchr(b'"', line.as_bytes()).is_none() => {
+                cells.extend(text::cells(line, sign).map(Cow::Borrowed));
             }
             Some(sign) => {
                 let mut reader = ::csv::ReaderBuilder::new()
-                    .delimiter(u8::try_from(sign).unwrap_or(b','))
+                    .delimiter(sign)
                     .has_headers(false)
                     .trim(::csv::Trim::All)
                     .from_reader(line.as_bytes());

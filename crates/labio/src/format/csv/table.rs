@@ -163,7 +163,7 @@ pub(super) fn read(
     let mut read: Vec<Option<Value>> = Vec::new();
     let mut n_rows = 0;
     for (line, row) in text::lines(text).skip_while(|(number, _)| *number < shape.first_line) {
-        if row.trim().is_empty() {
+        if text::trimmed(row).is_empty() {
             continue;
         }
         dialect.separator.cut(row, &mut cells);

@@ -35,7 +35,7 @@ impl Rows {
             }
         };
         while let Some((line, text)) = source.skip_blank(self.separator) {
-            let first = text.split(self.separator).next().unwrap_or("").trim();
+            let first = self.cells(text).next().unwrap_or("");
             if first.starts_with(START_SPECIAL) {
                 source.take();
                 skip_special(source)?;
@@ -66,6 +66,11 @@ impl Rows {
         Ok(())
     }
 
+    /// The cells of a row; the separator is a tabulator, a comma or a semicolon.
+    fn cells<'a>(&self, row: &'a str) -> impl Iterator<Item = &'a str> + use<'a> {
+        text::cells(row, u8::try_from(self.separator).unwrap_or(b'\t'))
+    }
+
     /// Takes one row; a cell that is empty where a sample should be, or full where none should be, is a defect.
     fn row(
         &self,
@@ -78,7 +83,7 @@ impl Rows {
             Some(block) if block > 0 => self.n_rows % block,
             _ => self.n_rows,
         };
-        let mut cells = text.split(self.separator).map(str::trim);
+        let mut cells = self.cells(text);
         let mut column = 0;
         let mut x = None;
         for channel in channels {
@@ -183,5 +188,5 @@ fn begins_header(first: &str) -> bool {
         "Description",
         END_OF_HEADER,
     ];
-    TAGS.contains(&first)
+    first.starts_with(|c: char| c.is_ascii_uppercase() || c == '*') && TAGS.contains(&first)
 }
