@@ -114,7 +114,8 @@ fn rows_that_cannot_be_are_refused() {
         "performance.ron, row `help`: nothing says why that target"
     );
     assert!(
-        message("because: \"at once\"", "becuase: \"at once\"").contains("performance.ron:5: ")
+        message("because: \"at once\"", "becuase: \"at once\"")
+            .contains("performance.ron, line 5, column ")
     );
     let text = ROWS.replacen(
         "Process(\"rodlab --help\")",

@@ -204,7 +204,7 @@ fn what_is_no_row_gives_its_line() {
     .unwrap_err()
     .to_string();
     assert!(
-        error.starts_with("rows.ron, line 2: ") && error.contains("`say`"),
+        error.starts_with("rows.ron, line 2, column ") && error.contains("`say`"),
         "{error}"
     );
 }
