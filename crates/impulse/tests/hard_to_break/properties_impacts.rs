@@ -148,7 +148,7 @@ proptest! {
         let found = Impact::between(&first, &second).at_velocity(1.0)
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
-        // Of the front a part of a step is left, which presses for a part of a step: 0.0057 of what a step gives was the most
+        // Of the front a part of a step is left, which presses for a part of a step: 0.0058 of what a step gives was the most
         // of 9000 steps, and a front that falls in the wrong step would be seen as 1.
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 0.01 * share, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
