@@ -108,10 +108,12 @@ impl Batch {
                 title: done.outcome.title,
                 status: match &done.outcome.verdict {
                     Verdict::Answered => Status::Answered,
+                    Verdict::InDoubt { .. } => Status::InDoubt,
                     Verdict::NotAllowed { .. } => Status::NotAllowed,
                 },
                 headline: match done.outcome.verdict {
                     Verdict::NotAllowed { reason } => reason,
+                    Verdict::InDoubt { reasons } => reasons.join("; "),
                     Verdict::Answered => {
                         done.outcome.summary.into_iter().next().unwrap_or_default()
                     }

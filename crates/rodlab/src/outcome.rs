@@ -56,6 +56,19 @@ impl Outcome {
             attachments: Vec::new(),
         }
     }
+
+    /// Puts the answer in doubt because of a failed check. A result that the data do not allow stays so.
+    pub fn doubt(&mut self, reason: impl Into<String>) {
+        match &mut self.verdict {
+            Verdict::Answered => {
+                self.verdict = Verdict::InDoubt {
+                    reasons: vec![reason.into()],
+                };
+            }
+            Verdict::InDoubt { reasons } => reasons.push(reason.into()),
+            Verdict::NotAllowed { .. } => {}
+        }
+    }
 }
 
 /// What `result.json` says of a figure; its numbers are in the tables.
@@ -76,13 +89,18 @@ fn names_of_figures<S: serde::Serializer>(
     }))
 }
 
-/// Whether the data allow an answer.
+/// The standing of a result, apart from errors of the sheet or of a file, which end without a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "answer")]
 pub enum Verdict {
-    /// They do.
+    /// The data allow an answer and every check passes; exit status 0.
     Answered,
-    /// They do not; exit status 1.
+    /// There is an answer, but a check fails; exit status 3.
+    InDoubt {
+        /// The failed checks, a sentence each.
+        reasons: Vec<String>,
+    },
+    /// The data do not allow an answer; exit status 1.
     NotAllowed {
         /// Why, in a sentence.
         reason: String,

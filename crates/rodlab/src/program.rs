@@ -25,6 +25,8 @@ use crate::{RodlabError, output};
 pub enum Ending {
     /// Status 0.
     Done,
+    /// Status 3: there is an answer, but a check fails; it has been said which.
+    InDoubt,
     /// Status 1: the data do not allow the result; it has been said why.
     NotAllowed,
     /// Status 2: a sheet, a file or a folder is wrong; it has been said where.
@@ -39,6 +41,7 @@ impl Ending {
     pub fn status(self) -> u8 {
         match self {
             Self::Done => 0,
+            Self::InDoubt => 3,
             Self::NotAllowed => 1,
             Self::Wrong => 2,
             Self::Interrupted => 130,
@@ -206,6 +209,10 @@ fn one_sheet(
     }
     match &done.outcome.verdict {
         Verdict::Answered => Ok(Ending::Done),
+        Verdict::InDoubt { reasons } => {
+            let _ = writeln!(err, "answered in doubt: {}", reasons.join("; "));
+            Ok(Ending::InDoubt)
+        }
         Verdict::NotAllowed { reason } => {
             let _ = writeln!(err, "the data do not allow the result: {reason}");
             Ok(Ending::NotAllowed)
@@ -312,6 +319,8 @@ fn conclude(
         Ending::Wrong
     } else if summary.count(Status::NotAllowed) > 0 {
         Ending::NotAllowed
+    } else if summary.count(Status::InDoubt) > 0 {
+        Ending::InDoubt
     } else {
         Ending::Done
     })

@@ -67,7 +67,7 @@ pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError
         job: outcome.job,
         title: &outcome.title,
         refusal: match &outcome.verdict {
-            Verdict::Answered => None,
+            Verdict::Answered | Verdict::InDoubt { .. } => None,
             Verdict::NotAllowed { reason } => Some(reason),
         },
         summary: &outcome.summary,

@@ -17,6 +17,8 @@ use crate::output::{self, FAILURE, RESULT, RESULT_VERSION, SOFTWARE, SheetIdenti
 pub enum Status {
     /// With an answer.
     Answered,
+    /// With an answer, but a check fails.
+    InDoubt,
     /// The data do not allow one.
     NotAllowed,
     /// The sheet or a file is wrong.
@@ -29,6 +31,7 @@ impl Status {
     pub fn word(self) -> &'static str {
         match self {
             Self::Answered => "answered",
+            Self::InDoubt => "in doubt",
             Self::NotAllowed => "not allowed",
             Self::Failed => "failed",
         }
@@ -98,6 +101,7 @@ impl StoredResult {
                 Status::Answered,
                 self.summary.into_iter().next().unwrap_or_default(),
             ),
+            Verdict::InDoubt { reasons } => (Status::InDoubt, reasons.join("; ")),
             Verdict::NotAllowed { reason } => (Status::NotAllowed, reason),
         };
         Row {

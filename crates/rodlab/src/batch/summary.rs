@@ -15,6 +15,7 @@ use crate::output::SOFTWARE;
 pub struct Summary {
     software: &'static str,
     answered: usize,
+    in_doubt: usize,
     not_allowed: usize,
     failed: usize,
     tests: Vec<Row>,
@@ -29,6 +30,7 @@ impl Summary {
         Self {
             software: SOFTWARE,
             answered: count(Status::Answered),
+            in_doubt: count(Status::InDoubt),
             not_allowed: count(Status::NotAllowed),
             failed: count(Status::Failed),
             tests,
@@ -40,6 +42,7 @@ impl Summary {
     pub fn count(&self, status: Status) -> usize {
         match status {
             Status::Answered => self.answered,
+            Status::InDoubt => self.in_doubt,
             Status::NotAllowed => self.not_allowed,
             Status::Failed => self.failed,
         }
@@ -55,9 +58,10 @@ impl Summary {
     #[must_use]
     pub fn sentence(&self) -> String {
         format!(
-            "{} tests: {} answered, {} not allowed by their data, {} failed",
+            "{} tests: {} answered, {} answered in doubt, {} not allowed by their data, {} failed",
             self.tests.len(),
             self.answered,
+            self.in_doubt,
             self.not_allowed,
             self.failed
         )
