@@ -17,7 +17,7 @@ use super::gauges::{
     polypropylene, rod, strains,
 };
 
-const SEEDS: u64 = 40;
+const SEEDS: u64 = 200;
 
 pub(super) fn claims(claims: &mut Claims) {
     errors_in_closed_form(claims);
@@ -283,9 +283,9 @@ fn covered(
 }
 
 fn coverage(claims: &mut Claims) {
-    claims.by("normal errors of E' and E'', 40 draws of 76 lines");
-    let one = Within(0.03, "some 5000 values scatter by 0.7 %, four of it");
-    let two = Within(0.012, "some 5000 values scatter by 0.3 %, four of it");
+    claims.by("normal errors of E' and E'', 200 draws of 76 lines");
+    let one = Within(0.012, "some 25 000 values scatter by 0.3 %, four of it");
+    let two = Within(0.0055, "some 25 000 values scatter by 0.13 %, four of it");
     let positions = [0.25, 0.4, 0.55];
     let closed = covered(&positions, Structure::II, &[2e-3, 1e-3, 3e-3], true);
     let relative = [1e-2, 5e-3, 1e-2, 3e-2, 1e-2];
@@ -314,8 +314,8 @@ fn coverage(claims: &mut Claims) {
         "1",
         1.0,
         Within(
-            0.05,
-            "12 000 degrees of freedom scatter by 1.3 %, four of it",
+            0.023,
+            "60 000 degrees of freedom scatter by 0.58 %, four of it",
         ),
         of(&squares, |found| found.chi_square),
     );

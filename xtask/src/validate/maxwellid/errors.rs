@@ -8,7 +8,7 @@ use super::virtual_rod::{VELOCITY, noisy, struck};
 
 /// Of either history, in m/s: 1 % of the impact velocity.
 const NOISE: f64 = 0.1;
-const SEEDS: u64 = 40;
+const SEEDS: u64 = 200;
 
 /// Part of the intervals that hold the truth, mean square of errors in standard errors, mean ratio of residual to stated noise.
 struct Covered {
@@ -18,7 +18,7 @@ struct Covered {
 }
 
 pub(super) fn claims(claims: &mut Claims) {
-    claims.by("40 draws of noise of 1 % of the impact velocity on both histories");
+    claims.by("200 draws of noise of 1 % of the impact velocity on both histories");
     let maxwell = || covered(3.0e9, &Maxwell::new(4e6)?, &Maxwell::new(1e6)?);
     let norton = || {
         let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?;
@@ -41,21 +41,21 @@ pub(super) fn claims(claims: &mut Claims) {
             format!("{name}: intervals of 95 % that hold the truth"),
             "1",
             0.95,
-            Within(0.07, "40 draws of correlated parameters, 3.4 %; two of it"),
+            Within(0.031, "200 draws of correlated parameters, 1.5 %; two of it"),
             of(&found, |found| found.inside),
         );
         claims.claim(
             format!("{name}: mean square of errors over standard errors"),
             "1",
             1.0,
-            Within(0.67, "sqrt(2/40) = 22 %, three of it"),
+            Within(0.3, "sqrt(2/200) = 10 %, three of it"),
             of(&found, |found| found.squares),
         );
         claims.claim(
             format!("{name}: residual over the stated noise"),
             "1",
             1.0,
-            Within(0.045, "1/sqrt(2 100 40) = 1.1 %, four of it"),
+            Within(0.02, "1/sqrt(2 100 200) = 0.5 %, four of it"),
             of(&found, |found| found.to_noise),
         );
     }
