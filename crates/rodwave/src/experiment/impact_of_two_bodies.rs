@@ -220,26 +220,26 @@ impl ImpactRecord<'_> {
 }
 
 /// The stick force until it ceases to be compressive, and when that is (paper E, eq. 3).
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`begin` is the index of a sample, and the sample at `tension` follows one above zero"
+)]
 fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
     let peak = stick.samples.iter().copied().fold(0.0, f64::max);
     let noise = TENSION * peak;
     // the contact begins where the force has risen above the noise
     let begin = stick.samples.iter().position(|&force| force > noise);
-    let pressed =
-        begin.and_then(|begin| stick.samples.get(begin..).map(|pressed| (begin, pressed)));
-    let tension = pressed.and_then(|(begin, pressed)| {
-        let after = pressed.iter().position(|&force| force < -noise)?;
-        Some(begin + after)
+    let crossing = begin.and_then(|begin| {
+        let pressed = &stick.samples[begin..];
+        let tension = begin + pressed.iter().position(|&force| force < -noise)?;
+        let before = &stick.samples[..tension];
+        before.iter().rposition(|&force| force >= 0.0)
     });
-    let Some(tension) = tension else {
+    let Some(last) = crossing else {
         return (stick.samples.clone(), ContactEnd::InContact);
     };
-    let before = stick.samples.get(..tension).unwrap_or_default();
-    let last = before.iter().rposition(|&force| force >= 0.0).unwrap_or(0);
-    let fraction = match stick.samples.get(last..) {
-        Some([force, next, ..]) => force / (force - next),
-        _ => 0.0,
-    };
+    let (before, after) = (stick.samples[last], stick.samples[last + 1]);
+    let fraction = before / (before - after);
     let time = stick.time(last) + fraction * stick.interval;
     let mut force = stick.samples.clone();
     for sample in force.iter_mut().skip(last + 1) {

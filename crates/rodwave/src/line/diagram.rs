@@ -105,13 +105,17 @@ impl Diagram {
         Ok(diagram)
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the strains are those of the cells before, and the stresses have been lengthened by the cells of this bar"
+    )]
     fn push(&mut self, march: &mut March) {
         self.times.push(march.time());
         for (bar, strain) in march.cells_mut() {
             bar.read_cells(&mut self.velocity, &mut self.stress);
             match strain {
                 CellStrains::OfStress => {
-                    let read = self.stress.get(self.strain.len()..).unwrap_or(&[]);
+                    let read = &self.stress[self.strain.len()..];
                     self.strain.extend(read.iter().map(|s| s / bar.modulus));
                 }
                 CellStrains::Own(strains) => self.strain.extend_from_slice(strains),
