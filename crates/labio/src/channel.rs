@@ -1,5 +1,6 @@
 //! What a row of samples means.
 
+use std::collections::HashMap;
 use std::fmt;
 
 use crate::{Dimension, LabioError};
@@ -163,8 +164,9 @@ pub(crate) fn find<'a>(
 
 /// Refuses a list in which a name occurs twice.
 pub(crate) fn check_distinct(channels: &[Channel]) -> Result<(), LabioError> {
+    let mut seen = HashMap::with_capacity(channels.len());
     for (second, channel) in channels.iter().enumerate() {
-        let (first, _) = find(channels, &channel.name)?;
+        let first = *seen.entry(channel.name.as_str()).or_insert(second);
         if first < second {
             return Err(LabioError::DuplicateChannel {
                 name: channel.name.clone(),

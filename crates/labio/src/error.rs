@@ -236,6 +236,22 @@ pub enum LabioError {
         /// What should.
         expected: String,
     },
+    /// What is packed in a file takes more memory than it may.
+    #[error(
+        "{format}, {place}: {what} takes the contents to {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
+    )]
+    MemoryLimit {
+        /// Name of the format.
+        format: &'static str,
+        /// Where in the file.
+        place: Place,
+        /// What would be taken next (shortened if long).
+        what: String,
+        /// Bytes that the contents would need with it, at least.
+        needed: u64,
+        /// Bytes that they may take, see [`MemoryLimit`](crate::format::MemoryLimit).
+        limit: u64,
+    },
     /// The bytes are of none of the formats that are known.
     #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({})", head.escape_default(), known.join(", "))]
     UnknownFormat {

@@ -24,7 +24,8 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::{Contents, LabioError, Provenance};
+use crate::error::check_positive;
+use crate::{Abscissa, Contents, Dimension, LabioError, Provenance};
 
 pub mod csv;
 pub mod lvm;
@@ -36,11 +37,13 @@ pub mod uff58;
 pub mod wav;
 
 mod kind;
+mod memory;
 mod replace_file;
 mod rounding;
 mod sampled_together;
 mod text;
 
+pub use memory::MemoryLimit;
 pub use rounding::{CustomaryRate, RateFamily, customary_rate};
 pub use sampled_together::SampledTogether;
 pub use text::DecimalMark;
@@ -60,10 +63,12 @@ pub trait Reader: Debug + Sync {
     /// Name of the format, as `uff58`.
     fn name(&self) -> &'static str;
 
-    /// Whether a file that begins with `head` (its first 4096 bytes, or all of it) is of this format.
+    /// Whether a file that begins with `head` is of this format. A format with a signature needs the first 4096 bytes of a file, or all of it;
+    /// a table in text is known by its first rows of numbers, however much stands above them.
     fn recognises(&self, head: &[u8]) -> bool;
 
-    /// Reads all of a file. Memory is taken only for bytes that are there, whatever a header announces.
+    /// Reads all of a file. Memory is taken only for bytes that are there, whatever a header announces, and for those that are packed only up to
+    /// the default [`MemoryLimit`].
     ///
     /// # Errors
     ///
@@ -84,9 +89,6 @@ pub trait Writer: Debug + Sync {
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError>;
 }
 
-/// Length of the beginning of a file by which a [`Reader`] recognises it.
-const HEAD: usize = 4096;
-
 /// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
 static READERS: [&dyn Reader; 8] = [
     &tdms::Tdms,
@@ -105,11 +107,10 @@ pub fn readers() -> &'static [&'static dyn Reader] {
     &READERS
 }
 
-/// The reader of the format that `bytes` are of, told by their beginning alone; `None` if they are of no known format.
+/// The reader of the format that a file is of, all of which is `bytes`; `None` if it is of no known format.
 #[must_use]
 pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
-    let head = bytes.get(..HEAD).unwrap_or(bytes);
-    READERS.into_iter().find(|reader| reader.recognises(head))
+    READERS.into_iter().find(|reader| reader.recognises(bytes))
 }
 
 /// Reads the file at `path`, whatever its name, and refuses it if any part of it cannot be read.
@@ -149,18 +150,64 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Contents, LabioError> {
 ///
 /// As [`read_bytes`].
 pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
-    match recognise(bytes) {
-        Some(reader) => reader.read(bytes, strictness),
-        None => Err(LabioError::UnknownFormat {
-            head: bytes
-                .iter()
-                .take(16)
-                .map(|&byte| char::from(byte))
-                .collect(),
-            n_bytes: bytes.len(),
-            known: READERS.iter().map(|reader| reader.name()).collect(),
-        }),
+    reader_of(bytes)?.read(bytes, strictness)
+}
+
+/// Reads all of a file that is in memory and was sampled at `rate_hz`, and refuses it if any part of it cannot be read.
+///
+/// Times that are not evenly spaced take this rate if it gives all of them within half a step: those of single precision, or of a few
+/// digits. Other abscissae are as [`read_bytes`] reads them, and a rate that contradicts them is no error.
+///
+/// # Errors
+///
+/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive; [`LabioError::Malformed`] for times of a table that the rate
+/// does not give.
+///
+/// # Examples
+///
+/// ```
+/// use labio::{Abscissa, format};
+///
+/// // times in single precision: 0.1 is 0.10000000149011612
+/// let file = b"time [s],force [N]\n0,1\n0.10000000149011612,2\n0.20000000298023224,3\n0.30000001192092896,4\n";
+/// let contents = format::read_bytes_at(file, 10.0)?;
+/// assert_eq!(contents.series[0].abscissa, Abscissa::Even { start: 0.0, step: 0.1 });
+/// # Ok::<(), labio::LabioError>(())
+/// ```
+pub fn read_bytes_at(bytes: &[u8], rate_hz: f64) -> Result<Contents, LabioError> {
+    check_positive("sampling rate [Hz]", rate_hz)?;
+    let reader = reader_of(bytes)?;
+    if reader.name() == Reader::name(&csv::Csv) {
+        let options = csv::CsvOptions::default().with_abscissa(csv::CsvAbscissa::Rate(rate_hz));
+        return csv::read_with(bytes, Strictness::Strict, &options);
     }
+    let mut contents = reader.read(bytes, Strictness::Strict)?;
+    for series in &mut contents.series {
+        let (Abscissa::Uneven(times), Some(unit)) = (&series.abscissa, &series.abscissa_axis.unit)
+        else {
+            continue;
+        };
+        if unit.dimension() != Dimension::TIME {
+            continue;
+        }
+        let step = 1.0 / (rate_hz * unit.scale());
+        if let Some(start) = rounding::start_at_step(times, step) {
+            series.abscissa = Abscissa::Even { start, step };
+        }
+    }
+    Ok(contents)
+}
+
+fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
+    recognise(bytes).ok_or_else(|| LabioError::UnknownFormat {
+        head: bytes
+            .iter()
+            .take(16)
+            .map(|&byte| char::from(byte))
+            .collect(),
+        n_bytes: bytes.len(),
+        known: READERS.iter().map(|reader| reader.name()).collect(),
+    })
 }
 
 /// Reads the file at `path`, and refuses it if any part of it cannot be read; then makes records of what was sampled together.

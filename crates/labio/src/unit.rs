@@ -28,6 +28,8 @@ pub struct Dimension {
 impl Dimension {
     /// Of a pure number.
     pub const NONE: Self = Self::of([0; 5]);
+    /// Of a time.
+    pub const TIME: Self = Self::of([0, 0, 1, 0, 0]);
 
     const fn of([length, mass, time, current, temperature]: [i8; 5]) -> Self {
         Self {

@@ -6,8 +6,10 @@
 //! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first thousand lines hold the largest block of
 //!   numbers; everything above the block is the header. The one case in which two readings are equal, a file of `1,5` on every line
 //!   without names, is refused.
-//! - A row of names and a row of units right above the numbers. Units also stand behind names: `Time [s]`, `Time (s)`, `Time/s`. All
-//!   other lines of the header become properties.
+//! - A row of names and a row of units right above the numbers. Units also stand behind names: `Time [s]`, `Time (s)`, `Time/s`,
+//!   `time_s`. Above numbers between blanks, names may be separated by tabulators, semicolons, bars, commas or their units. All other lines
+//!   of the header become properties.
+//! - Settings of an oscilloscope in the columns before the first rows of numbers become properties, and tell the units.
 //! - Complex numbers in one cell, `1.5-2j`.
 //! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of all if it is in a unit of
 //!   time, is a frequency or an index, or if there are no names and it increases evenly. Otherwise the samples are counted.
@@ -16,7 +18,7 @@
 //!
 //! A column of times in few digits is no clock. If an even spacing lies within the digits, and they determine its step to
 //! [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with that step; if they do not, and values repeat, a strict reading refuses
-//! the column and names the remedy, [`CsvAbscissa::Step`]. A tolerant reading takes the estimated step and says so in a defect. All other
+//! the column and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]. A tolerant reading takes the estimated step and says so in a defect. All other
 //! columns are taken as they stand, evenly spaced or not.
 //!
 //! # Strictness
@@ -143,6 +145,10 @@ pub enum CsvAbscissa {
     Column(usize),
     /// As by content, but with this step, in the unit of the column. The column may deviate from it by half a step and by its rounding.
     Step(f64),
+    /// As by content, but sampled at this rate \[Hz\] where the column does not tell an even spacing by itself: times that were rounded to
+    /// single precision or to a few digits. The column may deviate from it by half a step and by its rounding; without a unit it is taken for
+    /// seconds.
+    Rate(f64),
     /// There is none: every column is a series over the number of the sample.
     Index,
 }
@@ -233,6 +239,7 @@ impl Reader for Csv {
 
     /// Whether the beginning holds a table. Almost every text with numbers does: ask the other formats first.
     fn recognises(&self, head: &[u8]) -> bool {
+        let head = dialect::searched(head);
         let Ok((text, _)) = text::decode(head.get(..head.len() & !1).unwrap_or(head), FORMAT)
             .or_else(|_| text::decode(head, FORMAT))
         else {

@@ -20,6 +20,7 @@
 //! - Files of version 4 and of version 7.3 (which are HDF5), by name.
 //! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading refuses the file, a tolerant one passes over
 //!   the variable with a defect. A variable that is damaged is treated alike.
+//! - Contents beyond a [`MemoryLimit`], in either reading.
 
 mod element;
 mod matrix;
@@ -29,10 +30,11 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use crate::error;
-use crate::format::{Reader, Strictness, text};
-use crate::{Contents, LabioError, Place};
+use crate::format::memory::Budget;
+use crate::format::{MemoryLimit, Reader, Strictness, text};
+use crate::{Contents, LabioError, Place, Series};
 
-use element::{Cursor, Origin};
+use element::{Cursor, Element, Origin};
 
 const FORMAT: &str = "mat5";
 
@@ -122,86 +124,142 @@ impl Reader for Mat5 {
     }
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
-        let refused = |found: String| {
-            malformed(
-                Place::Byte(124),
-                "version",
-                found,
-                "a MATLAB file of version 5",
-            )
-        };
-        let big_endian = match Version::of(bytes) {
-            Some(Version::Five { big_endian }) => big_endian,
-            Some(Version::Four) => return Err(refused("4; save it with `-v7`".to_owned())),
-            Some(Version::SevenPointThree) => {
-                return Err(refused("7.3, which is HDF5; save it with `-v7`".to_owned()));
-            }
-            None => {
-                let found = bytes.get(124..HEADER_BYTES).map_or_else(
-                    || format!("a file of {} bytes", bytes.len()),
-                    |version| format!("{version:02x?}"),
-                );
-                return Err(refused(found));
-            }
-        };
-        let mut contents = Contents::of_format(FORMAT);
-        let description: String = bytes.iter().take(116).copied().map(char::from).collect();
-        let description = description.trim_end_matches([' ', '\0']);
-        if !description.is_empty() {
-            let description = description.to_owned();
-            contents
-                .properties
-                .push(("description".to_owned(), description));
-        }
-        let mut cursor = Cursor::new(
-            bytes.get(HEADER_BYTES..).unwrap_or(&[]),
-            Origin::File(HEADER_BYTES as u64),
-            big_endian,
-        );
-        loop {
-            // a length that is wrong leaves no way to the next element
-            let element = match cursor.element() {
-                Ok(Some(element)) => element,
-                Ok(None) => break,
-                Err(error) if strictness == Strictness::Tolerant => {
-                    contents.defects.push(error);
-                    break;
-                }
-                Err(error) => return Err(error),
-            };
-            let read = match element.kind {
-                MATRIX => {
-                    let inner = Cursor::new(
-                        element.data,
-                        Origin::File(element.at + TAG_BYTES),
-                        big_endian,
-                    );
-                    matrix::read(inner, "", 0, strictness, &mut contents)
-                }
-                COMPRESSED => unpack(element.data, element.at, big_endian).and_then(|unpacked| {
-                    let inner = Cursor::new(&unpacked, Origin::Packed(element.at), big_endian);
-                    matrix::read(inner, "", 0, strictness, &mut contents)
-                }),
-                other => Err(malformed(
-                    Place::Byte(element.at),
-                    "type of the element",
-                    other.to_string(),
-                    "an array (14) or a compressed one (15)",
-                )),
-            };
-            if let Err(error) = read {
-                if strictness == Strictness::Strict {
-                    return Err(error);
-                }
-                contents.defects.push(error);
-            }
-        }
-        Ok(contents)
+        read_within(bytes, strictness, MemoryLimit::of_file(bytes.len()))
     }
 }
 
-/// The body of the array that was deflated, as long as its own tag says.
-fn unpack(deflated: &[u8], at: u64, big_endian: bool) -> Result<Vec<u8>, LabioError> {
+/// Reads all of a file, of which the contents take memory up to `limit`.
+///
+/// # Errors
+///
+/// As [`Mat5`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+pub fn read_within(
+    bytes: &[u8],
+    strictness: Strictness,
+    limit: MemoryLimit,
+) -> Result<Contents, LabioError> {
+    let refused = |found: String| {
+        malformed(
+            Place::Byte(124),
+            "version",
+            found,
+            "a MATLAB file of version 5",
+        )
+    };
+    let big_endian = match Version::of(bytes) {
+        Some(Version::Five { big_endian }) => big_endian,
+        Some(Version::Four) => return Err(refused("4; save it with `-v7`".to_owned())),
+        Some(Version::SevenPointThree) => {
+            return Err(refused("7.3, which is HDF5; save it with `-v7`".to_owned()));
+        }
+        None => {
+            let found = bytes.get(124..HEADER_BYTES).map_or_else(
+                || format!("a file of {} bytes", bytes.len()),
+                |version| format!("{version:02x?}"),
+            );
+            return Err(refused(found));
+        }
+    };
+    let mut reading = Reading {
+        contents: Contents::of_format(FORMAT),
+        budget: Budget::new(FORMAT, limit),
+        strictness,
+    };
+    let description: String = bytes.iter().take(116).copied().map(char::from).collect();
+    let description = description.trim_end_matches([' ', '\0']);
+    if !description.is_empty() {
+        reading.property(0, "description".to_owned(), description.to_owned())?;
+    }
+    let (_, variables) = bytes.split_at(HEADER_BYTES);
+    let mut cursor = Cursor::new(variables, Origin::File(HEADER_BYTES as u64), big_endian);
+    loop {
+        // a length that is wrong leaves no way to the next element
+        let element = match cursor.element() {
+            Ok(Some(element)) => element,
+            Ok(None) => break,
+            Err(error) => {
+                reading.pass_over(error, HEADER_BYTES as u64)?;
+                break;
+            }
+        };
+        let read = match element.kind {
+            MATRIX => {
+                let inner = Cursor::new(
+                    element.data,
+                    Origin::File(element.at + TAG_BYTES),
+                    big_endian,
+                );
+                matrix::read(inner, "", 0, &mut reading)
+            }
+            COMPRESSED => packed(&element, big_endian, &mut reading),
+            other => Err(malformed(
+                Place::Byte(element.at),
+                "type of the element",
+                other.to_string(),
+                "an array (14) or a compressed one (15)",
+            )),
+        };
+        if let Err(error) = read {
+            reading.pass_over(error, element.at)?;
+        }
+    }
+    Ok(reading.contents)
+}
+
+/// What has been read, and the memory that it takes.
+struct Reading {
+    contents: Contents,
+    budget: Budget,
+    strictness: Strictness,
+}
+
+impl Reading {
+    fn property(&mut self, at: u64, key: String, value: String) -> Result<(), LabioError> {
+        self.budget.take_property(&key, &value, Place::Byte(at))?;
+        self.contents.properties.push((key, value));
+        Ok(())
+    }
+
+    fn series(&mut self, at: u64, series: Series) -> Result<(), LabioError> {
+        self.budget.take_series(&series, Place::Byte(at))?;
+        self.contents.series.push(series);
+        Ok(())
+    }
+
+    /// Makes `error` a defect of a tolerant reading. What takes too much memory is refused in any.
+    fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
+        if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
+        {
+            return Err(error);
+        }
+        let n_bytes = size_of::<LabioError>() + error.to_string().len();
+        self.budget
+            .take_text(n_bytes, Place::Byte(at), "a defect")?;
+        self.contents.defects.push(error);
+        Ok(())
+    }
+}
+
+/// Reads an array that was deflated.
+fn packed(
+    element: &Element<'_>,
+    big_endian: bool,
+    reading: &mut Reading,
+) -> Result<(), LabioError> {
+    let unpacked = unpack(element.data, element.at, big_endian, &mut reading.budget)?;
+    let inner = Cursor::new(&unpacked, Origin::Packed(element.at), big_endian);
+    let read = matrix::read(inner, "", 0, reading);
+    reading.budget.give_back(unpacked.len());
+    read
+}
+
+/// The body of the array that was deflated, as long as its own tag says. `budget` counts what is there of it.
+fn unpack(
+    deflated: &[u8],
+    at: u64,
+    big_endian: bool,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, LabioError> {
     let mut inflated = ZlibDecoder::new(deflated);
     let failed = |error: std::io::Error| {
         malformed(
@@ -227,21 +285,25 @@ fn unpack(deflated: &[u8], at: u64, big_endian: bool) -> Result<Vec<u8>, LabioEr
             "an array (14)",
         ));
     }
+    let length = length as usize;
     let mut body = Vec::new();
-    inflated
-        .take(u64::from(length))
-        .read_to_end(&mut body)
-        .map_err(failed)?;
-    match usize::try_from(length)
-        .unwrap_or(usize::MAX)
-        .checked_sub(body.len())
-    {
-        Some(0) => Ok(body),
-        missing => Err(LabioError::Truncated {
-            format: FORMAT,
-            missing_bytes: missing.unwrap_or(0),
-        }),
+    let mut part = [0; 1 << 14];
+    while body.len() < length {
+        let n_wanted = (length - body.len()).min(part.len());
+        let (room, _) = part.split_at_mut(n_wanted);
+        let n = inflated.read(room).map_err(failed)?;
+        let (new, _) = room.split_at(n);
+        if new.is_empty() {
+            budget.give_back(body.len());
+            return Err(LabioError::Truncated {
+                format: FORMAT,
+                missing_bytes: length - body.len(),
+            });
+        }
+        budget.take(n, 1, Place::Byte(at), "a compressed array")?;
+        body.extend_from_slice(new);
     }
+    Ok(body)
 }
 
 fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioError {

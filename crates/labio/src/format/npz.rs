@@ -17,7 +17,8 @@
 //!
 //! # Strictness
 //!
-//! A member that is no array, or one of an element or shape that is no series, is refused; in a tolerant reading it is a defect.
+//! A member that is no array, or one of an element or shape that is no series, is refused; in a tolerant reading it is a defect. Contents
+//! beyond a [`MemoryLimit`] are refused in either.
 
 mod about;
 mod write;
@@ -28,12 +29,16 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use crate::format::memory::Budget;
 use crate::format::npy::array::{Array, Values};
 use crate::format::npy::header::{Header, shape_text};
-use crate::format::{Reader, Strictness, text};
+use crate::format::{MemoryLimit, Reader, Strictness, text};
 use crate::{Contents, LabioError, Place, Series};
 
 const FORMAT: &str = "npz";
+
+/// Memory of a series without its numbers: its name and its four properties, each a short text.
+const OF_A_SERIES: usize = size_of::<Series>() + 12 * (size_of::<String>() + 32);
 
 /// Archives of arrays of `NumPy`.
 ///
@@ -83,76 +88,97 @@ impl Reader for Npz {
     }
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
-        let mut archive =
-            ZipArchive::new(Cursor::new(bytes)).map_err(|error| zip_error(error, 0, "archive"))?;
-        let mut contents = Contents::of_format(FORMAT);
-        let mut arrays = Vec::new();
-        for index in 0..archive.len() {
-            match member(&mut archive, index) {
-                Ok(array) => arrays.push(array),
-                Err(error) if strictness == Strictness::Tolerant => contents.defects.push(error),
-                Err(error) => return Err(error),
-            }
+        read_within(bytes, strictness, MemoryLimit::of_file(bytes.len()))
+    }
+}
+
+/// Reads all of an archive, of which the contents take memory up to `limit`.
+///
+/// # Errors
+///
+/// As [`Npz`] as a [`Reader`]; [`LabioError::MemoryLimit`] beyond the limit.
+pub fn read_within(
+    bytes: &[u8],
+    strictness: Strictness,
+    limit: MemoryLimit,
+) -> Result<Contents, LabioError> {
+    let mut archive =
+        ZipArchive::new(Cursor::new(bytes)).map_err(|error| zip_error(error, 0, "archive"))?;
+    let mut contents = Contents::of_format(FORMAT);
+    let mut budget = Budget::new(FORMAT, limit);
+    let mut arrays = Vec::new();
+    for index in 0..archive.len() {
+        match member(&mut archive, index, &mut budget) {
+            Ok(array) => arrays.push(array),
+            Err(error @ LabioError::MemoryLimit { .. }) => return Err(error),
+            Err(error) if strictness == Strictness::Tolerant => contents.defects.push(error),
+            Err(error) => return Err(error),
         }
-        let mut beside = HashMap::new();
-        let names: HashSet<String> = arrays.iter().map(|(name, _)| name.clone()).collect();
-        let mut series: Vec<Series> = Vec::new();
-        for (name, array) in arrays {
-            if about::belongs_to_another(&name, &names) {
-                beside.insert(name, array);
-                continue;
+    }
+    let mut beside = HashMap::new();
+    let names: HashSet<String> = arrays.iter().map(|(name, _)| name.clone()).collect();
+    let mut series: Vec<Series> = Vec::new();
+    for (name, array) in arrays {
+        if about::belongs_to_another(&name, &names) {
+            beside.insert(name, array);
+            continue;
+        }
+        match array.header.shape.as_slice() {
+            [] | [_] if array.header.element.is_text() || array.header.shape.is_empty() => {
+                contents
+                    .properties
+                    .extend(as_properties(&name, array.values));
             }
-            match array.header.shape.as_slice() {
-                [] | [_] if array.header.element.is_text() || array.header.shape.is_empty() => {
+            [_] | [_, _] if !array.header.element.is_text() => {
+                let n_series = match array.header.shape.as_slice() {
+                    &[n_rows, n_columns] => n_rows.min(n_columns),
+                    _ => 1,
+                };
+                budget.take(n_series, OF_A_SERIES, Place::Byte(0), &name)?;
+                let shape = shape_text(&array.header.shape);
+                let of_array = array.into_series(&name);
+                if of_array.is_empty() {
                     contents
                         .properties
-                        .extend(as_properties(&name, array.values));
+                        .push((name, format!("empty, shape {shape}")));
                 }
-                [_] | [_, _] if !array.header.element.is_text() => {
-                    let shape = shape_text(&array.header.shape);
-                    let of_array = array.into_series(&name);
-                    if of_array.is_empty() {
-                        contents
-                            .properties
-                            .push((name, format!("empty, shape {shape}")));
-                    }
-                    series.extend(of_array);
-                }
-                shape => {
-                    let error = LabioError::Malformed {
-                        format: FORMAT,
-                        place: Place::Byte(0),
-                        field: format!("`{name}`"),
-                        found: format!(
-                            "of shape {} and element {}",
-                            shape_text(shape),
-                            array.header.element
-                        ),
-                        expected: "numbers with at most two axes, or a text".to_owned(),
-                    };
-                    match strictness {
-                        Strictness::Strict => return Err(error),
-                        Strictness::Tolerant => contents.defects.push(error),
-                    }
+                series.extend(of_array);
+            }
+            shape => {
+                let error = LabioError::Malformed {
+                    format: FORMAT,
+                    place: Place::Byte(0),
+                    field: format!("`{name}`"),
+                    found: format!(
+                        "of shape {} and element {}",
+                        shape_text(shape),
+                        array.header.element
+                    ),
+                    expected: "numbers with at most two axes, or a text".to_owned(),
+                };
+                match strictness {
+                    Strictness::Strict => return Err(error),
+                    Strictness::Tolerant => contents.defects.push(error),
                 }
             }
         }
-        about::attach(&mut beside, &mut series, &mut contents.properties)?;
-        contents.series = series;
-        if contents.series.is_empty() && contents.properties.is_empty() {
-            return Err(contents
-                .defects
-                .pop()
-                .unwrap_or(LabioError::NoData { format: FORMAT }));
-        }
-        Ok(contents)
     }
+    about::attach(&mut beside, &mut series, &mut contents.properties)?;
+    contents.series = series;
+    if contents.series.is_empty() && contents.properties.is_empty() {
+        return Err(contents
+            .defects
+            .pop()
+            .unwrap_or(LabioError::NoData { format: FORMAT }));
+    }
+    Ok(contents)
 }
 
 /// The array in the member at `index`, with its name.
 fn member(
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     index: usize,
+    budget: &mut Budget,
 ) -> Result<(String, Array), LabioError> {
     let mut member = archive
         .by_index(index)
@@ -192,9 +218,15 @@ fn member(
         .data_length()
         .and_then(|data| data.checked_add(header.data_start))
         .unwrap_or(usize::MAX);
+    let place = Place::Byte(at);
+    budget.take(end, 1, place, &full_name)?;
+    let (count, each) = header.memory();
+    budget.take(count, each, place, &full_name)?;
     let missing = end.saturating_add(1).saturating_sub(bytes.len());
     unpack(missing as u64, &mut bytes)?;
-    Ok((name.to_owned(), Array::read(&bytes, FORMAT, &part)?))
+    let array = Array::read(&bytes, FORMAT, &part)?;
+    budget.give_back(end);
+    Ok((name.to_owned(), array))
 }
 
 fn zip_error(error: ZipError, at: u64, field: &str) -> LabioError {

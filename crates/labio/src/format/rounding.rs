@@ -135,6 +135,13 @@ impl WrittenValues {
     }
 }
 
+/// The first of `times`, if all of them are within half a step of those that follow it in steps of `step`.
+pub(crate) fn start_at_step(times: &[f64], step: f64) -> Option<f64> {
+    let start = *times.first()?;
+    let within = |(i, time): (usize, &f64)| (time - (start + i as f64 * step)).abs() <= 0.5 * step;
+    times.iter().enumerate().all(within).then_some(start)
+}
+
 /// A sampling rate that instruments offer and that a rounded time step is compatible with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

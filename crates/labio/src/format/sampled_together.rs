@@ -1,6 +1,6 @@
 //! Series that lie on the same time axis become the channels of a record.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use ndarray::Array2;
 
@@ -33,7 +33,7 @@ struct Candidate<'a> {
     clock: Clock,
 }
 
-/// A time axis; two are the same if no bit differs.
+/// A time axis.
 #[derive(Debug, Clone, Copy)]
 struct Clock {
     n: usize,
@@ -41,10 +41,13 @@ struct Clock {
     step: f64,
 }
 
-impl PartialEq for Clock {
-    fn eq(&self, other: &Self) -> bool {
-        let bits = |clock: &Self| (clock.n, clock.start.to_bits(), clock.step.to_bits());
-        bits(self) == bits(other)
+/// Number of samples, and the bits of start and step.
+type ClockBits = (usize, u64, u64);
+
+impl Clock {
+    /// Two time axes are the same if no bit differs.
+    fn bits(self) -> ClockBits {
+        (self.n, self.start.to_bits(), self.step.to_bits())
     }
 }
 
@@ -78,7 +81,7 @@ impl Contents {
     /// ```
     #[allow(
         clippy::indexing_slicing,
-        reason = "a candidate knows the place of its series, and every series has a place for the name of its channel"
+        reason = "a candidate knows the place of its series, every series has a place for the name of its channel, and `groups_of_clock` has places of `groups`"
     )]
     pub fn records(&self, provenance: &Provenance) -> SampledTogether {
         let mut left_out = Vec::new();
@@ -91,22 +94,25 @@ impl Contents {
         }
         let names = names(&candidates);
         let mut channel_names = vec![None; self.series.len()];
+        // the n-th series of a name goes to the n-th record on its time axis, which is the first without that name
         let mut groups: Vec<Group<'_>> = Vec::new();
+        let mut groups_of_clock: HashMap<ClockBits, Vec<usize>> = HashMap::new();
+        let mut n_of_name: HashMap<(ClockBits, String), usize> = HashMap::new();
         for (candidate, name) in candidates.into_iter().zip(names) {
-            let free = |group: &&mut Group<'_>| {
-                group.clock == candidate.clock && !group.names.contains(&name)
-            };
-            match groups.iter_mut().find(free) {
-                Some(group) => {
-                    group.names.insert(name.clone());
-                    group.members.push((name, candidate));
+            let clock = candidate.clock;
+            let n_before = n_of_name.entry((clock.bits(), name.clone())).or_default();
+            let of_clock = groups_of_clock.entry(clock.bits()).or_default();
+            match of_clock.get(*n_before) {
+                Some(&group) => groups[group].members.push((name, candidate)),
+                None => {
+                    of_clock.push(groups.len());
+                    groups.push(Group {
+                        clock,
+                        members: vec![(name, candidate)],
+                    });
                 }
-                None => groups.push(Group {
-                    clock: candidate.clock,
-                    names: HashSet::from([name.clone()]),
-                    members: vec![(name, candidate)],
-                }),
             }
+            *n_before += 1;
         }
         let mut records = Vec::with_capacity(groups.len());
         for group in groups {
@@ -131,7 +137,6 @@ impl Contents {
 /// Series that will be one record.
 struct Group<'a> {
     clock: Clock,
-    names: HashSet<String>,
     members: Vec<(String, Candidate<'a>)>,
 }
 
@@ -176,13 +181,6 @@ impl<'a> Candidate<'a> {
         let Abscissa::Even { start, step } = series.abscissa else {
             return Err(refused("abscissa", "uneven".to_owned(), "even"));
         };
-        const SECOND: Dimension = Dimension {
-            length: 0,
-            mass: 0,
-            time: 1,
-            current: 0,
-            temperature: 0,
-        };
         let told = |text: &str| {
             if text.is_empty() {
                 "not told".to_owned()
@@ -191,7 +189,7 @@ impl<'a> Candidate<'a> {
             }
         };
         let time = match &series.abscissa_axis.unit {
-            Some(unit) if unit.dimension() == SECOND => unit,
+            Some(unit) if unit.dimension() == Dimension::TIME => unit,
             _ => {
                 let found = told(&series.abscissa_axis.unit_text);
                 return Err(refused("unit of the abscissa", found, "a unit of time"));
@@ -246,7 +244,7 @@ impl<'a> Candidate<'a> {
 
 /// Names for channels: those of the series, with the degree of freedom where the name alone does not tell channels apart.
 fn names(candidates: &[Candidate<'_>]) -> Vec<String> {
-    let mut first = std::collections::HashMap::new();
+    let mut first = HashMap::new();
     let mut ambiguous = HashSet::new();
     let responses: Vec<Option<String>> = candidates
         .iter()

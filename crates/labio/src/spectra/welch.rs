@@ -7,6 +7,9 @@ use crate::channel::Channel;
 use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
+/// Most segments in which one sample may lie.
+const MOST_SEGMENTS_OF_A_SAMPLE: usize = 64;
+
 /// Overlapped segments of a long record of something stationary (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
 /// 70-73).
 ///
@@ -62,17 +65,19 @@ impl Welch {
         })
     }
 
-    /// Segments that share `n_overlap` samples with the next.
+    /// Segments that share `n_overlap` samples with the next. No sample may lie in more than 64 segments: more of them tell nothing
+    /// new, and their number would be bounded by nothing but the length of the record.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] if that is a whole segment or more.
+    /// [`LabioError::CountMismatch`] if that is more than 63 of 64 samples of a segment, or all of a shorter one.
     pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
-        if n_overlap >= self.n_samples {
+        let most = self.n_samples - self.n_samples.div_ceil(MOST_SEGMENTS_OF_A_SAMPLE);
+        if n_overlap > most {
             return Err(LabioError::CountMismatch {
                 what: "samples of overlap, at most",
                 found: n_overlap,
-                expected: self.n_samples - 1,
+                expected: most,
             });
         }
         Ok(Self { n_overlap, ..self })

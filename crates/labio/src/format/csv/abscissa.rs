@@ -5,14 +5,18 @@ use std::fmt;
 use super::header::Header;
 use super::table::Table;
 use super::{CsvAbscissa, malformed};
+use crate::error::check_positive;
 use crate::format::Strictness;
 use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
-use crate::{Abscissa, Contents, LabioError, Place, Series, SeriesAxis, SeriesKind};
+use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
 /// Largest relative uncertainty of a step that rounded values leave: a frequency is then off by less than a line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
+
+/// Property of an oscilloscope's file with the distance of its samples.
+pub(super) const INTERVAL: &str = "Sample Interval";
 
 const TIME_NAMES: [&str; 9] = [
     "time",
@@ -39,6 +43,11 @@ fn is_time(name: &str, unit: &str) -> bool {
 fn is_frequency(name: &str, unit: &str) -> bool {
     // the letter in the upper case is a force
     called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
+}
+
+/// Whether a name without its unit is that of a time or a frequency.
+pub(super) fn names_abscissa(name: &str) -> bool {
+    is_time(name, "") || is_frequency(name, "")
 }
 
 fn called(name: &str, names: &[&str]) -> bool {
@@ -81,6 +90,8 @@ pub(super) struct Choice {
     /// Only if it increases evenly.
     tentative: bool,
     step: Option<f64>,
+    /// Taken where the column does not tell its own spacing.
+    rate_hz: Option<f64>,
     marker: Option<Marker>,
 }
 
@@ -94,6 +105,7 @@ impl Choice {
             column: None,
             tentative: false,
             step: None,
+            rate_hz: None,
             marker: None,
         };
         match wish {
@@ -110,12 +122,15 @@ impl Choice {
                 return Ok(choice);
             }
             CsvAbscissa::Step(step) => choice.step = Some(step),
-            CsvAbscissa::ByContent => {
+            CsvAbscissa::ByContent | CsvAbscissa::Rate(_) => {
+                if let CsvAbscissa::Rate(rate_hz) = wish {
+                    choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
+                }
                 // oscilloscopes write the interval beside a column in few digits
                 choice.step = header
                     .properties
                     .iter()
-                    .find(|(key, _)| key == "Sample Interval")
+                    .find(|(key, _)| key == INTERVAL)
                     .and_then(|(_, value)| value.split_whitespace().next())
                     .and_then(|value| text::real(value, DecimalMark::Point))
                     .filter(|step| step.is_finite() && *step > 0.0);
@@ -157,9 +172,15 @@ pub(super) fn assemble(
         line: table.first_line,
         column: choice.column.map_or(1, |column| column as u64 + 1),
     };
+    let axis = |at: usize| {
+        let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
+        text::axis(label, unit_text)
+    };
+    let mut abscissa_axis = choice.column.map(axis).unwrap_or_default();
     let abscissa = spacing(
         &table.digits,
         choice,
+        &mut abscissa_axis,
         place,
         strictness,
         &mut contents.defects,
@@ -173,19 +194,14 @@ pub(super) fn assemble(
             .unwrap_or(1.0),
     };
     let abscissa = abscissa.unwrap_or(index);
-    contents.properties.extend(header.properties);
-    let axis = |at: usize| {
-        let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
-        text::axis(label, unit_text)
-    };
-    let abscissa_axis = match column {
-        Some(column) => axis(column),
-        None => SeriesAxis {
+    if column.is_none() {
+        abscissa_axis = SeriesAxis {
             label: "index".to_owned(),
             ..SeriesAxis::default()
-        },
-    };
+        };
+    }
     let kind = default_kind(&abscissa_axis);
+    contents.properties.extend(header.properties);
     for (at, ordinate) in table.columns.into_iter().enumerate() {
         if column == Some(at) {
             continue;
@@ -238,6 +254,7 @@ pub(super) fn assemble(
 fn spacing(
     digits: &WrittenValues,
     choice: &Choice,
+    axis: &mut SeriesAxis,
     place: Place,
     strictness: Strictness,
     defects: &mut Vec<LabioError>,
@@ -259,28 +276,21 @@ fn spacing(
         }
         None => {}
     }
-    if let Some(step) = choice.step {
+    let first_off = |step: f64| {
         // numbers may have been rounded before they were printed in more digits
         let within = Written {
             half_unit: start.half_unit.max(0.5 * step.abs()),
             ..start
         };
-        return match digits.first_off(within, Written::exactly(step)) {
+        digits.first_off(within, Written::exactly(step))
+    };
+    if let Some(step) = choice.step {
+        return match first_off(step) {
             None => Ok(Some(Abscissa::Even {
                 start: start.value,
                 step,
             })),
-            Some(row) => off(
-                format!(
-                    "{:e} in row {}",
-                    digits.get(row).map_or(f64::NAN, |x| x.value),
-                    row + 1
-                ),
-                &format!(
-                    "{:e}, by the step of {step:e}",
-                    start.value + row as f64 * step
-                ),
-            ),
+            Some(row) => Err(off_step(digits, row, start.value, step, place)),
         };
     }
     let even = digits.even_spacing();
@@ -292,6 +302,31 @@ fn spacing(
                 start,
                 step: step.value,
             }));
+        }
+    }
+    let told = axis.unit.as_ref().map(|unit| (unit.dimension(), unit));
+    let unit_of_time = match told {
+        Some((Dimension::TIME, unit)) => Some(unit.scale()),
+        None if axis.unit_text.is_empty() => Some(1.0),
+        _ => None,
+    };
+    if let (Some(rate_hz), Some(unit_of_time)) = (choice.rate_hz, unit_of_time) {
+        let step = 1.0 / (rate_hz * unit_of_time);
+        match first_off(step) {
+            None => {
+                if told.is_none() {
+                    *axis = text::axis(std::mem::take(&mut axis.label), "s");
+                }
+                return Ok(Some(Abscissa::Even {
+                    start: start.value,
+                    step,
+                }));
+            }
+            Some(row) if told.is_some() => {
+                return Err(off_step(digits, row, start.value, step, place));
+            }
+            // a column of which nobody says that it is time
+            Some(_) => {}
         }
     }
     if choice.tentative {
@@ -321,6 +356,19 @@ fn spacing(
         }));
     }
     Ok(Some(Abscissa::Uneven(digits.values.clone())))
+}
+
+/// The refusal of a column of which `row`, from 0, is not `start + row * step`.
+fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Place) -> LabioError {
+    let found = match digits.get(row) {
+        Some(found) => format!("{:e} in row {}", found.value, row + 1),
+        None => format!("no number in row {}", row + 1),
+    };
+    let expected = format!(
+        "{:e} within half a step, by the step of {step:e}",
+        start + row as f64 * step
+    );
+    malformed(place, "abscissa", &found, &expected)
 }
 
 /// What a column over such an abscissa is, if nothing else is said.

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use memchr::memchr;
+use memchr::{memchr, memchr_iter};
 
 use super::{CsvDialect, CsvSeparator, header, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
 
-/// Lines that are looked at; no header of a laboratory file is longer.
-const LINES_SEARCHED: usize = 1000;
+/// Lines that are looked at, comments not counted; no header of a laboratory file is longer.
+pub(super) const LINES_SEARCHED: usize = 1000;
 
 /// Rows after which a block of numbers is large enough to be the table.
 const ROWS_ENOUGH: u64 = 256;
@@ -84,9 +84,18 @@ fn runs(text: &str, separator: CsvSeparator, mark: DecimalMark) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     let mut open = false;
     let mut cells = Vec::new();
-    for (line, row) in text::lines(text).take(LINES_SEARCHED) {
+    let mut n_searched = 0;
+    for (line, row) in text::lines(text) {
         if row.trim().is_empty() {
             continue;
+        }
+        if header::is_comment(row.as_bytes()) {
+            open = false;
+            continue;
+        }
+        n_searched += 1;
+        if n_searched > LINES_SEARCHED {
+            break;
         }
         separator.cut(row, &mut cells);
         let n_numbers = cells.iter().filter(|cell| !cell.is_empty()).count() as u64;
@@ -133,8 +142,15 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
         // a strange line among the numbers must not turn those above it into a header
         let first_line = runs
             .iter()
-            .find(|run| run.n_cells == largest.n_cells)
-            .map_or(largest.first_line, |run| run.first_line);
+            .map(|run| (run.n_cells, run.first_line))
+            .find(|(n_cells, _)| *n_cells == largest.n_cells)
+            .map_or(largest.first_line, |(_, first_line)| first_line);
+        let above = first_line..largest.first_line;
+        let first_line = if stands_beside_preamble(text, separator, mark, above) {
+            largest.first_line
+        } else {
+            first_line
+        };
         best = Some((
             separator,
             mark,
@@ -145,6 +161,64 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
         ));
     }
     best
+}
+
+/// The beginning of a file in which its table must begin.
+pub(super) fn searched(bytes: &[u8]) -> &[u8] {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return bytes; // the lines of UTF-16 are not those of its bytes
+    }
+    let mut n_lines = 0;
+    let mut begin = 0;
+    for end in memchr_iter(b'\n', bytes) {
+        let line = bytes.get(begin..end).unwrap_or(&[]);
+        begin = end + 1;
+        if !line.trim_ascii().is_empty() && !header::is_comment(line) {
+            n_lines += 1;
+        }
+        if n_lines == LINES_SEARCHED {
+            return bytes.split_at(begin).0;
+        }
+    }
+    bytes
+}
+
+/// Whether every line of `preamble` holds the columns of the line that follows it, which leaves its first cell empty: an oscilloscope
+/// writes its settings there, with empty rows among them.
+fn stands_beside_preamble(
+    text: &str,
+    separator: CsvSeparator,
+    mark: DecimalMark,
+    preamble: std::ops::Range<u64>,
+) -> bool {
+    let mut row = Vec::new();
+    let Some((_, first)) = text::lines(text).find(|(number, _)| *number == preamble.end) else {
+        return false;
+    };
+    separator.cut(first, &mut row);
+    let columns: Vec<usize> = filled(&row).collect();
+    columns.first().is_some_and(|&at| at > 0)
+        && text::lines(text)
+            .take_while(|(number, _)| *number < preamble.end)
+            .filter(|(number, line)| *number >= preamble.start && !line.trim().is_empty())
+            .all(|(_, line)| {
+                let mut cells = Vec::new();
+                separator.cut(line, &mut cells);
+                cells.len() == row.len() && holds_numbers(&cells, &columns, mark)
+            })
+}
+
+/// Positions of the cells that are not empty.
+pub(super) fn filled(cells: &[Cow<'_, str>]) -> impl Iterator<Item = usize> {
+    let cells = cells.iter().enumerate();
+    cells.filter(|(_, cell)| !cell.is_empty()).map(|(at, _)| at)
+}
+
+/// Whether all of `columns` hold numbers.
+pub(super) fn holds_numbers(cells: &[Cow<'_, str>], columns: &[usize], mark: DecimalMark) -> bool {
+    columns
+        .iter()
+        .all(|&at| cells.get(at).is_some_and(|cell| is_number(cell, mark)))
 }
 
 pub(super) fn holds_table(text: &str) -> bool {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use super::abscissa::Marker;
+use super::abscissa::{INTERVAL, Marker, names_abscissa};
 use super::table::Shape;
 use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text;
@@ -68,6 +68,11 @@ const UNITS_IN_HEADERS: [&str; 34] = [
     "deg",
 ];
 
+/// Whether a line is a comment.
+pub(super) fn is_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
+}
+
 /// What the header says.
 #[derive(Debug, Default)]
 pub(super) struct Header {
@@ -96,7 +101,11 @@ impl Header {
                 &mut units
             } else {
                 if !line.trim().is_empty() {
-                    header.property(number, line, dialect.separator);
+                    let table: &[usize] = match number >= shape.first_line {
+                        true => &shape.columns,
+                        false => &[],
+                    };
+                    header.property(number, line, dialect.separator, table);
                 }
                 continue;
             };
@@ -139,10 +148,38 @@ impl Header {
                 })
                 .collect();
         }
+        if header.columns.is_empty() && shape.first_line <= dialect.header_lines {
+            header.columns = header.columns_of_preamble(shape.columns.len());
+        }
         Ok(header)
     }
 
-    fn property(&mut self, number: u64, line: &str, separator: CsvSeparator) {
+    /// Names and units of a table of times and samples that stands beside the settings of an oscilloscope, from these; none if they
+    /// do not tell the unit of time.
+    fn columns_of_preamble(&self, n_columns: usize) -> Vec<(String, String)> {
+        let said = |key: &str| {
+            let found = self.properties.iter().find(|(known, _)| known == key);
+            found.map(|(_, value)| value.as_str())
+        };
+        let time = said("Horizontal Units")
+            .or_else(|| said(INTERVAL)?.split_whitespace().nth(1))
+            .filter(|unit| is_unit(unit));
+        match (n_columns, time) {
+            (2, Some(time)) => [
+                ("", time),
+                (
+                    said("Source").unwrap_or(""),
+                    said("Vertical Units").unwrap_or(""),
+                ),
+            ]
+            .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+            .to_vec(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Takes a line that is neither names nor units; its cells in `table` are numbers of the table.
+    fn property(&mut self, number: u64, line: &str, separator: CsvSeparator, table: &[usize]) {
         let bare = line.trim_start().trim_start_matches(COMMENT_SIGNS).trim();
         let comment = bare.len() < line.trim().len();
         if let Some((key, value)) = key_and_value(bare) {
@@ -164,6 +201,14 @@ impl Header {
         }
         let mut cells = Vec::new();
         separator.cut(bare, &mut cells);
+        let mut at = 0;
+        cells.retain(|_| {
+            at += 1;
+            !table.contains(&(at - 1))
+        });
+        if !table.is_empty() && cells.iter().all(|cell| cell.is_empty()) {
+            return;
+        }
         match cells.split_first() {
             Some((key, rest))
                 if separator != CsvSeparator::Blanks && !rest.is_empty() && !key.is_empty() =>
@@ -194,7 +239,7 @@ fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, 
     text::lines(text).take_while(move |(number, _)| *number <= last)
 }
 
-/// The cells of a line of the header, if there are as many as in the rows of numbers.
+/// The cells of a line of the header, if there are as many as in the rows of numbers. Names need not be separated as the numbers are.
 fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
     let bare = line.trim_start_matches(COMMENT_SIGNS);
     let bare = if separator == CsvSeparator::Tab {
@@ -203,18 +248,65 @@ fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_,
         bare.trim_start()
     };
     let mut cells = Vec::new();
-    for separator in [separator, CsvSeparator::Blanks] {
+    if separator != CsvSeparator::Blanks {
         separator.cut(bare, &mut cells);
+        // a separator at the end of the rows of numbers need not stand behind the names
+        if cells.len() + 1 == n {
+            cells.push(Cow::Borrowed(""));
+        }
         if cells.len() == n {
             return Some(cells);
         }
-        // a separator at the end of the rows of numbers need not stand behind the names
-        if cells.len() + 1 == n && separator != CsvSeparator::Blanks {
-            cells.push(Cow::Borrowed(""));
-            return Some(cells);
+    } else if n > 1 {
+        for sign in [
+            CsvSeparator::Tab,
+            CsvSeparator::Semicolon,
+            CsvSeparator::Bar,
+            CsvSeparator::Comma,
+        ] {
+            sign.cut(bare, &mut cells);
+            if cells.len() == n && cells.iter().all(|cell| !cell.is_empty()) {
+                return Some(cells);
+            }
         }
     }
-    None
+    [words(bare), words_with_units(bare), cut_behind_units(bare)]
+        .into_iter()
+        .find(|cells| cells.len() == n)
+}
+
+/// Names or units between blanks; none if they are mixed.
+fn words(line: &str) -> Vec<Cow<'_, str>> {
+    let words: Vec<&str> = line.split_ascii_whitespace().collect();
+    let n_units = words.iter().filter(|word| is_bracketed(word)).count();
+    if n_units > 0 && n_units < words.len() {
+        return Vec::new();
+    }
+    words.into_iter().map(Cow::Borrowed).collect()
+}
+
+/// Names of one word, with or without a unit in brackets behind: `time [s] sample force [N]`.
+fn words_with_units(line: &str) -> Vec<Cow<'_, str>> {
+    let mut cells: Vec<Cow<'_, str>> = Vec::new();
+    for word in line.split_ascii_whitespace() {
+        match cells.last_mut() {
+            Some(name) if is_bracketed(word) => *name = Cow::Owned(format!("{name} {word}")),
+            _ => cells.push(Cow::Borrowed(word)),
+        }
+    }
+    cells
+}
+
+/// Names of any number of words, each with its unit in brackets: `time [s] end A [m/s^2]`.
+fn cut_behind_units(line: &str) -> Vec<Cow<'_, str>> {
+    line.split_inclusive([']', ')'])
+        .map(|cell| Cow::Borrowed(cell.trim()))
+        .filter(|cell| !cell.is_empty())
+        .collect()
+}
+
+fn is_bracketed(word: &str) -> bool {
+    without_brackets(word).len() < word.len()
 }
 
 /// Looks for the rows of names and of units right above the numbers.
@@ -239,7 +331,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
         return Ok(());
     }
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
-    let bracketed = filled().all(|cell| without_brackets(cell).len() < cell.len());
+    let bracketed = filled().all(|cell| is_bracketed(cell));
     // one unit in four may be unheard of
     let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
     match above {
@@ -270,7 +362,7 @@ fn is_unit(text: &str) -> bool {
     UNITS_IN_HEADERS.contains(&text) || text::known_unit(text).is_some()
 }
 
-/// Name and unit of `Time [s]`, `Time (s)` or `Time/s`.
+/// Name and unit of `Time [s]`, `Time (s)`, `Time/s` or, of an abscissa only, `time_s`.
 fn split_unit(name: &str) -> (String, String) {
     let split = |head: &str, unit: &str| (head.trim().to_owned(), unit.trim().to_owned());
     if let Some((head, unit)) = name.strip_suffix(']').and_then(|n| n.rsplit_once('[')) {
@@ -292,6 +384,12 @@ fn split_unit(name: &str) -> (String, String) {
             return split(head, unit);
         }
     }
+    if let Some((head, unit)) = name.rsplit_once('_')
+        && names_abscissa(head)
+        && UNITS_IN_HEADERS.contains(&unit)
+    {
+        return split(head, unit);
+    }
     (name.to_owned(), String::new())
 }
 
@@ -310,12 +408,15 @@ mod tests {
         assert_eq!(split("Time/s"), "Time|s");
         assert_eq!(split("v/m/s"), "v|m/s");
         assert_eq!(split("a (m/s^2)"), "a|m/s^2");
+        assert_eq!(split("time_ms"), "time|ms");
         for plain in [
             "m/s",
             "real(accelerance)",
             "at 0.15 m (1)",
             "Dev0/Ai0",
             "signal/voltage",
+            "force_s",
+            "time_of",
             "(s)",
         ] {
             assert_eq!(split(plain), format!("{plain}|"));

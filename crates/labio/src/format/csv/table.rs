@@ -64,11 +64,7 @@ impl Shape {
             for (number, line) in above.into_iter().rev() {
                 dialect.separator.cut(line, &mut cells);
                 let full = cells.len() == n_cells
-                    && columns.iter().all(|&at| {
-                        cells.get(at).is_some_and(|cell| {
-                            super::dialect::is_number(cell, dialect.decimal_mark)
-                        })
-                    });
+                    && super::dialect::holds_numbers(&cells, &columns, dialect.decimal_mark);
                 if !full {
                     break;
                 }

@@ -3,10 +3,9 @@
 use num_complex::Complex64;
 
 use super::element::{Cursor, Element};
-use super::{MATRIX, malformed};
-use crate::format::Strictness;
+use super::{MATRIX, Reading, malformed};
 use crate::series::every;
-use crate::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
+use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
 /// Structures within structures that are followed; deeper ones are no data of a laboratory.
 const DEEPEST: usize = 64;
@@ -67,8 +66,7 @@ pub(super) fn read(
     mut cursor: Cursor<'_>,
     name: &str,
     depth: usize,
-    strictness: Strictness,
-    contents: &mut Contents,
+    reading: &mut Reading,
 ) -> Result<(), LabioError> {
     let at = cursor.offset();
     if depth > DEEPEST {
@@ -110,33 +108,26 @@ pub(super) fn read(
     if name.is_empty() {
         // what belongs to objects and function handles, which are refused where they stand
         let key = format!("array without a name at byte {at}");
-        contents
-            .properties
-            .push((key, format!("{}, passed over", head.class_name())));
-        return Ok(());
+        return reading.property(at, key, format!("{}, passed over", head.class_name()));
     }
     if head.n() == 0 {
         let shape: Vec<String> = head.shape.iter().map(usize::to_string).collect();
         let text = format!("empty, {} {}", shape.join("x"), head.class_name());
-        contents.properties.push((name, text));
-        return Ok(());
+        return reading.property(at, name, text);
     }
     match head.class {
         CELL => {
             for index in 0..head.n() {
                 let element = cursor.expect(&name)?;
                 let part = format!("{name}{{{}}}", index + 1);
-                inner(&cursor, &element, &part, depth, strictness, contents)?;
+                inner(&cursor, &element, &part, depth, reading)?;
             }
             Ok(())
         }
         STRUCTURE => {
-            let fields = fields(&mut cursor, &name)?;
+            let fields = fields(&mut cursor, &name, reading)?;
             if fields.is_empty() {
-                contents
-                    .properties
-                    .push((name, "struct without fields".to_owned()));
-                return Ok(());
+                return reading.property(at, name, "struct without fields".to_owned());
             }
             for index in 0..head.n() {
                 for field in &fields {
@@ -145,13 +136,13 @@ pub(super) fn read(
                         1 => format!("{name}.{field}"),
                         _ => format!("{name}({}).{field}", index + 1),
                     };
-                    inner(&cursor, &element, &part, depth, strictness, contents)?;
+                    inner(&cursor, &element, &part, depth, reading)?;
                 }
             }
             Ok(())
         }
-        TEXT => text(&mut cursor, &head, name, contents),
-        6..=15 => numbers(&mut cursor, &head, name, contents),
+        TEXT => text(&mut cursor, &head, name, reading),
+        6..=15 => numbers(&mut cursor, &head, name, reading),
         _ => Err(malformed(
             Place::Byte(head.at),
             &format!("class of `{name}`"),
@@ -167,8 +158,7 @@ fn inner<'a>(
     element: &Element<'a>,
     name: &str,
     depth: usize,
-    strictness: Strictness,
-    contents: &mut Contents,
+    reading: &mut Reading,
 ) -> Result<(), LabioError> {
     let result = if name.len() > LONGEST_NAME {
         let found = format!("{} bytes", name.len());
@@ -188,20 +178,11 @@ fn inner<'a>(
             "an array (14)",
         ))
     } else if element.data.is_empty() {
-        contents
-            .properties
-            .push((name.to_owned(), "empty".to_owned()));
-        Ok(())
+        reading.property(element.at, name.to_owned(), "empty".to_owned())
     } else {
-        read(outer.within(element), name, depth + 1, strictness, contents)
+        read(outer.within(element), name, depth + 1, reading)
     };
-    match (result, strictness) {
-        (Err(error), Strictness::Tolerant) => {
-            contents.defects.push(error);
-            Ok(())
-        }
-        (result, _) => result,
-    }
+    result.or_else(|error| reading.pass_over(error, element.at))
 }
 
 /// `None` if what follows has no shape.
@@ -289,7 +270,11 @@ fn whole(number: f64) -> Option<usize> {
     count.then_some(number as usize)
 }
 
-fn fields(cursor: &mut Cursor<'_>, name: &str) -> Result<Vec<String>, LabioError> {
+fn fields(
+    cursor: &mut Cursor<'_>,
+    name: &str,
+    reading: &mut Reading,
+) -> Result<Vec<String>, LabioError> {
     let what = format!("fields of `{name}`");
     let length = cursor.expect(&what)?;
     let names = cursor.expect(&what)?;
@@ -310,6 +295,10 @@ fn fields(cursor: &mut Cursor<'_>, name: &str) -> Result<Vec<String>, LabioError
             "names of the length that is announced",
         ));
     };
+    let n_fields = characters.len() / width;
+    let place = Place::Byte(names.at);
+    let each = size_of::<String>() + width;
+    reading.budget.take(n_fields, each, place, &what)?;
     Ok(characters
         .chunks(width)
         .map(|name| name.iter().take_while(|&&c| c != '\0').collect())
@@ -320,7 +309,7 @@ fn text(
     cursor: &mut Cursor<'_>,
     head: &Head,
     name: String,
-    contents: &mut Contents,
+    reading: &mut Reading,
 ) -> Result<(), LabioError> {
     let element = cursor.expect(&name)?;
     let characters = element.characters(&name)?;
@@ -344,7 +333,7 @@ fn text(
             1 => name.clone(),
             _ => format!("{name}({},:)", row + 1),
         };
-        contents.properties.push((key, text));
+        reading.property(element.at, key, text)?;
     }
     Ok(())
 }
@@ -353,7 +342,7 @@ fn numbers(
     cursor: &mut Cursor<'_>,
     head: &Head,
     name: String,
-    contents: &mut Contents,
+    reading: &mut Reading,
 ) -> Result<(), LabioError> {
     let mut part = |what: String| {
         let element = cursor.expect(&what)?;
@@ -376,13 +365,11 @@ fn numbers(
     match &values {
         Ordinate::Real(one) if one.len() == 1 => {
             let text = one.iter().map(f64::to_string).collect();
-            contents.properties.push((name, text));
-            return Ok(());
+            return reading.property(head.at, name, text);
         }
         Ordinate::Complex(one) if one.len() == 1 => {
             let text = one.iter().map(Complex64::to_string).collect();
-            contents.properties.push((name, text));
-            return Ok(());
+            return reading.property(head.at, name, text);
         }
         _ => {}
     }
@@ -412,9 +399,8 @@ fn numbers(
                 subscripts(index, head.shape.get(1..).unwrap_or(&[]))
             ),
         };
-        contents
-            .series
-            .push(series(name, line(&values, first, step, length), head));
+        let one = series(name, line(&values, first, step, length), head);
+        reading.series(head.at, one)?;
     }
     Ok(())
 }

@@ -184,6 +184,25 @@ impl Header {
             .try_fold(self.element.bytes, |product, &n| product.checked_mul(n))
     }
 
+    /// Number of elements, and the memory that each takes when it is read.
+    pub(in crate::format) fn memory(&self) -> (usize, usize) {
+        let count = self
+            .shape
+            .iter()
+            .try_fold(1_usize, |product, &n| product.checked_mul(n));
+        // a place in a list and the least that an allocator hands out
+        let text = size_of::<String>() + 16;
+        let bytes = self.element.bytes;
+        let each = match self.element.kind {
+            Kind::Wide => bytes.saturating_add(text),
+            // of Latin-1
+            Kind::Narrow => bytes.saturating_mul(2).saturating_add(text),
+            Kind::Complex => 16,
+            Kind::Float | Kind::Signed | Kind::Unsigned | Kind::Boolean => 8,
+        };
+        (count.unwrap_or(usize::MAX), each)
+    }
+
     /// The header as `NumPy` writes it: blanks behind it leave room for a longer first axis and bring the numbers to a multiple of
     /// 64 bytes.
     pub(in crate::format) fn write(&self) -> Vec<u8> {
