@@ -12,7 +12,8 @@ pub struct LossFactorReadings<'a> {
     pub change: &'a [f64],
     /// Standard error of each tan δ, independent from reading to reading.
     pub standard_error: &'a [f64],
-    /// Standard error of the virgin tan δ₀, which all readings share; 0 if it is negligible.
+    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error, also those of the other tests
+    /// that are fitted together. 0 if it is negligible.
     pub virgin_standard_error: f64,
 }
 
@@ -142,27 +143,34 @@ impl RecoveryTest {
     pub fn change(&self) -> &[f64] {
         &self.change
     }
+}
 
-    /// Turns values of the readings (a residual, or its derivatives) into ones of unit variance without correlation.
-    ///
-    /// The covariance is that of independent errors σᵢ and a common one σ₀: D (I + a aᵀ) D with D = diag σᵢ, aᵢ = σ₀/σᵢ. What
-    /// is applied is (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
-    pub(super) fn whiten(&self, values: &mut [f64]) {
-        let mut projection = 0.0;
-        let mut square = 0.0;
-        for (value, sigma) in values.iter_mut().zip(&self.standard_error) {
-            let a = self.virgin_standard_error / sigma;
-            *value /= sigma;
-            projection += a * *value;
-            square += a * a;
-        }
-        if square > 0.0 {
-            // (1 - 1/√(1+a²))/a², without the difference
-            let root = (1.0 + square).sqrt();
-            let factor = projection / (root * (1.0 + root));
-            for (value, sigma) in values.iter_mut().zip(&self.standard_error) {
-                *value -= factor * self.virgin_standard_error / sigma;
-            }
+/// Turns values of all readings of `tests` (a residual, or its derivatives), test after test, into ones of unit variance without
+/// correlation.
+///
+/// The virgin loss factor was measured once, so its error is one number for all readings of all tests. The covariance is that of
+/// independent errors σᵢ and this common one: D (I + a aᵀ) D with D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is
+/// (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
+pub(super) fn whiten(tests: &[RecoveryTest], values: &mut [f64]) {
+    let errors = || {
+        tests.iter().flat_map(|test| {
+            let of_reading = |sigma: &f64| (*sigma, test.virgin_standard_error / sigma);
+            test.standard_error.iter().map(of_reading)
+        })
+    };
+    let mut projection = 0.0;
+    let mut square = 0.0;
+    for (value, (sigma, a)) in values.iter_mut().zip(errors()) {
+        *value /= sigma;
+        projection += a * *value;
+        square += a * a;
+    }
+    if square > 0.0 {
+        // (1 - 1/√(1+a²))/a², without the difference
+        let root = (1.0 + square).sqrt();
+        let factor = projection / (root * (1.0 + root));
+        for (value, (_, a)) in values.iter_mut().zip(errors()) {
+            *value -= factor * a;
         }
     }
 }
@@ -189,25 +197,28 @@ mod tests {
         RecoveryTest::new("Test 2", load, 10e3, readings)
     }
 
-    /// Wᵀ C W = I: the whitened form of C = D(I + aaᵀ)D, column by column.
+    /// Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin loss factor between any two readings,
+    /// column by column.
     #[test]
-    fn whitened_errors_are_independent_and_of_unit_variance() {
-        let sigma = [1e-3, 2e-3, 5e-4];
-        let test = test(readings(&[1.0, 2.0, 3.0], &[0.0; 3], &sigma)).unwrap();
-        let whitener: Vec<[f64; 3]> = (0..3)
+    fn r12_whitened_errors_of_all_tests_are_independent_and_of_unit_variance() {
+        let sigma = [1e-3, 2e-3, 5e-4, 3e-3, 8e-4];
+        let first = test(readings(&[1.0, 2.0, 3.0], &[0.0; 3], &sigma[..3])).unwrap();
+        let second = test(readings(&[1.0, 5.0], &[0.0; 2], &sigma[3..])).unwrap();
+        let tests = [first, second];
+        let whitener: Vec<[f64; 5]> = (0..5)
             .map(|j| {
-                let mut column = [0.0; 3];
+                let mut column = [0.0; 5];
                 column[j] = 1.0;
-                test.whiten(&mut column);
+                whiten(&tests, &mut column);
                 column
             })
             .collect();
         let covariance = |i: usize, j: usize| 4e-6 + if i == j { sigma[i] * sigma[i] } else { 0.0 };
-        for p in 0..3 {
-            for q in 0..3 {
+        for p in 0..5 {
+            for q in 0..5 {
                 let mut sum = 0.0;
-                for i in 0..3 {
-                    for j in 0..3 {
+                for i in 0..5 {
+                    for j in 0..5 {
                         sum += whitener[i][p] * covariance(i, j) * whitener[j][q];
                     }
                 }

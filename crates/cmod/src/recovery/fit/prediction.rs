@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use super::super::dashpot::Dashpot;
 use super::super::least_squares::Linearised;
+use super::super::test::whiten;
 use super::super::{RecoveryTest, ThreeElementParameters};
 use crate::error::CmodError;
 
@@ -95,30 +96,27 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
 /// Whitened residuals, predicted minus measured, of all `tests` with derivatives by ln E₂, ln k and ln m.
 pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Linearised, CmodError> {
     let mut residual = Vec::new();
-    let mut jacobian = vec![Vec::new(); 3];
+    let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); 3];
     for test in tests {
         let Prediction {
-            mut change,
+            change,
             derivatives,
             ..
         } = predict(test, at)?;
-        for (value, measured) in change.iter_mut().zip(&test.change) {
-            *value -= measured;
-        }
-        test.whiten(&mut change);
-        residual.extend(change);
-        for ((column, mut derivative), scale) in
+        let pairs = change.iter().zip(&test.change);
+        residual.extend(pairs.map(|(value, measured)| value - measured));
+        for ((column, derivative), scale) in
             jacobian
                 .iter_mut()
                 .zip(derivatives)
                 .zip([1.0, 1.0, at.exponent])
         {
-            for value in &mut derivative {
-                *value *= scale;
-            }
-            test.whiten(&mut derivative);
-            column.extend(derivative);
+            column.extend(derivative.iter().map(|value| value * scale));
         }
+    }
+    whiten(tests, &mut residual);
+    for column in &mut jacobian {
+        whiten(tests, column);
     }
     Ok(Linearised { residual, jacobian })
 }
@@ -158,11 +156,10 @@ pub(super) fn grid_start(
     let mut data = Vec::new();
     let mut log_duration = 0.0;
     for test in tests {
-        let mut measured = test.change.clone();
-        test.whiten(&mut measured);
-        data.extend(measured);
+        data.extend(&test.change);
         log_duration += test.load.duration().ln();
     }
+    whiten(tests, &mut data);
     #[expect(
         clippy::cast_precision_loss,
         reason = "the number of tests is far below 2^52"
@@ -188,10 +185,9 @@ pub(super) fn grid_start(
             };
             shape.clear();
             for test in &averaged {
-                let mut change = predict(test, &at)?.change;
-                test.whiten(&mut change);
-                shape.extend(change);
+                shape.extend(predict(test, &at)?.change);
             }
+            whiten(&averaged, &mut shape);
             let (factor, left) = scaled(&shape, &data);
             if factor > 0.0 && left.is_finite() && best.is_none_or(|(least, _)| left < least) {
                 at.log_parallel_modulus = -factor.ln();

@@ -1,9 +1,11 @@
 //! What one test tells: the two numbers of equation 4.
 
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 
 use super::super::dashpot::Dashpot;
 use super::super::least_squares::{Ending, Linearised, minimise};
+use super::super::test::whiten;
 use super::super::{RecoveryTest, ThreeElement, ThreeElementParameters};
 use super::prediction::scaled;
 use crate::error::{CmodError, check_positive};
@@ -54,11 +56,11 @@ impl SingleTestFit {
                 .iter()
                 .map(|t| 1.0 / (1.0 + t / log_time.exp()))
                 .collect();
-            test.whiten(&mut shape);
+            whiten(from_ref(test), &mut shape);
             shape
         };
         let mut data = test.change.clone();
-        test.whiten(&mut data);
+        whiten(from_ref(test), &mut data);
         let latest = test.time.iter().fold(0.0, |l: f64, t| l.max(*t)).ln();
         let mut best: Option<(f64, [f64; 2])> = None;
         for step in -40..=20_i32 {
@@ -88,7 +90,7 @@ impl SingleTestFit {
                 .map(|t| value(*t) * t / (t + time))
                 .collect();
             for column in [&mut residual, &mut by_change, &mut by_time] {
-                test.whiten(column);
+                whiten(from_ref(test), column);
             }
             Ok::<_, CmodError>(Linearised {
                 residual,
