@@ -11,11 +11,13 @@
 
 mod columns;
 mod curve;
+mod freedom;
 mod solution;
 mod uncertainty;
 
 pub use columns::{Column, Columns};
 pub use curve::{Curve, CurveSegment, PlottedQuantity};
+pub use freedom::VarianceFreedom;
 pub(crate) use solution::Solution;
 pub use uncertainty::{
     ComplexCovariance, ErrorSource, LineCovariance, StandardError, SystematicShift, Uncertainty,

@@ -40,7 +40,7 @@ use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::multi_point::Quantity;
 use crate::section_ratio::{
-    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
 };
 use crate::validity::AcceptanceLimits;
 
@@ -184,7 +184,19 @@ impl FreeEnd {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, frequency_hz, ratio, variance)
+        self.estimate_ratio(&RatioLines::of_known_variance(
+            frequency_hz,
+            ratio,
+            variance,
+        ))
+    }
+
+    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    ///
+    /// # Errors
+    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, lines)
     }
 
     /// û or ε̂ of a section by û(0), with the powers of iω and -γ that the two sections do not share.

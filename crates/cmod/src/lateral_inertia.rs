@@ -269,6 +269,7 @@ impl Corrected {
             random,
             systematic,
             degrees_of_freedom,
+            own_degrees_of_freedom,
         } = line.uncertainty.clone();
         let random = LineCovariance {
             modulus: random.modulus.through(self.factor),
@@ -288,7 +289,8 @@ impl Corrected {
                 Complex64::ZERO,
             ));
         }
-        let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom);
+        let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom)
+            .with_own_degrees_of_freedom(own_degrees_of_freedom);
         let standard_error = StandardError::of(
             self.modulus,
             line.propagation_coefficient,

@@ -32,9 +32,13 @@ pub use waves::{Quantity, WavesAtSection};
 
 use std::f64::consts::TAU;
 
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
 use crate::branch::BranchDoubt;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine};
+use crate::estimate::{
+    Method, ModulusEstimate, Refusal, RefusedLine, VarianceFreedom,
+};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;
@@ -74,6 +78,7 @@ pub struct MultiPoint {
     quantity: Quantity,
     wave_speed: Option<f64>,
     limits: AcceptanceLimits,
+    noise_freedom: Option<VarianceFreedom>,
 }
 
 impl MultiPoint {
@@ -88,7 +93,18 @@ impl MultiPoint {
             quantity: Quantity::default(),
             wave_speed: None,
             limits: AcceptanceLimits::default(),
+            noise_freedom: None,
         })
+    }
+
+    /// The same for a noise that was measured itself, with these degrees of freedom of each gauge on a line. The errors then have those of
+    /// their sum over the gauges, and the misfit is judged by Fisher's distribution with those of one gauge.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless they are finite and above 0.
+    pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
+        self.noise_freedom = Some(freedom.check()?);
+        Ok(self)
     }
 
     /// The same with gauges of another `quantity`. It changes no modulus, only what the waves can be turned into.
@@ -137,7 +153,8 @@ impl MultiPoint {
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         let n_gauges = self.rod.positions.len();
         spectra.check(n_gauges)?;
-        let acceptance = Acceptance::new(self.limits, None)?;
+        let redundant = 2 * (spectra.tests.len() * (n_gauges - 2) - 1);
+        let most_misfit = self.most_misfit(redundant)?;
         let mut white = WhiteLine::for_spectra(spectra, n_gauges);
         let mut refused = Vec::new();
         let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
@@ -189,10 +206,18 @@ impl MultiPoint {
                 (index, frequency_hz),
                 &white,
                 (&mut projection, expectation),
-                (start.doubt, &acceptance),
+                (start.doubt, most_misfit),
                 &mut amplitudes,
             );
-            match line {
+            let judged = match line {
+                Ok((line, fit, freedom)) => {
+                    let acceptance = Acceptance::of_line(self.limits, freedom)?;
+                    let judged = line.into_modulus(&self.rod, &acceptance);
+                    judged.map(|line| (line, fit))
+                }
+                Err(reason) => Err(reason),
+            };
+            match judged {
                 Ok((line, fit)) => {
                     lines.push(line);
                     fits.push(fit);
@@ -215,14 +240,28 @@ impl MultiPoint {
         })
     }
 
+    /// Chi-square of a line that noise alone exceeds once in a thousand.
+    fn most_misfit(&self, degrees_of_freedom: usize) -> Result<f64, CmodError> {
+        let Some(noise) = self.noise_freedom.filter(|_| degrees_of_freedom > 0) else {
+            return Ok(chi_square_limit(degrees_of_freedom));
+        };
+        let n = degrees_of_freedom as f64;
+        let law = FisherSnedecor::new(n, noise.line).map_err(|_| CmodError::NonPhysical {
+            quantity: "degrees of freedom of a variance",
+            value: noise.line,
+            expected: "a finite value above 0",
+        })?;
+        Ok(n * law.inverse_cdf(0.999))
+    }
+
     fn solve(
         &self,
         (index, frequency_hz): (usize, f64),
         white: &WhiteLine,
         (projection, expectation): (&mut Projection, &mut Expectation),
-        (start, acceptance): (Option<BranchDoubt>, &Acceptance),
+        (start, most_misfit): (Option<BranchDoubt>, f64),
         amplitudes: &mut Vec<TestWaves>,
-    ) -> Result<(ModulusLine, LineFit), Refusal> {
+    ) -> Result<(SolvedLine, LineFit, Option<VarianceFreedom>), Refusal> {
         let omega = TAU * frequency_hz;
         let minimum = projection
             .minimise(expectation.gamma(omega), white)
@@ -247,15 +286,18 @@ impl MultiPoint {
         }
 
         let variance = white.variance / details.objective.information;
+        let freedom = self.noise_freedom.map(|freedom| {
+            let shares = projection.shares(gamma, white);
+            shares.map_or(freedom, |shares| freedom.of_sum(shares.into_iter()))
+        });
         let mut violations = Vec::new();
         violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
         if let Some(chi_square) = chi_square {
-            let limit = chi_square_limit(degrees_of_freedom);
-            if chi_square > limit {
+            if chi_square > most_misfit {
                 violations.push(Violation::Misfit {
                     chi_square,
                     degrees_of_freedom,
-                    limit,
+                    limit: most_misfit,
                 });
             }
         }
@@ -269,8 +311,7 @@ impl MultiPoint {
             closed_form: None,
             termination: minimum.termination,
             violations,
-        }
-        .into_modulus(&self.rod, acceptance)?;
+        };
         let (forward, backward, shared) = details.waves_covariance;
         let fit = LineFit {
             propagation_variance: variance,
@@ -288,7 +329,7 @@ impl MultiPoint {
                 ),
             },
         };
-        Ok((line, fit))
+        Ok((line, fit, freedom))
     }
 }
 

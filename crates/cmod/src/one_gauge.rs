@@ -32,7 +32,7 @@ use crate::free_end::{EndSection, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::pulses::nearest_logarithm;
 use crate::section_ratio::{
-    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
 };
 use crate::validity::AcceptanceLimits;
 
@@ -88,6 +88,18 @@ impl OneGauge {
         Ok(self)
     }
 
+    /// The same with the `delay` \[s\] by which the later pulse is behind the earlier one, as between the centres of their energy. Only
+    /// what is not known of it is then counted in waves from line to line, so that the record need not be several delays long: the
+    /// phase beside the delay must advance by less than π between lines, as it does where the record is longer than twice the
+    /// difference of the group delays of the band. γ is what it was: nothing is taken off the ratio.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_delay(mut self, delay: f64) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_delay(delay)?;
+        Ok(self)
+    }
+
     /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
     ///
     /// # Errors
@@ -121,7 +133,19 @@ impl OneGauge {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, frequency_hz, ratio, variance)
+        self.estimate_ratio(&RatioLines::of_known_variance(
+            frequency_hz,
+            ratio,
+            variance,
+        ))
+    }
+
+    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    ///
+    /// # Errors
+    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, lines)
     }
 
     /// Reflection of the quantity at a free end without mass.

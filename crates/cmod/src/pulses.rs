@@ -33,7 +33,7 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::section_ratio::{
-    Changed, Jet, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
 };
 use crate::validity::AcceptanceLimits;
 
@@ -97,6 +97,18 @@ impl SeparatePulses {
         Ok(self)
     }
 
+    /// The same with the `delay` \[s\] by which the later pulse is behind the earlier one, as between the centres of their energy. Only
+    /// what is not known of it is then counted in waves from line to line, so that the record need not be several delays long: the
+    /// phase beside the delay must advance by less than π between lines, as it does where the record is longer than twice the
+    /// difference of the group delays of the band. γ is what it was: nothing is taken off the ratio.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+    pub fn with_delay(mut self, delay: f64) -> Result<Self, CmodError> {
+        self.settings = self.settings.with_delay(delay)?;
+        Ok(self)
+    }
+
     /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
     ///
     /// # Errors
@@ -128,7 +140,19 @@ impl SeparatePulses {
         ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, frequency_hz, ratio, variance)
+        self.estimate_ratio(&RatioLines::of_known_variance(
+            frequency_hz,
+            ratio,
+            variance,
+        ))
+    }
+
+    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    ///
+    /// # Errors
+    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, lines)
     }
 }
 

@@ -24,10 +24,12 @@ use num_complex::Complex64;
 
 use crate::branch::resolve;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::estimate::{
+    Method, ModulusEstimate, Refusal, RefusedLine, Termination, VarianceFreedom,
+};
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{self, MeasuredRatio, Root, SectionUncertainty, Settings};
+use crate::section_ratio::{self, MeasuredRatio, RatioLines, Root, SectionUncertainty, Settings};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use local_polynomial::LocalPolynomial;
 
@@ -101,7 +103,7 @@ impl Resonances {
     ///
     /// Each resonance is a line of the result, at its own frequency; its index is that of the nearest measured line. Seven
     /// measured lines must lie within 0.3 rad of it, otherwise it is refused as [`Refusal::NoRoot`]. The error that
-    /// the polynomial has at the resonance, by the variance of its lines, goes through the equation as in the two-point method:
+    /// the polynomial has at the resonance, by the variances of its lines, goes through the equation as in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
@@ -116,12 +118,26 @@ impl Resonances {
         acceleration_ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        let (measured, _) = section_ratio::usable(frequency_hz, acceleration_ratio, variance)?;
+        self.estimate_ratio(&RatioLines::of_known_variance(
+            frequency_hz,
+            acceleration_ratio,
+            variance,
+        ))
+    }
+
+    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have the degrees of freedom of
+    /// the variances that a resonance is read with.
+    ///
+    /// # Errors
+    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        let (measured, _) = section_ratio::usable(lines)?;
         let (mut lines, mut refused) = (Vec::new(), Vec::new());
-        let acceptance = Acceptance::new(*self.settings.limits(), None)?;
         let equation = self.equation(self.rod)?;
         for crossing in crossings(&measured)? {
             let at_resonance = crossing.read(&measured);
+            let freedom = at_resonance.and_then(|resonance| resonance.freedom);
+            let acceptance = Acceptance::of_line(*self.settings.limits(), freedom)?;
             let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
                 let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
                 let doubts = crossing.doubt.into_iter().collect();
@@ -208,26 +224,55 @@ impl Crossing {
         if points.len() < FEWEST_LINES {
             return None;
         }
-        // Without noise all lines weigh the same.
-        let is_noisy = points.iter().all(|line| line.variance > 0.0);
-        let polynomial = LocalPolynomial::through(points.iter().map(|line| {
-            let abscissa = (line.frequency_hz - self.frequency_hz) / half_width;
-            let weight = if is_noisy { line.variance.recip() } else { 1.0 };
-            (abscissa, line.ratio, weight)
-        }))?;
+        // Without noise all lines weigh the same, and where the variances are estimated: the weight of a line must not be luck.
+        let is_known = points
+            .iter()
+            .all(|line| line.variance > 0.0 && line.freedom.is_none());
+        let weighted: Vec<_> = points
+            .iter()
+            .map(|line| {
+                let abscissa = (line.frequency_hz - self.frequency_hz) / half_width;
+                let weight = if is_known { line.variance.recip() } else { 1.0 };
+                (abscissa, line.ratio, weight)
+            })
+            .collect();
+        let polynomial = LocalPolynomial::through(weighted.iter().copied())?;
         let abscissa = polynomial.zero_of_real_part()?;
         let (ratio, _) = polynomial.at(abscissa);
+        let parts: Vec<f64> = points
+            .iter()
+            .zip(&weighted)
+            .map(|(line, (at, _, weight))| {
+                polynomial.influence(abscissa, *at, *weight).powi(2) * line.variance
+            })
+            .collect();
         Some(MeasuredRatio {
             index: self.index,
             frequency_hz: self.frequency_hz + half_width * abscissa,
             ratio: Complex64::new(0.0, ratio.im),
-            variance: if is_noisy {
-                polynomial.variance_at(abscissa)
-            } else {
-                0.0
-            },
+            variance: parts.iter().sum(),
+            freedom: freedom_of_sum(&points, &parts),
         })
     }
+}
+
+/// Degrees of freedom of the sum of `parts` of the variance, one a point. Neighbours that share their estimates add only what is their
+/// own, but a single line has all of its own.
+fn freedom_of_sum(points: &[&MeasuredRatio], parts: &[f64]) -> Option<VarianceFreedom> {
+    let (mut squares, mut least) = (0.0, f64::INFINITY);
+    for (point, part) in points.iter().zip(parts) {
+        let freedom = point.freedom?;
+        squares += part * part / freedom.own;
+        least = least.min(freedom.line);
+    }
+    let sum: f64 = parts.iter().sum();
+    let own = sum * sum / squares;
+    // parts that are all 0 are without noise
+    let own = if own.is_finite() { own } else { least };
+    Some(VarianceFreedom {
+        line: own.max(least),
+        own,
+    })
 }
 
 /// All zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.

@@ -22,6 +22,7 @@
 
 mod expectation;
 mod jet;
+pub mod pooling;
 mod settings;
 mod spectra;
 mod start;
@@ -29,16 +30,17 @@ mod start;
 pub(crate) use jet::Jet;
 pub use settings::SectionUncertainty;
 pub(crate) use settings::{Changed, Settings};
-pub use spectra::RatioOfSpectra;
+pub use spectra::{RatioLines, RatioOfSpectra};
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
-use crate::error::{CmodError, check_frequencies, check_length};
+use crate::error::CmodError;
 use crate::estimate::{
     ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, Termination,
+    VarianceFreedom,
 };
 use crate::validity::{Acceptance, Violation, conditions};
 use expectation::Expectation;
@@ -94,6 +96,8 @@ pub(crate) struct MeasuredRatio {
     pub(crate) ratio: Complex64,
     /// E|δΨ|².
     pub(crate) variance: f64,
+    /// Degrees of freedom of the variance, if it is not known.
+    pub(crate) freedom: Option<VarianceFreedom>,
 }
 
 impl MeasuredRatio {
@@ -105,17 +109,18 @@ impl MeasuredRatio {
 /// Solves all lines.
 pub(crate) fn estimate(
     equation: &impl SectionRatio,
-    frequency_hz: &[f64],
-    ratio: &[Complex64],
-    variance: &[f64],
+    lines: &RatioLines<'_>,
 ) -> Result<ModulusEstimate, CmodError> {
-    let acceptance = Acceptance::new(*equation.settings().limits(), None)?;
-    let (measured, mut refused) = usable(frequency_hz, ratio, variance)?;
+    let limits = *equation.settings().limits();
+    let (measured, mut refused) = usable(lines)?;
     let mut lines = Vec::with_capacity(measured.len());
-    if let Some(start) = start::wave_speed(equation, &measured, equation.settings().wave_speed()) {
+    let settings = equation.settings();
+    if let Some(start) = start::wave_speed(equation, &measured, settings) {
         let first = measured.first().map_or(0.0, MeasuredRatio::omega);
-        let mut expectation = Expectation::new(start.slowness, equation.distance(), first);
+        let mut expectation = Expectation::new(start.slowness, equation.distance(), first)
+            .with_delay(settings.delay());
         for measured in &measured {
+            let acceptance = Acceptance::of_line(limits, measured.freedom)?;
             let solved = solve(equation, measured, &mut expectation, start.doubt);
             match solved.and_then(|line| line.into_line(&acceptance)) {
                 Ok(line) => lines.push(line),
@@ -139,21 +144,17 @@ pub(crate) fn estimate(
 
 /// The lines that can be evaluated, and the others.
 pub(crate) fn usable(
-    frequency_hz: &[f64],
-    ratio: &[Complex64],
-    variance: &[f64],
+    lines: &RatioLines<'_>,
 ) -> Result<(Vec<MeasuredRatio>, Vec<RefusedLine>), CmodError> {
-    check_frequencies(frequency_hz)?;
-    let count = frequency_hz.len();
-    check_length("ratio", ratio.len(), count)?;
-    check_length("variance", variance.len(), count)?;
-    if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
-        return Err(CmodError::NegativeVariance { index, variance });
-    }
+    lines.check("ratio")?;
     let mut refused = Vec::new();
-    let mut measured = Vec::with_capacity(count);
-    for (index, ((&frequency_hz, &ratio), &variance)) in
-        frequency_hz.iter().zip(ratio).zip(variance).enumerate()
+    let mut measured = Vec::with_capacity(lines.ratio.len());
+    for (index, ((&frequency_hz, &ratio), &variance)) in lines
+        .frequency_hz
+        .iter()
+        .zip(lines.ratio)
+        .zip(lines.variance)
+        .enumerate()
     {
         let reason = if frequency_hz == 0.0 {
             Refusal::ZeroFrequency
@@ -165,6 +166,7 @@ pub(crate) fn usable(
                 frequency_hz,
                 ratio,
                 variance,
+                freedom: lines.freedom_of(index),
             });
             continue;
         };

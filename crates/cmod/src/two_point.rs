@@ -26,11 +26,12 @@ use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
 use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
-use crate::error::{CmodError, check_frequencies, check_length};
+use crate::error::CmodError;
 use crate::estimate::{
     ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
-    Solution, SystematicShift,
+    Solution, SystematicShift, VarianceFreedom,
 };
+use crate::section_ratio::RatioLines;
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
@@ -169,12 +170,11 @@ impl TwoPoint {
         acceleration_ratio: &[Complex64],
         variance: &[f64],
     ) -> Result<ModulusEstimate, CmodError> {
-        let acceptance = Acceptance::new(self.limits, None)?;
-        self.judged(
+        self.estimate_ratio(&RatioLines::of_known_variance(
             frequency_hz,
-            (acceleration_ratio, variance, None),
-            &acceptance,
-        )
+            acceleration_ratio,
+            variance,
+        ))
     }
 
     /// The complex modulus from spectra averaged over several blows: the variance follows from their coherence by
@@ -191,39 +191,31 @@ impl TwoPoint {
             averaged.coherence,
             averaged.averages,
         )?;
-        let freedom = averages::degrees_of_freedom(averaged.averages);
-        let acceptance = Acceptance::new(self.limits, Some(freedom))?;
-        self.judged(
-            averaged.frequency_hz,
-            (
-                averaged.acceleration_ratio,
-                &variance,
-                Some(averaged.coherence),
-            ),
-            &acceptance,
-        )
+        let freedom = VarianceFreedom::of_averages(averaged.averages)?;
+        self.estimate_ratio(&RatioLines {
+            frequency_hz: averaged.frequency_hz,
+            ratio: averaged.acceleration_ratio,
+            variance: &variance,
+            freedom: Some(&vec![freedom; variance.len()]),
+            coherence: Some(averaged.coherence),
+        })
     }
 
-    fn judged(
-        &self,
-        frequency_hz: &[f64],
-        (acceleration_ratio, variance, coherence): (&[Complex64], &[f64], Option<&[f64]>),
-        acceptance: &Acceptance,
-    ) -> Result<ModulusEstimate, CmodError> {
-        check_frequencies(frequency_hz)?;
-        let count = frequency_hz.len();
-        check_length("acceleration ratio", acceleration_ratio.len(), count)?;
-        check_length("variance", variance.len(), count)?;
-        if let Some((index, &variance)) = variance.iter().enumerate().find(|(_, v)| **v < 0.0) {
-            return Err(CmodError::NegativeVariance { index, variance });
-        }
-
+    /// The complex modulus from a ratio with its variance and the degrees of freedom of that, as pooled over
+    /// [neighbouring lines](crate::section_ratio::pooling).
+    ///
+    /// # Errors
+    /// As [`TwoPoint::estimate`], and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        lines.check("acceleration ratio")?;
+        let count = lines.ratio.len();
         let mut refused = Vec::new();
         let mut measured = Vec::with_capacity(count);
-        for (index, ((&frequency_hz, &ratio), &variance)) in frequency_hz
+        for (index, ((&frequency_hz, &ratio), &variance)) in lines
+            .frequency_hz
             .iter()
-            .zip(acceleration_ratio)
-            .zip(variance)
+            .zip(lines.ratio)
+            .zip(lines.variance)
             .enumerate()
         {
             let reason = if frequency_hz == 0.0 {
@@ -236,7 +228,10 @@ impl TwoPoint {
                     frequency_hz,
                     ratio,
                     variance,
-                    coherence: coherence.and_then(|coherence| coherence.get(index).copied()),
+                    freedom: lines.freedom_of(index),
+                    coherence: lines
+                        .coherence
+                        .and_then(|coherence| coherence.get(index).copied()),
                 });
                 continue;
             };
@@ -249,7 +244,8 @@ impl TwoPoint {
 
         let mut lines = Vec::with_capacity(measured.len());
         for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
-            match self.line(line, free_end, acceptance) {
+            let acceptance = Acceptance::of_line(self.limits, line.freedom)?;
+            match self.line(line, free_end, &acceptance) {
                 Ok(line) => lines.push(line),
                 Err(_) => refused.push(RefusedLine {
                     index: line.index,
@@ -428,6 +424,7 @@ struct MeasuredLine {
     frequency_hz: f64,
     ratio: Complex64,
     variance: f64,
+    freedom: Option<VarianceFreedom>,
     coherence: Option<f64>,
 }
 

@@ -67,7 +67,8 @@ impl Solution {
             propagation_coefficient: self.random,
         };
         let uncertainty =
-            Uncertainty::new(random, self.systematic, acceptance.degrees_of_freedom());
+            Uncertainty::new(random, self.systematic, acceptance.degrees_of_freedom())
+                .with_own_degrees_of_freedom(acceptance.own_degrees_of_freedom());
         let standard_error = StandardError::of(
             modulus,
             gamma,

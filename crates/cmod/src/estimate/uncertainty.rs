@@ -183,6 +183,9 @@ pub struct Uncertainty {
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
+    /// Share of the line in the degrees of freedom of all lines, less than the above where neighbours share an estimate, see
+    /// [`VarianceFreedom`](super::VarianceFreedom); `None` if the variance is known.
+    pub own_degrees_of_freedom: Option<f64>,
 }
 
 impl Uncertainty {
@@ -195,6 +198,15 @@ impl Uncertainty {
             random,
             systematic,
             degrees_of_freedom,
+            own_degrees_of_freedom: degrees_of_freedom,
+        }
+    }
+
+    /// The same with the degrees of freedom that the line itself adds.
+    pub(crate) fn with_own_degrees_of_freedom(self, own: Option<f64>) -> Self {
+        Self {
+            own_degrees_of_freedom: own,
+            ..self
         }
     }
 

@@ -272,6 +272,25 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
+    /// Shares of the gauges in d^H d at `gamma`, which is that of the last evaluation or nearer to it than matters: those of each
+    /// gauge's noise in the variance of γ.
+    pub(super) fn shares(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<f64>> {
+        self.set(gamma, &line.weights)?;
+        self.set_slopes();
+        let mut shares = vec![0.0; self.n_gauges()];
+        for values in line.values.chunks_exact(self.n_gauges()) {
+            let y = self.coefficients(values.iter().copied());
+            let w = self.set_slope(self.amplitudes(y));
+            let [q1, q2] = &self.basis;
+            for ((share, slope), (q1, q2)) in
+                shares.iter_mut().zip(&self.slope).zip(q1.iter().zip(q2))
+            {
+                *share += (slope - w[0] * q1 - w[1] * q2).norm_sqr();
+            }
+        }
+        Some(shares)
+    }
+
     /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the
     /// last evaluation was there, or nearer than matters.
     pub(super) fn details(

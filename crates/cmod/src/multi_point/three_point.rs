@@ -13,7 +13,9 @@ use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
 use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::CmodError;
-use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, Termination};
+use crate::estimate::{
+    Method, ModulusEstimate, Refusal, RefusedLine, Termination, VarianceFreedom,
+};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 
 /// Relative difference of the distances up to which they count as equal: rounding of positions in metres.
@@ -48,6 +50,7 @@ pub struct ThreePoint {
     rod: GaugedRod,
     distance: f64,
     limits: AcceptanceLimits,
+    noise_freedom: Option<VarianceFreedom>,
 }
 
 /// Ψ of one line.
@@ -56,6 +59,8 @@ struct Ratio {
     frequency_hz: f64,
     value: Complex64,
     variance: f64,
+    /// Its parts by the three gauges.
+    parts: [f64; 3],
     /// |Ψ| error by the relative error of the gauges.
     amplification: f64,
     noise_to_signal: f64,
@@ -87,7 +92,18 @@ impl ThreePoint {
             distance: 0.5 * (last - first),
             rod,
             limits: AcceptanceLimits::default(),
+            noise_freedom: None,
         })
+    }
+
+    /// The same for a noise that was measured itself, with these degrees of freedom of each gauge on a line. The errors then have those of
+    /// their sum over the gauges.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless they are finite and above 0.
+    pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
+        self.noise_freedom = Some(freedom.check()?);
+        Ok(self)
     }
 
     /// The same with other errors accepted of a valid line.
@@ -151,9 +167,12 @@ impl ThreePoint {
             };
             record.resolve(&BranchTracker::new())?
         };
-        let acceptance = Acceptance::new(self.limits, None)?;
         let mut lines = Vec::with_capacity(ratios.len());
         for (ratio, root) in ratios.iter().zip(roots) {
+            let freedom = self
+                .noise_freedom
+                .map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
+            let acceptance = Acceptance::of_line(self.limits, freedom)?;
             match self
                 .solved(ratio, root)
                 .into_modulus(&self.rod, &acceptance)
@@ -235,14 +254,20 @@ fn ratio(spectra: &GaugeSpectra<'_>, index: usize, frequency_hz: f64) -> Result<
     if auto == 0.0 || !value.is_finite() {
         return Err(Refusal::Undetermined);
     }
-    let propagated = |s1: f64, s0: f64, s2: f64| (0.25 * (s1 + s2) + value.norm_sqr() * s0) / auto;
+    let parts_of =
+        |s1: f64, s0: f64, s2: f64| [0.25 * s1, value.norm_sqr() * s0, 0.25 * s2].map(|s| s / auto);
+    let parts = parts_of(first, middle, last);
     let relative = power / (3.0 * count);
     Ok(Ratio {
         index,
         frequency_hz,
         value,
-        variance: propagated(first, middle, last),
-        amplification: propagated(relative, relative, relative).sqrt(),
+        variance: parts.iter().sum(),
+        parts,
+        amplification: parts_of(relative, relative, relative)
+            .iter()
+            .sum::<f64>()
+            .sqrt(),
         noise_to_signal: (middle * count / auto).sqrt(),
     })
 }

@@ -76,10 +76,14 @@ impl LocalPolynomial {
         )
     }
 
-    /// Variance of the value at t, if the weights are the inverse variances of the points.
-    pub(super) fn variance_at(&self, t: f64) -> f64 {
-        let terms = self.basis(t).into_iter().zip(self.power);
-        terms.map(|((p, _), power)| p * p / power).sum()
+    /// By how much the value at t moves with that of a point at `at` with this `weight`.
+    pub(super) fn influence(&self, t: f64, at: f64, weight: f64) -> f64 {
+        let terms = self.basis(t).into_iter().zip(self.basis(at));
+        let sum: f64 = terms
+            .zip(self.power)
+            .map(|(((p, _), (q, _)), power)| p * q / power)
+            .sum();
+        weight * sum
     }
 
     /// The zero of the real part next to the middle, if it lies among the points.
@@ -125,23 +129,26 @@ mod tests {
         assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
     }
 
-    /// The sum of the variances of the fitted values, each by that of its point, is the number of coefficients.
+    /// The value is the sum of those of the points, each by its influence; the influences of the points on themselves add up to the
+    /// number of coefficients.
     #[test]
-    fn variances_add_up_to_the_number_of_coefficients() {
+    fn influences_are_those_of_the_points() {
         let points: Vec<_> = (0..9)
             .map(|j| {
-                (
-                    -1.0 + 0.25 * f64::from(j),
-                    Complex64::ONE,
-                    1.0 + f64::from(j),
-                )
+                let t = -1.0 + 0.25 * f64::from(j);
+                (t, Complex64::new(t.sin(), t.exp()), 1.0 + f64::from(j))
             })
             .collect();
         let fit = LocalPolynomial::through(points.iter().copied()).unwrap();
-        let sum: f64 = points
+        let sum: Complex64 = points
             .iter()
-            .map(|(t, _, weight)| weight * fit.variance_at(*t))
+            .map(|(at, value, weight)| value * fit.influence(0.3, *at, *weight))
             .sum();
-        assert!((sum - 4.0).abs() < 1e-12);
+        assert!((sum - fit.at(0.3).0).norm() < 1e-13);
+        let trace: f64 = points
+            .iter()
+            .map(|(at, _, weight)| fit.influence(*at, *at, *weight))
+            .sum();
+        assert!((trace - 4.0).abs() < 1e-12);
     }
 }

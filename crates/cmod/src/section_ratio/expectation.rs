@@ -21,6 +21,8 @@ pub(super) struct Expectation {
     start: Complex64,
     /// Distance by which waves are counted \[m\].
     distance: f64,
+    /// Delay that is known, over which no wave needs to be counted [s].
+    delay: f64,
     last_omega: f64,
     /// Weighted means of ln ω and γ/ω, and the sums about them.
     weight: f64,
@@ -35,12 +37,21 @@ impl Expectation {
         Self {
             start: slowness,
             distance,
+            delay: 0.0,
             last_omega: omega,
             weight: 0.0,
             abscissa: omega.ln(),
             slowness,
             spread: 0.0,
             product: Complex64::ZERO,
+        }
+    }
+
+    /// The same with what is known of the delay of the later pulse, if anything.
+    pub(super) fn with_delay(self, delay: Option<f64>) -> Self {
+        Self {
+            delay: delay.unwrap_or(0.0),
+            ..self
         }
     }
 
@@ -57,9 +68,14 @@ impl Expectation {
         self.slowness.im * (omega - self.last_omega) * self.distance
     }
 
+    /// The part of it that is not that of the known delay, either sign.
+    fn unknown_advance(&self, omega: f64) -> f64 {
+        (self.advance(omega) - self.delay * (omega - self.last_omega)).abs()
+    }
+
     /// What speaks against `gamma`, found at ω.
     pub(super) fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
-        let advance = self.advance(omega);
+        let advance = self.unknown_advance(omega);
         let expected = self.gamma(omega).im * self.distance;
         let found = gamma.im * self.distance;
         if advance > PI {

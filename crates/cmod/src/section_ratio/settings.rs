@@ -35,6 +35,8 @@ impl SectionUncertainty {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Settings {
     wave_speed: Option<f64>,
+    /// Of the numerator behind the denominator [s].
+    delay: Option<f64>,
     uncertainty: SectionUncertainty,
     limits: AcceptanceLimits,
 }
@@ -42,6 +44,10 @@ pub(crate) struct Settings {
 impl Settings {
     pub(crate) fn wave_speed(&self) -> Option<f64> {
         self.wave_speed
+    }
+
+    pub(crate) fn delay(&self) -> Option<f64> {
+        self.delay
     }
 
     pub(crate) fn uncertainty(&self) -> &SectionUncertainty {
@@ -55,6 +61,13 @@ impl Settings {
     pub(crate) fn with_wave_speed(self, wave_speed: f64) -> Result<Self, CmodError> {
         Ok(Self {
             wave_speed: Some(check_positive("wave speed [m/s]", wave_speed)?),
+            ..self
+        })
+    }
+
+    pub(crate) fn with_delay(self, delay: f64) -> Result<Self, CmodError> {
+        Ok(Self {
+            delay: Some(check_positive("delay of the later pulse [s]", delay)?),
             ..self
         })
     }

@@ -2,7 +2,70 @@
 
 use num_complex::Complex64;
 
-use crate::error::{CmodError, check_length};
+use crate::error::{CmodError, check_frequencies, check_length};
+use crate::estimate::VarianceFreedom;
+
+/// A measured ratio Ψ of two spectra on increasing frequencies, with its variance and how well that is known. All arrays have one
+/// entry a line.
+#[derive(Debug, Clone, Copy)]
+pub struct RatioLines<'a> {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: &'a [f64],
+    /// Ψ.
+    pub ratio: &'a [Complex64],
+    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 stands for data without noise.
+    pub variance: &'a [f64],
+    /// Degrees of freedom of the variances; `None` if they are known.
+    pub freedom: Option<&'a [VarianceFreedom]>,
+    /// Ordinary coherence, where there is one; asked only by [`TwoPoint`](crate::TwoPoint), for its
+    /// [limit](crate::validity::AcceptanceLimits::coherence).
+    pub coherence: Option<&'a [f64]>,
+}
+
+impl<'a> RatioLines<'a> {
+    /// A ratio with a known variance.
+    #[must_use]
+    pub fn of_known_variance(
+        frequency_hz: &'a [f64],
+        ratio: &'a [Complex64],
+        variance: &'a [f64],
+    ) -> Self {
+        Self {
+            frequency_hz,
+            ratio,
+            variance,
+            freedom: None,
+            coherence: None,
+        }
+    }
+
+    /// Refuses arrays that do not fit; `name` is what the ratio is called.
+    pub(crate) fn check(&self, name: &'static str) -> Result<(), CmodError> {
+        check_frequencies(self.frequency_hz)?;
+        let count = self.frequency_hz.len();
+        check_length(name, self.ratio.len(), count)?;
+        check_length("variance", self.variance.len(), count)?;
+        if let Some((index, &variance)) = self.variance.iter().enumerate().find(|(_, v)| **v < 0.0)
+        {
+            return Err(CmodError::NegativeVariance { index, variance });
+        }
+        if let Some(freedom) = self.freedom {
+            check_length("degrees of freedom", freedom.len(), count)?;
+            for freedom in freedom {
+                freedom.check()?;
+            }
+        }
+        if let Some(coherence) = self.coherence {
+            check_length("coherence", coherence.len(), count)?;
+        }
+        Ok(())
+    }
+
+    /// Degrees of freedom of the variance of one line.
+    pub(crate) fn freedom_of(&self, index: usize) -> Option<VarianceFreedom> {
+        self.freedom.and_then(|freedom| freedom.get(index).copied())
+    }
+}
 
 /// Ψ = q̂₁/q̂₂ with its variance, from the spectra of one test or several.
 ///
@@ -65,16 +128,21 @@ impl RatioOfSpectra {
             }
         }
         let (mut ratio, mut variance) = (Vec::with_capacity(n_lines), Vec::with_capacity(n_lines));
-        for line in 0..n_lines {
-            let at = |spectrum: &&[Complex64]| spectrum.get(line).copied().unwrap_or_default();
-            let noise = |noise: &[f64]| noise.get(line).copied().unwrap_or_default().powi(2);
+        for (line, (noise, denominator_noise)) in
+            numerator_noise.iter().zip(denominator_noise).enumerate()
+        {
+            #[allow(
+                clippy::indexing_slicing,
+                reason = "all spectra have as many lines as the noise"
+            )]
+            let at = |spectrum: &&[Complex64]| spectrum[line];
             let pairs = || numerator.iter().map(at).zip(denominator.iter().map(at));
             let cross: Complex64 = pairs().map(|(n, d)| n * d.conj()).sum();
             let auto: f64 = pairs().map(|(_, d)| d.norm_sqr()).sum();
             let psi = cross / auto;
             ratio.push(psi);
-            variance
-                .push((noise(numerator_noise) + psi.norm_sqr() * noise(denominator_noise)) / auto);
+            let noises = noise * noise + psi.norm_sqr() * denominator_noise * denominator_noise;
+            variance.push(noises / auto);
         }
         Ok(Self { ratio, variance })
     }

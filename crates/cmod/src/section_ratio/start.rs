@@ -6,7 +6,7 @@
 
 use num_complex::Complex64;
 
-use super::{MeasuredRatio, SectionRatio};
+use super::{MeasuredRatio, SectionRatio, Settings};
 use crate::branch::BranchDoubt;
 
 /// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
@@ -39,11 +39,21 @@ pub(super) struct Start {
 pub(super) fn wave_speed(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio],
-    guess: Option<f64>,
+    settings: &Settings,
 ) -> Option<Start> {
-    let (slowest, fastest) = match guess {
-        Some(speed) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
-        None => (slowest_to_follow(measured, equation.distance()), FASTEST),
+    let guess = settings.wave_speed();
+    let distance = equation.distance();
+    let step_hz = median_step(measured);
+    let (slowest, fastest) = match (guess, settings.delay()) {
+        (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
+        // a period of a line spacing is two turns: half of it to either side of the delay
+        (None, Some(delay)) => {
+            let unknown = 0.5 / step_hz;
+            let fastest = distance / (delay - unknown).max(distance / FASTEST);
+            (SLOWEST.max(distance / (delay + unknown)), fastest)
+        }
+        // below, every speed has the same ratios on equidistant lines as another
+        (None, None) => (SLOWEST.max(2.0 * step_hz * distance), FASTEST),
     };
     let mut misfits = Vec::with_capacity(LINES);
     let mut tried: Vec<(f64, Complex64)> = Vec::new();
@@ -67,7 +77,8 @@ pub(super) fn wave_speed(
         return None;
     }
     let speed_of = |slowness: Complex64| slowness.im.recip();
-    let doubt = if guess.is_none() && measured.len() < FEWEST_LINES {
+    let is_guided = guess.is_some() || settings.delay().is_some();
+    let doubt = if !is_guided && measured.len() < FEWEST_LINES {
         Some(BranchDoubt::FewLines {
             found: measured.len(),
             expected: FEWEST_LINES,
@@ -97,17 +108,15 @@ pub(super) fn wave_speed(
     })
 }
 
-/// The speed at which half a wave is added between neighbouring lines, or [`SLOWEST`]. Below, every speed has the same
-/// ratios on equidistant lines as another.
-fn slowest_to_follow(measured: &[MeasuredRatio], distance: f64) -> f64 {
+/// Distance of neighbouring lines [Hz]; 0 of a single one.
+fn median_step(measured: &[MeasuredRatio]) -> f64 {
     let mut steps: Vec<f64> = measured
         .iter()
         .zip(measured.iter().skip(1))
         .map(|(line, next)| next.frequency_hz - line.frequency_hz)
         .collect();
     steps.sort_by(f64::total_cmp);
-    let median = steps.get(steps.len() / 2).copied().unwrap_or_default();
-    SLOWEST.max(2.0 * median * distance)
+    steps.get(steps.len() / 2).map_or(0.0, |step| *step)
 }
 
 /// Mean log of the misfit, by noise and [`MODEL_ERROR`], of the better two thirds of the lines.

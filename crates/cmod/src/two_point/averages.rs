@@ -11,7 +11,7 @@
 //!
 //! With n instead of n - 1, as often written, it would be right for many averages only: of ten blows a tenth too small.
 //! Estimated with 2(n - 1) real degrees of freedom, it scatters by 1/(n - 1)^½ of itself from line to line, and an error by
-//! its root is distributed as Student's t.
+//! its root is distributed as Student's t. Neighbouring lines can share what they know of the noise: [`crate::section_ratio::pooling`].
 //!
 //! # Bias
 //! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias is at most 1 - γ² of Ψ; by
@@ -84,11 +84,6 @@ pub fn variance_from_coherence(
     };
     let lines = acceleration_ratio.iter().zip(coherence).enumerate();
     lines.map(of_line).collect()
-}
-
-/// Degrees of freedom of the variance from so many averages.
-pub(super) fn degrees_of_freedom(averages: f64) -> f64 {
-    2.0 * (averages - 1.0)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Violation;
 use crate::error::CmodError;
-use crate::estimate::{ModulusLine, coverage_factor};
+use crate::estimate::{ModulusLine, VarianceFreedom, coverage_factor};
 
 /// Default of [`AcceptanceLimits::storage_modulus`]: E' to 1 %.
 pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
@@ -102,6 +102,7 @@ impl AcceptanceLimits {
 pub(crate) struct Acceptance {
     limits: AcceptanceLimits,
     degrees_of_freedom: Option<f64>,
+    own_degrees_of_freedom: Option<f64>,
     /// Standard errors that the random part counts with.
     factor: f64,
 }
@@ -119,12 +120,28 @@ impl Acceptance {
         Ok(Self {
             limits,
             degrees_of_freedom,
+            own_degrees_of_freedom: degrees_of_freedom,
             factor,
+        })
+    }
+
+    /// For one line, of a variance of this `freedom`; `None` if it is known.
+    pub(crate) fn of_line(
+        limits: AcceptanceLimits,
+        freedom: Option<VarianceFreedom>,
+    ) -> Result<Self, CmodError> {
+        Ok(Self {
+            own_degrees_of_freedom: freedom.map(|freedom| freedom.own),
+            ..Self::new(limits, freedom.map(|freedom| freedom.line))?
         })
     }
 
     pub(crate) fn degrees_of_freedom(&self) -> Option<f64> {
         self.degrees_of_freedom
+    }
+
+    pub(crate) fn own_degrees_of_freedom(&self) -> Option<f64> {
+        self.own_degrees_of_freedom
     }
 
     /// What of the limits `line` exceeds.

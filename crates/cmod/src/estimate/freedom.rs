@@ -1,0 +1,97 @@
+//! How well an estimated variance is itself known.
+
+use crate::error::{CmodError, check_positive};
+
+/// Degrees of freedom of the estimated variance of one line.
+///
+/// A variance from n averages has 2(n - 1), one from a noise that was read in K segments 2K. A line and its neighbours may share an
+/// estimate, pooled over them: then `line` is that of the pooled estimate, and `own` what the line itself adds to it. The sum of
+/// `own` over some lines is the number of degrees of freedom of what these lines say together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct VarianceFreedom {
+    /// ν of the variance of the line: its relative standard error is √(2/ν).
+    pub line: f64,
+    /// Share of the line in the degrees of freedom of all lines; at most `line`.
+    pub own: f64,
+}
+
+impl VarianceFreedom {
+    /// Degrees of freedom of a line, and its `own` share in those of all lines.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless both are finite and above 0, and `own` at most `line`.
+    pub fn new(line: f64, own: f64) -> Result<Self, CmodError> {
+        Self { line, own }.check()
+    }
+
+    /// A variance from so many `averages` n of this line alone: 2(n - 1).
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewAverages`] below 2.
+    pub fn of_averages(averages: f64) -> Result<Self, CmodError> {
+        if !(averages.is_finite() && averages >= 2.0) {
+            return Err(CmodError::TooFewAverages { found: averages });
+        }
+        let line = 2.0 * (averages - 1.0);
+        Ok(Self { line, own: line })
+    }
+
+    pub(crate) fn check(self) -> Result<Self, CmodError> {
+        check_positive("degrees of freedom of a variance", self.line)?;
+        check_positive("degrees of freedom that a line adds", self.own)?;
+        if self.own > self.line {
+            return Err(CmodError::NonPhysical {
+                quantity: "degrees of freedom that a line adds",
+                value: self.own,
+                expected: "at most those of its variance",
+            });
+        }
+        Ok(self)
+    }
+
+    /// Of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch and Satterthwaite).
+    pub(crate) fn of_sum(self, parts: impl Iterator<Item = f64> + Clone) -> Self {
+        let sum: f64 = parts.clone().sum();
+        let squares: f64 = parts.map(|part| part * part).sum();
+        let gain = sum * sum / squares;
+        // parts of which only one is not 0 have its degrees of freedom
+        let gain = if gain >= 1.0 { gain } else { 1.0 };
+        Self {
+            line: self.line * gain,
+            own: self.own * gain,
+        }
+    }
+
+    /// Of v + c, where v is the estimate of these degrees of freedom and c is known.
+    #[must_use]
+    pub fn with_known_part(self, variance: f64, known: f64) -> Self {
+        if variance <= 0.0 {
+            return self;
+        }
+        let gain = (1.0 + known / variance).powi(2);
+        Self {
+            line: self.line * gain,
+            own: self.own * gain,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn r14_degrees_of_freedom_of_sums_are_those_of_welch_and_satterthwaite() {
+        let one = VarianceFreedom::new(8.0, 2.0).unwrap();
+        // equal parts add up, one part alone stays what it is
+        assert_eq!(one.of_sum([3.0; 4].into_iter()).line, 32.0);
+        assert_eq!(one.of_sum([3.0, 0.0].into_iter()), one);
+        // half of the variance is known: four times the degrees of freedom
+        assert_eq!(one.with_known_part(5.0, 5.0).own, 8.0);
+        assert_eq!(VarianceFreedom::of_averages(3.0).unwrap().line, 4.0);
+        assert!(VarianceFreedom::of_averages(1.5).is_err());
+        assert!(VarianceFreedom::new(2.0, 3.0).is_err());
+        assert!(VarianceFreedom::new(f64::NAN, 1.0).is_err());
+    }
+}

@@ -1,0 +1,333 @@
+//! The variance of a ratio from few averages, pooled over neighbouring lines.
+//!
+//! From n averages the variance of a line has 2(n - 1) degrees of freedom: of three hits four, with which five standard errors of a
+//! normal variable become forty. But noise has no fine structure, and neighbouring lines say the same of it. What varies smoothly is
+//! not the variance of the ratio, nor the coherence, which follow the resonances, but the power of what Ψ leaves of the numerator,
+//!
+//! ```text
+//! S = n G₂₂ E|δΨ|² = N₁ + |Ψ|² N₂
+//! ```
+//!
+//! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are taken as constant, not negative, and fitted to
+//! the S of so many lines that some 40 degrees of freedom come together, each with the weight of its own scatter, 1/S². With the leverage h of
+//! the line in this fit its S has 2(n - 1)/h degrees of freedom.
+//!
+//! Where neighbours do not tell a line's noise, they are not asked. A line whose own S noise exceeds once in a thousand, as at the frequency
+//! of the mains, keeps its own and does not take part in that of others; where the lines of a fit scatter about it by more than four
+//! standard deviations of what 2(n - 1) degrees of freedom permit, each keeps its own.
+
+use num_complex::Complex64;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::error::{CmodError, check_length, check_positive};
+use crate::estimate::VarianceFreedom;
+
+/// Degrees of freedom that a pooled variance shall have.
+const ENOUGH: f64 = 40.0;
+/// Parameters of a fit.
+const TERMS: f64 = 2.0;
+/// A line whose own noise is exceeded less often by chance keeps it.
+const STRANGE: f64 = 1e-3;
+/// Standard deviations of the scatter about a fit beyond which it does not describe the lines.
+const ROUGH: f64 = 4.0;
+/// Repetitions of a fit with the weights of the one before.
+const MOST_ROUNDS: u32 = 30;
+
+/// A ratio of averaged spectra, and what its variance was found from. All arrays have one entry a line.
+#[derive(Debug, Clone, Copy)]
+pub struct AveragedVariance<'a> {
+    /// Ψ.
+    pub ratio: &'a [Complex64],
+    /// E|δΨ|² by the coherence of the line alone, as
+    /// [`variance_from_coherence`](crate::two_point::variance_from_coherence) gives it.
+    pub variance: &'a [f64],
+    /// G₂₂, the averaged auto-spectrum of the denominator, in any unit.
+    pub denominator_power: &'a [f64],
+    /// Number n of averages, or their effective number.
+    pub averages: f64,
+    /// Lines by lines whose noise is independent: 1 for spectra of whole records, and duration by length of the window for a pulse
+    /// that was cut out of a record that is silent elsewhere.
+    pub lines_per_independent_line: f64,
+}
+
+/// A variance with the degrees of freedom of every line.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PooledVariance {
+    /// E|δΨ|².
+    pub variance: Vec<f64>,
+    /// Its degrees of freedom.
+    pub freedom: Vec<VarianceFreedom>,
+}
+
+impl AveragedVariance<'_> {
+    /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and lines that are not finite, keep what
+    /// they have.
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewAverages`] below 2; [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless the lines per independent
+    /// line are finite and 1 or more.
+    pub fn pooled(&self) -> Result<PooledVariance, CmodError> {
+        let alone = VarianceFreedom::of_averages(self.averages)?;
+        let count = self.ratio.len();
+        check_length("variance", self.variance.len(), count)?;
+        check_length(
+            "power of the denominator",
+            self.denominator_power.len(),
+            count,
+        )?;
+        let repeated = check_positive(
+            "lines per independent line",
+            self.lines_per_independent_line,
+        )?;
+        if repeated < 1.0 {
+            return Err(CmodError::NonPhysical {
+                quantity: "lines per independent line",
+                value: repeated,
+                expected: "1 or more",
+            });
+        }
+        let alone = VarianceFreedom {
+            own: alone.own / repeated,
+            ..alone
+        };
+        let mut pooled = PooledVariance {
+            variance: self.variance.to_vec(),
+            freedom: vec![alone; count],
+        };
+        let lines = self.lines();
+        // two lines more than coefficients, or there is no scatter to judge the fit by
+        let width = (TERMS * ENOUGH / alone.own).ceil();
+        if lines.len() < 4 || alone.line >= ENOUGH {
+            return Ok(pooled);
+        }
+        let Ok(law) = ChiSquared::new(alone.line) else {
+            return Ok(pooled);
+        };
+        let most = law.inverse_cdf(1.0 - STRANGE) / alone.line;
+        let window = Window { lines: &lines, width };
+        let all = vec![true; lines.len()];
+        let takes_part: Vec<bool> = lines
+            .iter()
+            .enumerate()
+            .map(|(place, line)| {
+                let fit = window.fit(place, &all);
+                fit.is_none_or(|fit| line.power <= most * fit.power)
+            })
+            .collect();
+        for (place, line) in lines.iter().enumerate() {
+            let (Some(true), Some(fit)) =
+                (takes_part.get(place), window.fit(place, &takes_part))
+            else {
+                continue;
+            };
+            if fit.roughness(alone.line, repeated) > ROUGH {
+                continue;
+            }
+            let freedom = (alone.own / fit.leverage).max(alone.line);
+            if let (Some(variance), Some(of_line)) = (
+                pooled.variance.get_mut(line.index),
+                pooled.freedom.get_mut(line.index),
+            ) {
+                *variance = fit.power / line.denominator;
+                of_line.line = freedom;
+            }
+        }
+        Ok(pooled)
+    }
+
+    /// The lines that have noise.
+    fn lines(&self) -> Vec<Line> {
+        let values = self.variance.iter().zip(self.denominator_power);
+        let lines = self.ratio.iter().zip(values).enumerate();
+        let mut lines: Vec<Line> = lines
+            .map(|(index, (ratio, (variance, denominator)))| Line {
+                index,
+                ratio: ratio.norm_sqr(),
+                power: variance * denominator,
+                denominator: *denominator,
+            })
+            .filter(|line| {
+                line.ratio.is_finite() && line.power.is_finite() && line.power > 0.0
+            })
+            .collect();
+        // squares of a power in any unit stay within the range of a double
+        let unit = lines.iter().fold(0.0, |most: f64, line| most.max(line.power));
+        for line in &mut lines {
+            line.power /= unit;
+            line.denominator /= unit;
+        }
+        lines
+    }
+}
+
+/// One line with noise.
+struct Line {
+    index: usize,
+    /// |Ψ|².
+    ratio: f64,
+    /// S/n.
+    power: f64,
+    /// G₂₂.
+    denominator: f64,
+}
+
+/// So many lines around each.
+struct Window<'a> {
+    lines: &'a [Line],
+    width: f64,
+}
+
+/// S of one line by its neighbours.
+struct Fit {
+    power: f64,
+    leverage: f64,
+    /// Lines that took part, and Σ(s/S - 1)² over them.
+    count: f64,
+    scatter: f64,
+}
+
+impl Fit {
+    /// Standard deviations by which the lines scatter more about the fit than `freedom` degrees of freedom of each permit.
+    fn roughness(&self, freedom: f64, repeated: f64) -> f64 {
+        // of y = χ²/ν: E(y - 1)² = 2/ν, and its variance 8/ν² + 48/ν³
+        let expected = (self.count - TERMS) * 2.0 / freedom;
+        let spread = self.count * repeated * (8.0 + 48.0 / freedom) / (freedom * freedom);
+        (self.scatter - expected) / spread.sqrt()
+    }
+}
+
+impl Window<'_> {
+    /// N₁ and N₂ by the lines around `place` that take part, and what they make of its S.
+    fn fit(&self, place: usize, takes_part: &[bool]) -> Option<Fit> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a width is above 0, and the cast saturates"
+        )]
+        let width = (self.width as usize | 1).max(5).min(self.lines.len());
+        let first = place.saturating_sub(width / 2).min(self.lines.len() - width);
+        let around = || {
+            let lines = self.lines.iter().zip(takes_part);
+            let within = lines.skip(first).take(width);
+            within.filter(|(_, part)| **part).map(|(line, _)| line)
+        };
+        let centre = self.lines.get(place)?;
+        let count = around().count();
+        if count < 4 {
+            return None;
+        }
+        let mean = around().map(|line| line.power).sum::<f64>() / count as f64;
+        let mut noise = Noise {
+            of_numerator: mean,
+            of_denominator: 0.0,
+        };
+        let mut sums = Sums::default();
+        for _ in 0..MOST_ROUNDS {
+            sums = Sums::default();
+            for line in around() {
+                // a fit must not tell a line that it has no noise at all
+                let expected = noise.power(line.ratio).max(1e-3 * mean);
+                sums.add(line, expected);
+            }
+            let next = sums.noise();
+            let moved = (next.power(centre.ratio) - noise.power(centre.ratio)).abs();
+            noise = next;
+            if moved <= 1e-6 * noise.power(centre.ratio) {
+                break;
+            }
+        }
+        let power = noise.power(centre.ratio);
+        let scatter = around()
+            .map(|line| (line.power / noise.power(line.ratio) - 1.0).powi(2))
+            .sum();
+        let leverage = sums.variance_at(centre.ratio, &noise) / (power * power);
+        (power > 0.0 && leverage.is_finite()).then_some(Fit {
+            power,
+            leverage,
+            count: count as f64,
+            scatter,
+        })
+    }
+}
+
+/// N₁ and N₂, by n.
+struct Noise {
+    of_numerator: f64,
+    of_denominator: f64,
+}
+
+impl Noise {
+    /// S/n where |Ψ|² is `ratio`.
+    fn power(&self, ratio: f64) -> f64 {
+        self.of_numerator + ratio * self.of_denominator
+    }
+}
+
+/// Normal equations of a straight line over |Ψ|².
+#[derive(Default)]
+struct Sums {
+    weight: f64,
+    abscissa: f64,
+    square: f64,
+    value: f64,
+    product: f64,
+}
+
+impl Sums {
+    fn add(&mut self, line: &Line, expected: f64) {
+        let weight = (expected * expected).recip();
+        self.weight += weight;
+        self.abscissa += weight * line.ratio;
+        self.square += weight * line.ratio * line.ratio;
+        self.value += weight * line.power;
+        self.product += weight * line.ratio * line.power;
+    }
+
+    fn determinant(&self) -> f64 {
+        self.weight * self.square - self.abscissa * self.abscissa
+    }
+
+    /// The minimum without negative noise.
+    fn noise(&self) -> Noise {
+        let determinant = self.determinant();
+        let of_numerator = (self.square * self.value - self.abscissa * self.product) / determinant;
+        let of_denominator =
+            (self.weight * self.product - self.abscissa * self.value) / determinant;
+        if of_numerator > 0.0 && of_denominator > 0.0 {
+            return Noise {
+                of_numerator,
+                of_denominator,
+            };
+        }
+        // one of them is 0: of both, the one that leaves less
+        let numerator = self.value / self.weight;
+        let denominator = self.product / self.square;
+        if self.value * numerator >= self.product * denominator || !denominator.is_finite() {
+            Noise {
+                of_numerator: numerator,
+                of_denominator: 0.0,
+            }
+        } else {
+            Noise {
+                of_numerator: 0.0,
+                of_denominator: denominator,
+            }
+        }
+    }
+
+    /// Variance of the fitted S at |Ψ|² = `ratio`, by that of a line whose S has the variance S².
+    fn variance_at(&self, ratio: f64, noise: &Noise) -> f64 {
+        if noise.of_denominator == 0.0 {
+            self.weight.recip()
+        } else if noise.of_numerator == 0.0 {
+            ratio * ratio / self.square
+        } else {
+            (self.square - 2.0 * ratio * self.abscissa + ratio * ratio * self.weight)
+                / self.determinant()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
