@@ -13,8 +13,11 @@
 //! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
 //!
 //! A check that fails is conclusive within its level. One that passes only says that noise hides what may be wrong: its
-//! [noise floor](CheckOutcome::noise_floor) says how much. Of several checks at the level p one fails by chance in about
-//! p times their number of records.
+//! [noise floor](CheckOutcome::noise_floor) says how much. The level is that of each check by itself: of k checks of a right record at
+//! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
+//!
+//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees of freedom into account: Fisher's and
+//! Student's distributions stand in place of chi-square and the normal one.
 //!
 //! Theory: `docs/theory/checks-without-truth.md`.
 
@@ -30,7 +33,7 @@ pub use passivity::passivity;
 
 use std::fmt;
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use crate::error::CmodError;
 use crate::estimate::{ModulusEstimate, ModulusLine};
@@ -176,6 +179,15 @@ fn normal_tail_below(value: f64) -> f64 {
     Normal::standard().cdf(value)
 }
 
+/// P(t < `value`) of a normal variable by the root of an estimate of its variance with so many `degrees_of_freedom`; of a known
+/// variance if there are none.
+fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
+    degrees_of_freedom.map_or_else(
+        || normal_tail_below(value),
+        |freedom| StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(value)),
+    )
+}
+
 /// P(the least of `count` independent p-values is below `p_value`).
 fn of_the_least(p_value: f64, count: usize) -> f64 {
     -(count as f64 * (-p_value).ln_1p()).exp_m1()
@@ -210,6 +222,9 @@ mod tests {
         assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
         assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);
         assert!((normal_tail_below(-1.959964) - 0.025).abs() < 1e-7);
+        // 2.5 % of Student's law with 4 degrees of freedom
+        assert!((student_tail_below(-2.776445, Some(4.0)) - 0.025).abs() < 1e-7);
+        assert!((student_tail_below(-1.959964, None) - 0.025).abs() < 1e-7);
         // 1 - (1 - p)^n, also for p far below rounding of 1
         assert!((of_the_least(0.1, 3) - 0.271).abs() < 1e-15);
         assert!((of_the_least(1e-20, 10) - 1e-19).abs() < 1e-33);

@@ -61,6 +61,7 @@
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
+mod common;
 mod non_negative;
 
 use std::f64::consts::LN_10;
@@ -71,7 +72,7 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
-use non_negative::NonNegativeProblem;
+use common::CommonErrors;
 
 /// Relaxation times a decade of the grid.
 pub const GRID_PER_DECADE: u32 = 32;
@@ -101,6 +102,10 @@ pub struct KramersKronig {
     pub residual_lower_bound: f64,
     /// The largest residual that a causal material can have; see the [module](self).
     pub threshold: f64,
+    /// The part of the threshold by the grid of relaxation times and by rounding.
+    pub grid_error: f64,
+    /// The common errors that were taken off the given values, each in its standard uncertainty; none where none were stated.
+    pub common_errors: Vec<f64>,
     /// E∞ of the nearest causal material \[Pa\].
     pub equilibrium_modulus: f64,
     /// η of the nearest causal material [Pa s].
@@ -119,7 +124,7 @@ pub struct ResidualLine {
     pub modulus: Complex64,
     /// Modulus of the nearest causal material \[Pa\].
     pub causal_modulus: Complex64,
-    /// (E - E_causal)/|E|.
+    /// (E - E_causal)/|E|, without the common errors that were taken off.
     pub residual: Complex64,
 }
 
@@ -165,7 +170,7 @@ impl KramersKronig {
     ) -> Result<Self, RodwaveError> {
         check_not_negative("relative standard error of the modulus", relative_error)?;
         let scale: Vec<f64> = modulus.iter().map(|modulus| modulus.norm()).collect();
-        Self::nearest(omega, modulus, &scale, relative_error)
+        Self::nearest(omega, modulus, &scale, relative_error, &[])
     }
 
     /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its own `standard_error`
@@ -183,6 +188,30 @@ impl KramersKronig {
         modulus: &[Complex64],
         standard_error: &[f64],
     ) -> Result<Self, RodwaveError> {
+        Self::of_modulus_with_common_errors(omega, modulus, standard_error, &[])
+    }
+
+    /// Tests measured values that besides have `common_errors`, the same for all lines: if one of them is wrong by its standard uncertainty,
+    /// all values are wrong by its vector δE(ω) \[Pa\]. A length that is known to a tenth of a per cent is such an error.
+    ///
+    /// The nearest material and the sizes ξ of the common errors are sought together,
+    ///
+    /// ```text
+    /// min Σ |E - Σ ξ_s δE_s - E_causal|²/σ² + ½ Σ ξ_s²
+    /// ```
+    ///
+    /// and the residual is the root of the minimum by n. With the true material and errors this is on the average 1 + S/2n for S errors, which
+    /// the threshold allows for.
+    ///
+    /// # Errors
+    /// As [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and [`RodwaveError::NonPhysical`] for a vector of another length, or
+    /// one that is not finite.
+    pub fn of_modulus_with_common_errors(
+        omega: &[f64],
+        modulus: &[Complex64],
+        standard_error: &[f64],
+        common_errors: &[Vec<Complex64>],
+    ) -> Result<Self, RodwaveError> {
         if standard_error.len() != modulus.len() {
             return Err(RodwaveError::LengthMismatch {
                 what: "array of standard errors",
@@ -193,46 +222,76 @@ impl KramersKronig {
         for &error in standard_error {
             check_positive("standard error of the modulus [Pa]", error)?;
         }
-        Self::nearest(omega, modulus, standard_error, 1.0)
+        for common in common_errors {
+            if common.len() != modulus.len() {
+                return Err(RodwaveError::LengthMismatch {
+                    what: "array of a common error",
+                    found: common.len(),
+                    expected: modulus.len(),
+                });
+            }
+            for error in common {
+                check_finite("common error of the modulus [Pa]", error.norm())?;
+            }
+        }
+        Self::nearest(omega, modulus, standard_error, 1.0, common_errors)
     }
 
     /// The nearest material in units of `scale`, in which the values scatter by `scatter`.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the vector of a common error has been refused unless it has an entry a line"
+    )]
     fn nearest(
         omega: &[f64],
         modulus: &[Complex64],
         scale: &[f64],
         scatter: f64,
+        common_errors: &[Vec<Complex64>],
     ) -> Result<Self, RodwaveError> {
         let band = check(omega, modulus)?;
         let elements = elements(band);
-        let mut target = Vec::with_capacity(2 * omega.len());
-        for (modulus, scale) in modulus.iter().zip(scale) {
-            let weighted = modulus / scale;
-            target.extend([weighted.re, weighted.im]);
-        }
-        let columns = elements.iter().map(|element| {
-            omega
+        let by_scale = |values: &mut dyn Iterator<Item = Complex64>| -> Vec<f64> {
+            let weighted = values.zip(scale).map(|(value, scale)| value / scale);
+            weighted.flat_map(|value| [value.re, value.im]).collect()
+        };
+        let target = by_scale(&mut modulus.iter().copied());
+        let common = CommonErrors::new(
+            common_errors
                 .iter()
-                .zip(scale)
-                .flat_map(|(&omega, scale)| {
-                    let weighted = element.at(omega) / scale;
-                    [weighted.re, weighted.im]
-                })
-                .collect()
-        });
-        let threshold = threshold(modulus, scale, scatter);
-        check_finite("threshold of the residual", threshold)?;
+                .map(|common| by_scale(&mut common.iter().copied()))
+                .collect(),
+        );
+        let columns: Vec<Vec<f64>> = elements
+            .iter()
+            .map(|element| by_scale(&mut omega.iter().map(|&omega| element.at(omega))))
+            .collect();
+        let grid_error = grid_error(modulus, scale);
         let n = omega.len() as f64;
+        let expected = (1.0 + 0.5 * common_errors.len() as f64 / n).sqrt();
+        let threshold = grid_error + scatter * (expected + 1.5 / n.sqrt());
+        check_finite("threshold of the residual", threshold)?;
         // Far below the threshold the verdict is clear, and a closer fit says nothing more.
         let enough = 0.1 * threshold * n.sqrt();
-        let solution = NonNegativeProblem::new(columns.collect(), target).solve(enough);
+        let solution = common.problem(columns, &target).solve(enough);
         let material: Vec<(Element, f64)> = elements
             .into_iter()
             .zip(solution.coefficients)
             .filter(|(_, amount)| *amount > 0.0)
             .collect();
+        let mut lines = lines(omega, modulus, &material);
+        let rest = by_scale(&mut lines.iter().map(|line| line.modulus - line.causal_modulus));
+        let sizes = common.sizes(&rest);
+        for (index, line) in lines.iter_mut().enumerate() {
+            let size = line.modulus.norm();
+            for (common, number) in common_errors.iter().zip(&sizes) {
+                line.residual -= common[index] * number / size;
+            }
+        }
         Ok(Self {
-            lines: lines(omega, modulus, &material),
+            lines,
+            grid_error,
+            common_errors: sizes,
             residual: solution.residual / n.sqrt(),
             residual_lower_bound: solution.residual_lower_bound / n.sqrt(),
             threshold,
@@ -365,7 +424,8 @@ fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, Rodwave
     check_finite(quantity, value)
 }
 
-fn threshold(modulus: &[Complex64], scale: &[f64], scatter: f64) -> f64 {
+/// What the grid and rounding leave of the modulus of a causal material, as the root mean square by `scale`.
+fn grid_error(modulus: &[Complex64], scale: &[f64]) -> f64 {
     let n = modulus.len() as f64;
     let mean_square = |part: fn(&Complex64) -> f64| -> f64 {
         let scaled = modulus.iter().zip(scale);
@@ -376,7 +436,6 @@ fn threshold(modulus: &[Complex64], scale: &[f64], scatter: f64) -> f64 {
     };
     let grid = grid_step().powi(2) / 8.0 * grid_step().exp();
     grid * mean_square(|modulus| modulus.im.max(0.0)).sqrt()
-        + scatter * (1.0 + 1.5 / n.sqrt())
         + ROUNDING * mean_square(|modulus| modulus.norm()).sqrt()
 }
 

@@ -35,13 +35,20 @@ const SURELY_NEGATIVE: f64 = 4.0;
 pub(super) struct Verdict {
     /// Probability and smoothed γ of every course, the most probable first.
     courses: Vec<(f64, Vec<Smoothed>)>,
-    /// Mean misfit around every line, on the first course; infinite behind a long erratic stretch.
-    misfit: Vec<f64>,
-    /// |misfit|² by its expectation of every line, as the first course was led to expect by the lines before.
-    chi_square: Vec<Option<f64>>,
+    /// Of every line, on the first course.
+    misfits: Vec<Misfit>,
     determined: bool,
     crowded_out: f64,
     least_confidence: f64,
+}
+
+/// How badly a line and those around it fit the first course.
+#[derive(Debug, Clone, Copy)]
+struct Misfit {
+    /// Mean over the neighbourhood; infinite behind a long erratic stretch.
+    around: f64,
+    /// |misfit|² by its expectation, as the course was led to expect by the lines before; `None` where it was not led to expect any.
+    own: Option<f64>,
 }
 
 impl Verdict {
@@ -78,10 +85,12 @@ impl Verdict {
             .first()
             .map(|(_, best)| local_misfit(&chi_square, best, lines))
             .unwrap_or_default();
+        let misfits = misfit.into_iter().zip(chi_square);
         Self {
             courses: smoothed,
-            misfit,
-            chi_square,
+            misfits: misfits
+                .map(|(around, own)| Misfit { around, own })
+                .collect(),
             determined: courses.determined,
             crowded_out: courses.crowded_out,
             least_confidence,
@@ -104,7 +113,9 @@ impl Verdict {
 
     /// The root of a line, its confidence and the weightiest doubt.
     pub(super) fn line(&self, index: usize, line: &LineAt<'_>) -> TrackedLine {
-        let Some(best) = self.phase(0, index, line) else {
+        // without a course, or without its misfit, nothing speaks for a line
+        let found = self.phase(0, index, line).zip(self.misfits.get(index));
+        let Some((best, misfit)) = found else {
             return TrackedLine {
                 root: None,
                 expected: Complex64::ZERO,
@@ -147,7 +158,7 @@ impl Verdict {
         }
         tracked.confidence *= 1.0 - self.crowded_out.min(1.0);
         tracked.doubt = self.doubt(
-            index,
+            misfit,
             line,
             &best,
             &mut tracked.confidence,
@@ -159,7 +170,7 @@ impl Verdict {
 
     fn doubt(
         &self,
-        index: usize,
+        misfit: &Misfit,
         line: &LineAt<'_>,
         best: &Phase,
         confidence: &mut f64,
@@ -170,11 +181,10 @@ impl Verdict {
             *confidence = 0.0;
             return Some(BranchDoubt::Undetermined);
         }
-        let misfit = self.misfit.get(index).copied().unwrap_or(0.0);
-        if misfit > ERRATIC {
+        if misfit.around > ERRATIC {
             *confidence = 0.0;
             return Some(BranchDoubt::Erratic {
-                chi_square: misfit,
+                chi_square: misfit.around,
                 limit: ERRATIC,
             });
         }
@@ -185,7 +195,7 @@ impl Verdict {
                 deviations: -best.raw.re / best.spread,
             });
         }
-        if self.is_strange(index, line, best) {
+        if is_strange(misfit, line, best) {
             *confidence = 0.0;
             return Some(BranchDoubt::Leap {
                 expected: best.mean.im,
@@ -212,25 +222,24 @@ impl Verdict {
         })
     }
 
-    /// Whether a single line does not belong to the curve. Asked only where it surprised the filter.
-    fn is_strange(&self, index: usize, line: &LineAt<'_>, best: &Phase) -> bool {
-        let chi_square = self.chi_square.get(index).copied().flatten();
-        if chi_square.is_none_or(|chi_square| chi_square < SURPRISE) {
-            return false;
-        }
-        let [value, slope, curvature] = line.sight.observation.expand(best.raw);
-        let phase_variance = 2.0 * best.spread * best.spread;
-        let expected = line.sight.variance
-            + slope.norm_sqr() * phase_variance
-            + 0.5 * curvature.norm_sqr() * phase_variance * phase_variance;
-        (line.sight.observed - value).norm_sqr() > STRANGE * expected
-    }
-
     fn phase(&self, rank: usize, index: usize, line: &LineAt<'_>) -> Option<Phase> {
         let (_, course) = self.courses.get(rank)?;
         let smoothed = course.get(index)?;
         Some(Phase::of(smoothed, line.sight.length))
     }
+}
+
+/// Whether a single line does not belong to the curve. Asked only where it surprised the filter.
+fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
+    if misfit.own.is_none_or(|chi_square| chi_square < SURPRISE) {
+        return false;
+    }
+    let [value, slope, curvature] = line.sight.observation.expand(best.raw);
+    let phase_variance = 2.0 * best.spread * best.spread;
+    let expected = line.sight.variance
+        + slope.norm_sqr() * phase_variance
+        + 0.5 * curvature.norm_sqr() * phase_variance * phase_variance;
+    (line.sight.observed - value).norm_sqr() > STRANGE * expected
 }
 
 /// γℓ of a course on a line, as a normal distribution that is cut off where the damping is negative.

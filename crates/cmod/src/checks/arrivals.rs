@@ -1,7 +1,7 @@
 //! The first wave in the records of several channels: when it comes, and with which sign.
 
 use super::{
-    Check, CheckOutcome, CheckVerdict, check_level, fisher_tail, normal_tail_below, of_the_least,
+    Check, CheckOutcome, CheckVerdict, check_level, fisher_tail, of_the_least, student_tail_below,
 };
 use crate::error::{CmodError, check_not_negative, check_positive};
 
@@ -40,6 +40,16 @@ struct Noise {
     /// The same for sums of samples, 1 + 2Σ|ρ|.
     persistence: f64,
     independent: f64,
+}
+
+/// The first wave of a channel beside that of the reference.
+struct Wave {
+    /// Correlation by its scatter.
+    correlation: f64,
+    /// Probability of noise alone to give less, and more.
+    opposite: f64,
+    same: f64,
+    channel: Option<usize>,
 }
 
 impl<'a> Arrivals<'a> {
@@ -143,7 +153,8 @@ impl<'a> Arrivals<'a> {
     ///
     /// For `duration` \[s\] from the arrival of a wave of the given `speed` [m/s] each channel is correlated with the one
     /// nearest to the impact. The statistic is that correlation by what noise alone scatters, of the channel where it is least:
-    /// many standard deviations above 0 if the sign is right, below 0 if it is not. The duration must end before a
+    /// many standard deviations above 0 if the sign is right, below 0 if it is not. Its distribution is Student's, as the noise is from the
+    /// samples before the blow. The duration must end before a
     /// reflection is there. Where the wave is lost in noise the check is undecided.
     ///
     /// # Errors
@@ -182,7 +193,12 @@ impl<'a> Arrivals<'a> {
                     expected: length,
                 })
         };
-        let mut least = (f64::INFINITY, None);
+        let mut least = Wave {
+            correlation: f64::INFINITY,
+            opposite: f64::INFINITY,
+            same: 0.0,
+            channel: None,
+        };
         let reference = nearest.and_then(|index| self.channels.get(index).map(|c| (index, c)));
         let Some((reference_index, reference)) = reference else {
             return Err(CmodError::NoLines);
@@ -208,20 +224,28 @@ impl<'a> Arrivals<'a> {
                     index,
                 });
             }
-            if z < least.0 {
-                least = (z, Some(index));
+            let freedom = Some((noise.independent - 1.0).max(1.0));
+            let opposite = student_tail_below(z, freedom);
+            if (opposite, z) < (least.opposite, least.correlation) {
+                least = Wave {
+                    correlation: z,
+                    opposite,
+                    same: student_tail_below(-z, freedom),
+                    channel: Some(index),
+                };
             }
         }
-        let p_value = of_the_least(normal_tail_below(least.0), self.channels.len() - 1);
-        let outcome = CheckOutcome::judged(Check::Polarity, (least.0, 0.0), p_value, level);
-        let is_lost = normal_tail_below(-least.0) > level && !outcome.has_failed();
+        let p_value = of_the_least(least.opposite, self.channels.len() - 1);
+        let statistic = (least.correlation, 0.0);
+        let outcome = CheckOutcome::judged(Check::Polarity, statistic, p_value, level);
+        let is_lost = least.same > level && !outcome.has_failed();
         Ok(CheckOutcome {
             verdict: if is_lost {
                 CheckVerdict::Undecided
             } else {
                 outcome.verdict
             },
-            worst: least.1,
+            worst: least.channel,
             ..outcome
         })
     }

@@ -4,11 +4,14 @@ use num_complex::Complex64;
 
 use super::{Check, CheckOutcome, check_level, chi_square_tail, fisher_tail};
 use crate::error::{CmodError, check_positive};
+use crate::estimate::VarianceFreedom;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeSpectra, Quantity};
 
 /// Gauss-Newton steps after which the search of a line is ended.
 const MOST_STEPS: u32 = 60;
+/// At most so few degrees of freedom of a line's noise: the quotient by it has no variance.
+const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 /// Part of the step that is tried last.
 const SMALLEST_FRACTION: f64 = 1e-6;
 
@@ -54,8 +57,8 @@ pub struct FreeEndNull {
     rod: RodWithFreeEnd,
     distances: Vec<f64>,
     quantity: Quantity,
-    /// Of the noise, if it was measured itself.
-    noise_freedom: Option<f64>,
+    /// Of the noise of one sensor, if it was measured itself.
+    noise_freedom: Option<VarianceFreedom>,
 }
 
 impl FreeEndNull {
@@ -87,18 +90,25 @@ impl FreeEndNull {
         })
     }
 
-    /// The same for a noise that was measured itself: of its mean square over all sensors and lines the estimate has so many
-    /// `degrees_of_freedom`. The statistic is then compared with Fisher's distribution instead of chi-square: over some thousand lines
-    /// a noise that is known to some per cent would otherwise fail every record.
+    /// The same for a noise that was measured itself, with these degrees of freedom of each sensor on a line.
+    ///
+    /// A quotient by an estimate of ν degrees of freedom is on the average ν/(ν - 2) times what it would be with the noise itself. That is
+    /// taken off the statistic, which is then compared with Fisher's distribution instead of chi-square, with the degrees of freedom of all
+    /// sensors and lines together in the denominator: over some thousand lines a noise that is known to some per cent would otherwise
+    /// fail every record.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the number is finite and above 0.
-    pub fn with_noise_degrees_of_freedom(
-        mut self,
-        degrees_of_freedom: f64,
-    ) -> Result<Self, CmodError> {
-        let checked = check_positive("degrees of freedom of the noise", degrees_of_freedom)?;
-        self.noise_freedom = Some(checked);
+    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which such quotients have no variance.
+    pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
+        let freedom = freedom.check()?;
+        if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
+            return Err(CmodError::NonPhysical {
+                quantity: "degrees of freedom of the noise of a line",
+                value: freedom.line,
+                expected: "more than 4: a longer silence, or more hits",
+            });
+        }
+        self.noise_freedom = Some(freedom);
         Ok(self)
     }
 
@@ -129,8 +139,7 @@ impl FreeEndNull {
         let (mut total, mut count) = (0.0, 0_usize);
         let mut worst = (0.0, None);
         for (index, &gamma) in propagation_coefficient.iter().enumerate() {
-            let mut noises = spectra.noise.iter().filter_map(|noise| noise.get(index));
-            if noises.any(|noise| *noise == 0.0) {
+            if noises(spectra, index).any(|noise| noise == 0.0) {
                 return Err(CmodError::NoNoise {
                     what: "noise of a sensor at line",
                     index,
@@ -150,13 +159,26 @@ impl FreeEndNull {
             return Err(CmodError::NoLines);
         }
         let all = (count * freedom) as f64;
-        let p_value = match self.noise_freedom {
-            None => chi_square_tail(total, all),
-            Some(noise) => fisher_tail(total / all, all, noise),
+        let (statistic, p_value) = match self.noise_freedom {
+            None => (total / all, chi_square_tail(total, all)),
+            Some(noise) => {
+                let statistic = total / all * (1.0 - 2.0 / noise.line);
+                let of_noise = (count * n) as f64 * noise.own;
+                (statistic, fisher_tail(statistic, all, of_noise))
+            }
         };
-        let outcome = CheckOutcome::judged(Check::FreeEndNull, (total / all, 1.0), p_value, level);
+        let outcome = CheckOutcome::judged(Check::FreeEndNull, (statistic, 1.0), p_value, level);
         Ok(outcome.at(worst.1))
     }
+}
+
+/// Noise of all sensors on one line.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`GaugeSpectra::check` has refused noise of another length"
+)]
+fn noises(spectra: &GaugeSpectra<'_>, index: usize) -> impl Iterator<Item = f64> {
+    spectra.noise.iter().map(move |noise| noise[index])
 }
 
 /// One line of all tests, divided by the noise of each sensor.
@@ -179,15 +201,18 @@ impl<'a> Fit<'a> {
         }
     }
 
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`GaugeSpectra::check` has refused spectra of another length"
+    )]
     fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> bool {
         self.weights.clear();
-        let noises = spectra.noise.iter().filter_map(|noise| noise.get(index));
-        self.weights.extend(noises.map(|noise| noise.recip()));
+        let noises = noises(spectra, index).map(f64::recip);
+        self.weights.extend(noises);
         self.values.clear();
         for test in spectra.tests {
             for (spectrum, weight) in test.iter().zip(&self.weights) {
-                self.values
-                    .extend(spectrum.get(index).map(|value| value * weight));
+                self.values.push(spectrum[index] * weight);
             }
         }
         self.values.iter().all(|value| value.is_finite())
@@ -259,7 +284,7 @@ mod tests {
     use super::*;
 
     /// Noise that was taken 10 % too small in amplitude: chi-square of many lines fails an honest record, Fisher's distribution for a
-    /// noise of 100 degrees of freedom, which is known to 14 %, does not.
+    /// noise of 100 degrees of freedom in all, which is known to 14 %, does not.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
         let rod = RodWithFreeEnd {
@@ -304,11 +329,15 @@ mod tests {
         assert!((known.statistic - 1.235).abs() < 0.123, "{known}");
         let estimated = check
             .clone()
-            .with_noise_degrees_of_freedom(100.0)
+            .with_noise_freedom(VarianceFreedom::new(50.0, 100.0 / 2700.0).unwrap())
             .unwrap()
             .check(&measured, &gamma, 0.01)
             .unwrap();
         assert!(!estimated.has_failed(), "{estimated}");
-        assert!(check.with_noise_degrees_of_freedom(0.0).is_err());
+        let too_few = VarianceFreedom::new(4.0, 1.0).unwrap();
+        assert_eq!(
+            check.with_noise_freedom(too_few).unwrap_err().to_string(),
+            "degrees of freedom of the noise of a line is 4, expected more than 4: a longer silence, or more hits"
+        );
     }
 }

@@ -2,20 +2,36 @@
 
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
 use rodwave::kramers_kronig::KramersKronig;
 
 use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail, telling};
 use crate::error::CmodError;
-use crate::estimate::ModulusEstimate;
+use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
+
+/// Fits of the nearest material, each with the weights of the one before.
+const MOST_ROUNDS: u32 = 4;
 
 /// Whether the modulus of an `estimate` can be that of a relaxing material, with a false alarm at most with the probability
 /// `level`.
 ///
-/// The nearest relaxing material is sought in units of the random errors of the lines
-/// ([`KramersKronig::of_measured_modulus`]). The statistic is the root mean square of what is left, and noise alone gives 1: with
-/// n lines, n times its square is at most half of a chi-square variable with 2n degrees of freedom, because the truth is one
-/// of the materials among which the nearest was chosen. For the same reason false alarms are rarer than the level. What the grid of
-/// relaxation times cannot do is taken off first; if only that decides, the check is undecided.
+/// The nearest relaxing material is sought in units of the random errors of the lines, with the common errors of the specimen free within
+/// their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the sum of squares F = |δE|²/σ² that is left is at
+/// most half of a chi-square variable with 2n degrees of freedom for n lines, and one for each common error, because the truth is one of the materials
+/// among which the nearest was chosen. For the same reason false alarms are rarer than the level.
+///
+/// With a variance of ν degrees of freedom F of a line follows Fisher's distribution, P(F > x) = (1 + 2x/ν)^{-ν/2}, so that
+///
+/// ```text
+/// u = (ν/2) ln(1 + 2F/ν)
+/// ```
+///
+/// has the distribution of F with a known variance, however small ν is. Σu takes the place of ΣF, and is what the nearest material minimises: lines
+/// that seem far away count less. Where neighbours share their variances, their u go together: with D degrees of freedom of all
+/// lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
+///
+/// The statistic is the root mean square of what is left, and noise alone gives 1. What the grid of relaxation times cannot do is taken off first; if
+/// only that decides, the check is undecided.
 ///
 /// The lines of [`passivity`](super::passivity) take part, at least three.
 ///
@@ -38,51 +54,58 @@ pub fn kramers_kronig_on(
 ) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
     let stride = telling(estimate).count().div_ceil(most_lines.max(1)).max(1);
-    let (mut omega, mut modulus, mut errors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut index = Vec::new();
-    for line in telling(estimate).step_by(stride) {
-        let error = line.random_error();
-        let error = error.storage_modulus.hypot(error.loss_modulus);
-        if error <= 0.0 {
-            return Err(CmodError::NoNoise {
-                what: "standard error of the modulus at line",
-                index: line.index,
-            });
-        }
-        omega.push(TAU * line.frequency_hz);
-        modulus.push(line.modulus);
-        errors.push(error);
-        index.push(line.index);
-    }
-    if omega.len() < 3 {
+    let lines: Vec<Tested<'_>> = telling(estimate)
+        .step_by(stride)
+        .map(Tested::new)
+        .collect::<Result<_, _>>()?;
+    if lines.len() < 3 {
         return Err(CmodError::NoLines);
     }
-    let nearest = KramersKronig::of_measured_modulus(&omega, &modulus, &errors)
-        .map_err(|_| CmodError::NoLines)?;
-    let n = omega.len() as f64;
-    // The threshold contains the scatter of the lines as mean and three standard deviations; the rest is the grid.
-    let grid = nearest.threshold - (1.0 + 1.5 / n.sqrt());
+    let omega: Vec<f64> = lines.iter().map(|line| TAU * line.line.frequency_hz).collect();
+    let modulus: Vec<Complex64> = lines.iter().map(|line| line.line.modulus).collect();
+    let common = common_errors(&lines);
+    let nearest_by = |scale: &[f64]| {
+        KramersKronig::of_modulus_with_common_errors(&omega, &modulus, scale, &common)
+            .map_err(|_| CmodError::NoLines)
+    };
+    let mut nearest = nearest_by(&lines.iter().map(|line| line.error).collect::<Vec<_>>())?;
+    let mut squares = squares(&nearest, &lines);
+    if lines.iter().any(|line| line.freedom.is_some()) {
+        for _ in 1..MOST_ROUNDS {
+            let scale = lines.iter().zip(&squares).map(|(line, f)| line.scale(*f));
+            nearest = nearest_by(&scale.collect::<Vec<_>>())?;
+            squares = self::squares(&nearest, &lines);
+        }
+    }
+    let n = lines.len() as f64;
+    let by_common: f64 = nearest.common_errors.iter().map(|xi| 0.5 * xi * xi).sum();
+    // of residuals smaller by this factor
+    let sum = |factor: f64| -> f64 {
+        let of_line = |(line, f): (&Tested<'_>, &f64)| line.like_chi_square(factor * factor * f);
+        let of_lines: f64 = lines.iter().zip(&squares).map(of_line).sum();
+        of_lines + factor * factor * by_common
+    };
+    let freedom = 2.0 * n + common.len() as f64;
+    let spread = 1.0 + n * shared(estimate, &lines);
     let p_of = |residual: f64| {
-        let beyond_grid = (residual - grid).max(0.0);
-        chi_square_tail(2.0 * n * beyond_grid * beyond_grid, 2.0 * n)
+        let beyond_grid = (residual - nearest.grid_error).max(0.0);
+        let factor = if nearest.residual > 0.0 {
+            beyond_grid / nearest.residual
+        } else {
+            0.0
+        };
+        chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
     // The optimum lies between the two; the smaller residual must be too large already.
     let p_value = p_of(nearest.residual_lower_bound);
-    let outcome = CheckOutcome::judged(
-        Check::KramersKronig,
-        (nearest.residual, 1.0),
-        p_value,
-        level,
-    );
+    let statistic = (2.0 * sum(1.0) / freedom).sqrt();
+    let outcome = CheckOutcome::judged(Check::KramersKronig, (statistic, 1.0), p_value, level);
     let is_open = outcome.verdict == CheckVerdict::Passed && p_of(nearest.residual) < level;
-    let by_error = |position: &usize| -> f64 {
-        let line = nearest.lines.get(*position);
-        let error = errors.get(*position).copied().unwrap_or(f64::INFINITY);
-        line.map_or(0.0, |line| {
-            (line.modulus - line.causal_modulus).norm() / error
-        })
-    };
-    let worst = (0..index.len()).max_by(|a, b| by_error(a).total_cmp(&by_error(b)));
+    let worst = lines
+        .iter()
+        .zip(&squares)
+        .max_by(|a, b| a.1.total_cmp(b.1))
+        .map(|(line, _)| line.line.index);
     Ok(CheckOutcome {
         verdict: if is_open {
             CheckVerdict::Undecided
@@ -91,5 +114,88 @@ pub fn kramers_kronig_on(
         },
         ..outcome
     }
-    .at(worst.and_then(|position| index.get(position).copied())))
+    .at(worst))
+}
+
+/// A line that takes part.
+struct Tested<'a> {
+    line: &'a ModulusLine,
+    /// (E|δE|²)^½ by the noise [Pa].
+    error: f64,
+    /// Degrees of freedom of its square, if it is not known.
+    freedom: Option<f64>,
+}
+
+impl<'a> Tested<'a> {
+    fn new(line: &'a ModulusLine) -> Result<Self, CmodError> {
+        let error = line.random_error();
+        let error = error.storage_modulus.hypot(error.loss_modulus);
+        if error <= 0.0 {
+            return Err(CmodError::NoNoise {
+                what: "standard error of the modulus at line",
+                index: line.index,
+            });
+        }
+        Ok(Self {
+            line,
+            error,
+            freedom: line.uncertainty.degrees_of_freedom,
+        })
+    }
+
+    /// u of F = `square`: half of a chi-square variable with two degrees of freedom.
+    fn like_chi_square(&self, square: f64) -> f64 {
+        self.freedom.map_or(square, |freedom| {
+            0.5 * freedom * (2.0 * square / freedom).ln_1p()
+        })
+    }
+
+    /// σ by the root of du/dF: least squares with these weights lower Σu.
+    fn scale(&self, square: f64) -> f64 {
+        self.freedom.map_or(self.error, |freedom| {
+            self.error * (1.0 + 2.0 * square / freedom).sqrt()
+        })
+    }
+}
+
+/// |δE|²/σ² of all lines, without the common errors.
+fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
+    let residuals = nearest.lines.iter().zip(lines);
+    residuals
+        .map(|(residual, line)| {
+            (residual.residual * residual.modulus.norm() / line.error).norm_sqr()
+        })
+        .collect()
+}
+
+/// δE of every source over the lines, 0 where a line does not depend on it.
+fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
+    let mut sources: Vec<ErrorSource> = Vec::new();
+    for shift in lines.iter().flat_map(|line| &line.line.uncertainty.systematic) {
+        if !sources.contains(&shift.source) {
+            sources.push(shift.source);
+        }
+    }
+    let of_line = |line: &Tested<'_>, source: ErrorSource| -> Complex64 {
+        let shifts = line.line.uncertainty.systematic.iter();
+        let of_source = shifts.filter(|shift| shift.source == source);
+        of_source.map(|shift| shift.modulus).sum()
+    };
+    sources
+        .into_iter()
+        .map(|source| lines.iter().map(|line| of_line(line, source)).collect())
+        .collect()
+}
+
+/// 2/D - 2/Σν: what lines that share variances add to the variance of Σu by n².
+fn shared(estimate: &ModulusEstimate, lines: &[Tested<'_>]) -> f64 {
+    let all: f64 = telling(estimate)
+        .filter_map(|line| line.uncertainty.own_degrees_of_freedom)
+        .sum();
+    let each: f64 = lines.iter().filter_map(|line| line.freedom).sum();
+    if all > 0.0 && each > all {
+        2.0 / all - 2.0 / each
+    } else {
+        0.0
+    }
 }

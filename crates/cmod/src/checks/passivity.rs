@@ -1,7 +1,8 @@
 //! A material takes energy: E'' >= 0.
 
 use super::{
-    Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least, telling,
+    Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least,
+    student_tail_below, telling,
 };
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
@@ -11,7 +12,8 @@ use crate::estimate::ModulusEstimate;
 ///
 /// Two questions are asked, each at half of the level, of the relative loss l = E''/|E| and its random error σ. Is it negative on
 /// the whole? That is judged by Σ(l/σ²)/√Σ(1/σ²). Is it negative on a single line? That is judged by the least l/σ of all lines.
-/// The statistic is the more extreme of both, in standard errors below 0. What is uncertain about the specimen is no noise: a
+/// The statistic is the more extreme of both, in standard errors below 0. With estimated variances l/σ of a line follows Student's
+/// distribution, and the sum is divided by √Σ(l²/σ⁴) instead: whatever the estimates are, errors of either sign are equally likely. What is uncertain about the specimen is no noise: a
 /// position that makes E'' negative is to be found out.
 ///
 /// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value is that of
@@ -22,8 +24,8 @@ use crate::estimate::ModulusEstimate;
 /// standard error is 0.
 pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
-    let (mut sum, mut weights, mut count) = (0.0, 0.0, 0_usize);
-    let mut least = (f64::INFINITY, None);
+    let (mut sum, mut square, mut count) = (0.0, 0.0, 0_usize);
+    let mut least = (f64::INFINITY, 0.0, None);
     for line in telling(estimate) {
         let size = line.modulus.norm();
         let error = line.random_error().loss_modulus / size;
@@ -35,22 +37,26 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
         }
         let value = line.modulus.im / size;
         sum += value / (error * error);
-        weights += 1.0 / (error * error);
         count += 1;
         let z = value / error;
-        if z < least.0 {
-            least = (z, Some(line.index));
+        let freedom = line.uncertainty.degrees_of_freedom;
+        let weight = 1.0 / (error * error);
+        square += freedom.map_or(weight, |_| weight * z * z);
+        let tail = student_tail_below(z, freedom);
+        // far in the tail two lines may both have none that is a number above 0
+        if (tail, z) < (least.0, least.1) {
+            least = (tail, z, Some(line.index));
         }
     }
     if count == 0 {
         return Err(CmodError::NoLines);
     }
-    let whole = sum / weights.sqrt();
+    let whole = sum / square.sqrt();
     let p_whole = normal_tail_below(whole);
-    let p_single = of_the_least(normal_tail_below(least.0), count);
+    let p_single = of_the_least(least.0, count);
     let p_value = of_the_least(p_whole.min(p_single), 2);
     let by_line = p_single < p_whole;
-    let statistic = if by_line { -least.0 } else { -whole };
+    let statistic = if by_line { -least.1 } else { -whole };
     let outcome = CheckOutcome::judged(Check::Passivity, (statistic, 0.0), p_value, level);
     let lost = outcome.verdict == CheckVerdict::Passed && whole.abs() < 1.0;
     Ok(CheckOutcome {
@@ -60,7 +66,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
         } else {
             outcome.verdict
         },
-        worst: least.1,
+        worst: least.2,
         ..outcome
     })
 }

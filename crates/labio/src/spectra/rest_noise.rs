@@ -3,6 +3,7 @@
 use super::averager::check_same_rate;
 use super::{Detrend, Welch};
 use crate::{LabioError, Record, channel};
+use std::f64::consts::PI;
 
 /// Longest segment of samples that is transformed: noise has no fine structure that a hit of a few thousand samples could show.
 const LONGEST_SEGMENT: usize = 64;
@@ -34,8 +35,10 @@ const FEWEST_SAMPLES: usize = 16;
 pub struct RestNoise {
     step_hz: f64,
     density: Vec<f64>,
-    /// Of all hits together \[s\].
+    /// Of white noise as long as what the windows leave of the silence of all hits \[s\].
     duration: f64,
+    /// Independent averages of a line.
+    averages: f64,
 }
 
 impl RestNoise {
@@ -64,6 +67,7 @@ impl RestNoise {
         let segment = n_silent.min(LONGEST_SEGMENT);
         let welch = Welch::new(segment)?.with_detrend(Detrend::Mean);
         let mut density = vec![0.0; segment / 2 + 1];
+        let mut averages = 0.0;
         let (_, measured) = channel::find(first.channels(), channel)?;
         for (index, hit) in hits.iter().enumerate() {
             let (_, found) = channel::find(hit.channels(), channel)?;
@@ -76,6 +80,7 @@ impl RestNoise {
             }
             check_same_rate(hit.sampling_rate_hz(), first.sampling_rate_hz())?;
             let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
+            averages += spectra.effective_averages();
             for (sum, value) in density.iter_mut().zip(spectra.power_density(channel)?) {
                 *sum += value;
             }
@@ -90,12 +95,21 @@ impl RestNoise {
         Ok(Self {
             step_hz: first.sampling_rate_hz() / segment as f64,
             density,
-            duration: (hits.len() * n_silent) as f64 / first.sampling_rate_hz(),
+            duration: hits.len() as f64 * samples_left(n_silent, segment)
+                / first.sampling_rate_hz(),
+            averages,
         })
     }
 
-    /// Degrees of freedom of the mean density over a band of this width: twice the width times the duration of all silences. The
-    /// relative standard error of that mean is the root of two by this number.
+    /// Degrees of freedom of the density at one frequency: twice the number of independent segments. Its relative standard error is the root
+    /// of two by this number.
+    #[must_use]
+    pub fn line_degrees_of_freedom(&self) -> f64 {
+        2.0 * self.averages
+    }
+
+    /// Degrees of freedom of the mean density over a band of this width: twice the width times the duration of what the windows of the
+    /// segments leave of all silences. The relative standard error of that mean is the root of two by this number.
     #[must_use]
     pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
         2.0 * bandwidth_hz * self.duration
@@ -129,6 +143,21 @@ impl RestNoise {
     pub fn amplitude_at(&self, frequency_hz: f64, duration: f64) -> f64 {
         (self.density_at(frequency_hz) * duration).sqrt()
     }
+}
+
+/// Samples of white noise whose mean square scatters as that of the windowed segments of a silence, (Σg)²/Σg² with the sum g of the squares of
+/// all windows. Samples behind the last whole segment are not used, and the windows fade out towards both ends.
+fn samples_left(n_silent: usize, segment: usize) -> f64 {
+    let hop = segment - segment / 2;
+    let weight = |sample: usize| -> f64 {
+        let starts = (0..=n_silent - segment).step_by(hop);
+        let over = starts.filter(|start| (*start..start + segment).contains(&sample));
+        over.map(|start| (PI * (sample - start) as f64 / segment as f64).sin().powi(4))
+            .sum()
+    };
+    let weights = (0..n_silent).map(weight);
+    let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), g| (sum + g, squares + g * g));
+    sum * sum / squares
 }
 
 #[cfg(test)]
@@ -171,8 +200,12 @@ mod tests {
         let mean = energy[200..600].iter().sum::<f64>() / 400.0;
         let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
         assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
-        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample
-        assert!((noise.degrees_of_freedom(4000.0) - 5120.0).abs() < 1e-9);
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample but for the windows, which sin⁴ + cos⁴ make 0.947 of, and the ends
+        let of_samples = noise.degrees_of_freedom(4000.0) / 5120.0;
+        assert!((0.9..0.947).contains(&of_samples), "{of_samples}");
+        // 15 segments overlapped by half, of which each is 0.95 of an independent one
+        let of_segments = noise.line_degrees_of_freedom() / 300.0;
+        assert!((0.93..0.97).contains(&of_segments), "{of_segments}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Non-negative least squares with a bound on what is left to gain.
 
-/// min |b - A x| over x >= 0, for A and b without negative entries in A.
+/// min |b - A x| over x >= 0.
 ///
 /// The active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23): columns enter one at a time,
 /// the one with the largest gradient first, and leave when their coefficient would become negative.
@@ -10,6 +10,8 @@ pub(super) struct NonNegativeProblem {
     columns: Vec<Vec<f64>>,
     lengths: Vec<f64>,
     target: Vec<f64>,
+    /// Largest sum of the coefficients of the scaled columns at the optimum.
+    largest_sum: f64,
 }
 
 /// The best x that was found.
@@ -31,7 +33,9 @@ const TOLERANCE: f64 = 1e-2;
               projection and an unknown for each passive column"
 )]
 impl NonNegativeProblem {
-    pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>) -> Self {
+    /// The problem of these columns, of which the optimum is known to have no larger sum of coefficients than `largest_sum`, for columns of
+    /// length 1.
+    pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>, largest_sum: f64) -> Self {
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();
         for (column, length) in columns.iter_mut().zip(&lengths) {
             for entry in column {
@@ -42,6 +46,7 @@ impl NonNegativeProblem {
             columns,
             lengths,
             target,
+            largest_sum,
         }
     }
 
@@ -90,14 +95,14 @@ impl NonNegativeProblem {
     /// Largest possible decrease of |b - A x|² from where the residual vector is `rest`.
     ///
     /// By convexity it is at most 2 g·x* for the gradient g = Aᵀ rest and the optimum x*, where x is optimal among its own
-    /// columns. As columns of length 1 without negative entries have a sum of at least 1, |x*|₁ <= |A x*|₁ <= √m |b|.
+    /// columns.
     fn gain(&self, rest: &[f64]) -> f64 {
         let steepest = self
             .columns
             .iter()
             .map(|column| dot(column, rest))
             .fold(0.0, f64::max);
-        2.0 * steepest * (self.target.len() as f64).sqrt() * length(&self.target)
+        2.0 * steepest * self.largest_sum
     }
 
     /// b - A x.
@@ -191,15 +196,15 @@ struct Passive {
     amount: f64,
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn length(vector: &[f64]) -> f64 {
+pub(super) fn length(vector: &[f64]) -> f64 {
     dot(vector, vector).sqrt()
 }
 
-fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
+pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
     for (from, entry) in from.iter_mut().zip(vector) {
         *from -= amount * entry;
     }
@@ -209,6 +214,12 @@ fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
 mod tests {
     use super::*;
 
+    /// Columns without negative entries: those of length 1 have a sum of at least 1, |x*|₁ <= |A x*|₁ <= √m |b|.
+    fn problem(columns: Vec<Vec<f64>>, target: Vec<f64>) -> NonNegativeProblem {
+        let largest_sum = (target.len() as f64).sqrt() * length(&target);
+        NonNegativeProblem::new(columns, target, largest_sum)
+    }
+
     /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; these are tested on a
     /// problem whose unconstrained optimum has negative coefficients.
     #[test]
@@ -217,7 +228,7 @@ mod tests {
             .map(|k| (0..20).map(|j| (-0.02 * f64::from(k * j)).exp()).collect())
             .collect();
         let target: Vec<f64> = (0..20).map(|j| 1.0 / (1.0 + f64::from(j * j))).collect();
-        let problem = NonNegativeProblem::new(columns.clone(), target.clone());
+        let problem = problem(columns.clone(), target.clone());
         let solution = problem.solve(0.0);
         let mut rest = target;
         for (column, amount) in columns.iter().zip(&solution.coefficients) {
@@ -246,7 +257,7 @@ mod tests {
             vec![1.0, 1.0, 0.0],
             vec![0.0, 1.0, 3.0],
         ];
-        let problem = NonNegativeProblem::new(columns, vec![3.0, 4.0, 3.0]);
+        let problem = problem(columns, vec![3.0, 4.0, 3.0]);
         let solution = problem.solve(1e-12);
         assert!(solution.residual < 1e-12);
         let exact = [0.0, 3.0, 1.0];

@@ -94,7 +94,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         );
     }
     if checks.has(CheckSheet::KramersKronig) {
-        let made = kramers_kronig_on(found.estimate, MOST_LINES, level);
+        let made = kramers_kronig_on(found.estimate, most_lines(found), level);
         say(outcome, found, Check::KramersKronig, made);
     }
     if checks.has(CheckSheet::FreeEndNull) {
@@ -118,6 +118,20 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         outcome.summary.insert(place, sentence);
     }
     Ok(())
+}
+
+/// Lines that the check of Kramers and Kronig takes: of pulses in records that are silent elsewhere no more than are independent.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of lines by another above 0, and the cast saturates"
+)]
+fn most_lines(found: &Found<'_>) -> usize {
+    let Some(Spectra::Ratio(ratio)) = &found.measured.spectra else {
+        return MOST_LINES;
+    };
+    let independent = found.estimate.lines().len() as f64 / ratio.lines_per_independent_line;
+    MOST_LINES.min(independent as usize).max(1)
 }
 
 /// The gauges against a free end, where the sheet says that the rod has one.
@@ -147,7 +161,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let quantity = estimate::gauge_quantity(found.measured, gauges);
     let rod = estimate::rod_with_free_end(found.sheet);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
-        .and_then(|check| check.with_noise_degrees_of_freedom(spectra.noise_degrees_of_freedom()))
+        .and_then(|check| check.with_noise_freedom(spectra.noise_freedom()?))
         .and_then(|check| {
             estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
         });

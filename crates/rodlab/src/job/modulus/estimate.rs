@@ -2,7 +2,8 @@
 
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::Quantity;
-use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
+use cmod::section_ratio::RatioLines;
+use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
     CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, LateralInertia, ModulusEstimate,
@@ -41,7 +42,13 @@ fn of_ratio(
 ) -> Result<ModulusEstimate, RodlabError> {
     let limits = limits(sheet);
     let specimen = &sheet.specimen;
-    let (frequency_hz, values, variance) = (&ratio.frequency_hz, &ratio.values, &ratio.variance);
+    let lines = RatioLines {
+        frequency_hz: &ratio.frequency_hz,
+        ratio: &ratio.values,
+        variance: &ratio.variance,
+        freedom: ratio.freedom.as_deref(),
+        coherence: ratio.coherence.as_deref(),
+    };
     match &sheet.method {
         MethodSheet::TwoPoint { solver, .. } => {
             let length = length(sheet)?;
@@ -66,15 +73,7 @@ fn of_ratio(
                 Some(SolverSheet::Newton) => Solver::Newton,
                 Some(SolverSheet::Series) => Solver::Series,
             });
-            match (&ratio.coherence, ratio.averages) {
-                (Some(coherence), Some(averages)) => method.estimate_averaged(&AveragedRatio {
-                    frequency_hz,
-                    acceleration_ratio: values,
-                    coherence,
-                    averages,
-                }),
-                _ => method.estimate(frequency_hz, values, variance),
-            }
+            method.estimate_ratio(&lines)
         }
         MethodSheet::Resonances { .. } => Resonances::new(rod_with_free_end(sheet), length(sheet)?)
             .and_then(|method| method.with_limits(limits))
@@ -82,7 +81,7 @@ fn of_ratio(
                 let length = uncertainty(specimen.length.as_ref());
                 method.with_uncertainty(section_uncertainty(sheet, length))
             })
-            .and_then(|method| method.estimate(frequency_hz, values, variance)),
+            .and_then(|method| method.estimate_ratio(&lines)),
         MethodSheet::FreeEnd {
             first,
             second,
@@ -102,7 +101,7 @@ fn of_ratio(
                     Some(speed) => method.with_wave_speed(speed.si()),
                     None => Ok(method),
                 })
-                .and_then(|method| method.estimate(frequency_hz, values, variance))
+                .and_then(|method| method.estimate_ratio(&lines))
         }
         MethodSheet::SeparatePulses {
             distance,
@@ -119,7 +118,11 @@ fn of_ratio(
             Some(speed) => method.with_wave_speed(speed.si()),
             None => Ok(method),
         })
-        .and_then(|method| method.estimate(frequency_hz, values, variance)),
+        .and_then(|method| match ratio.delay {
+            Some(delay) => method.with_delay(delay),
+            None => Ok(method),
+        })
+        .and_then(|method| method.estimate_ratio(&lines)),
         MethodSheet::OneGauge {
             section: at,
             wave_speed,
@@ -136,7 +139,11 @@ fn of_ratio(
                 Some(speed) => method.with_wave_speed(speed.si()),
                 None => Ok(method),
             })
-            .and_then(|method| method.estimate(frequency_hz, values, variance))
+            .and_then(|method| match ratio.delay {
+                Some(delay) => method.with_delay(delay),
+                None => Ok(method),
+            })
+            .and_then(|method| method.estimate_ratio(&lines))
         }
         // a ratio is refused for these before it is read
         MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => {
@@ -153,9 +160,11 @@ fn of_gauges(
     gauges: &Gauges,
 ) -> Result<ModulusEstimate, RodlabError> {
     let limits = limits(sheet);
+    let noise = gauges.noise_freedom();
     with_gauge_spectra(gauges, |spectra| match &sheet.method {
         MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))
             .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| method.estimate(spectra)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
@@ -165,6 +174,7 @@ fn of_gauges(
                 Some(speed) => method.with_wave_speed(speed.si()),
                 None => Ok(method),
             })
+            .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| {
                 method
                     .with_quantity(gauge_quantity(measured, gauges))

@@ -1,5 +1,7 @@
 //! Spectra of gauges, hit by hit, with the noise of each.
 
+use cmod::CmodError;
+use cmod::estimate::VarianceFreedom;
 use labio::{AveragedSpectra, Record, RestNoise, Window};
 use num_complex::Complex64;
 
@@ -18,12 +20,16 @@ pub(super) struct Gauges {
 }
 
 impl Gauges {
-    /// Degrees of freedom of the noise of all gauges over the band of the lines.
-    pub(super) fn noise_degrees_of_freedom(&self) -> f64 {
+    /// Degrees of freedom of the noise of one gauge: the silence is as long for all.
+    pub(super) fn noise_freedom(&self) -> Result<VarianceFreedom, CmodError> {
         let (first, last) = (self.frequency_hz.first(), self.frequency_hz.last());
         let width = first.zip(last).map_or(0.0, |(first, last)| last - first);
-        let of = |rest: &RestNoise| rest.degrees_of_freedom(width);
-        self.rest.iter().map(of).sum()
+        let Some(rest) = self.rest.first() else {
+            return Err(CmodError::NoTests);
+        };
+        let line = rest.line_degrees_of_freedom();
+        let own = rest.degrees_of_freedom(width) / self.frequency_hz.len() as f64;
+        VarianceFreedom::new(line, own.min(line))
     }
 }
 

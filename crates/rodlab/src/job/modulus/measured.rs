@@ -6,6 +6,7 @@ mod silence;
 
 pub(super) use hits::averaged_ratio;
 
+use cmod::estimate::VarianceFreedom;
 use cmod::multi_point::Quantity;
 use labio::Record;
 use num_complex::Complex64;
@@ -109,8 +110,12 @@ pub(super) struct Ratio {
     /// E|δΨ|².
     pub(super) variance: Vec<f64>,
     pub(super) coherence: Option<Vec<f64>>,
-    /// Effective number of averages, where the variance is from a coherence.
-    pub(super) averages: Option<f64>,
+    /// Degrees of freedom of the variances, where they are from hits or a coherence.
+    pub(super) freedom: Option<Vec<VarianceFreedom>>,
+    /// Lines by lines whose noise is independent.
+    pub(super) lines_per_independent_line: f64,
+    /// Delay of the numerator behind the denominator, where both are pulses \[s\].
+    pub(super) delay: Option<f64>,
 }
 
 /// What was read, with its history.
@@ -207,6 +212,9 @@ impl Spectra {
                 keep(&mut ratio.variance, from, to);
                 if let Some(coherence) = &mut ratio.coherence {
                     keep(coherence, from, to);
+                }
+                if let Some(freedom) = &mut ratio.freedom {
+                    keep(freedom, from, to);
                 }
             }
             Self::Gauges(gauges) => {

@@ -67,8 +67,18 @@ pub(super) fn reflected(
 fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
     let mut pulses = Vec::with_capacity(hits.len());
     let mut edges = [[0.0; 2]; 2];
+    let mut delay = 0.0;
+    let mut repeated: f64 = 1.0;
     for hit in hits {
-        let (pulse, edges_of_hit) = pulses_of(hit, cuts)?;
+        let Pulses {
+            record: pulse,
+            edges: edges_of_hit,
+            centres: [earlier, later],
+            shortest,
+        } = pulses_of(hit, cuts)?;
+        delay += (later - earlier) / hits.len() as f64;
+        // noise as long as the shorter window, in a record that is silent elsewhere
+        repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
         for (sums, of_hit) in edges.iter_mut().zip(edges_of_hit) {
             for (sum, edge) in sums.iter_mut().zip(of_hit) {
                 *sum += edge / hits.len() as f64;
@@ -76,7 +86,8 @@ fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
         }
         pulses.push(pulse);
     }
-    let mut ratio = averaged_ratio(&pulses, LATER, EARLIER)?;
+    let mut ratio = averaged_ratio(&pulses, LATER, EARLIER, repeated)?;
+    ratio.delay = (delay > 0.0).then_some(delay);
     let cutting = |error| RodlabError::step("the error of cut pulses", error);
     let averaging = |error| RodlabError::step("averaging the pulses", error);
     let spectra = AveragedSpectra::of(&pulses, Window::Rectangular).map_err(averaging)?;
@@ -85,26 +96,42 @@ fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
         let energy = spectra.auto(name).map_err(averaging)?;
         let noise = noise_of_cut_pulse(0.0, edges, lines).map_err(cutting)?;
         let of_ratio = ratio.variance.iter_mut().zip(&ratio.values);
+        let freedom = ratio.freedom.iter_mut().flatten();
         // the line at 0 Hz says nothing of the modulus, and has no such error
-        let above_zero = of_ratio.zip(&energy).skip(1);
-        for (((variance, value), energy), noise) in above_zero.zip(&noise) {
+        let above_zero = of_ratio.zip(freedom).zip(&energy).skip(1);
+        for ((((variance, value), freedom), energy), noise) in above_zero.zip(&noise) {
             // the energy of a one-sided line is twice |q|²
             let relative = 2.0 * noise * noise / energy;
-            *variance += value.norm_sqr() * relative;
+            let cut = value.norm_sqr() * relative;
+            *freedom = freedom.with_known_part(*variance, cut);
+            *variance += cut;
         }
     }
     Ok(ratio)
 }
 
-/// A record of the two pulses, silent elsewhere, and the values at the edges of each.
+/// The two pulses of a hit.
+struct Pulses {
+    /// Both in a record that is silent elsewhere.
+    record: Record,
+    /// The values at the edges of each.
+    edges: [[f64; 2]; 2],
+    /// Centre of the energy of each \[s\].
+    centres: [f64; 2],
+    /// Samples of the shorter one.
+    shortest: usize,
+}
+
 #[allow(
     clippy::indexing_slicing,
     reason = "the stretch is of three samples or more and ends within the hit; the rows are those of the two pulses"
 )]
-fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<(Record, [[f64; 2]; 2]), RodlabError> {
+fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<Pulses, RodlabError> {
     let refused = |error| RodlabError::step("cutting a pulse out of a hit", error);
     let mut samples = Array2::zeros((2, hit.n_samples()));
     let mut edges = [[0.0; 2]; 2];
+    let mut centres = [0.0; 2];
+    let mut shortest = usize::MAX;
     let mut channels = Vec::with_capacity(2);
     for (row, (cut, name)) in cuts.iter().zip([EARLIER, LATER]).enumerate() {
         let history = hit.channel(cut.channel).map_err(refused)?;
@@ -123,9 +150,14 @@ fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<(Record, [[f64; 2]; 2]
             }
         };
         edges[row] = [history[range.start], history[range.end - 1]];
+        shortest = shortest.min(range.len());
+        let (mut energy, mut moment) = (0.0, 0.0);
         for index in range {
             samples[[row, index]] = history[index];
+            energy += history[index].powi(2);
+            moment += index as f64 * history[index].powi(2);
         }
+        centres[row] = moment / energy / hit.sampling_rate_hz();
         let quantity = hit
             .channels()
             .iter()
@@ -142,7 +174,12 @@ fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<(Record, [[f64; 2]; 2]
         channels,
         hit.provenance().clone(),
     );
-    Ok((record.map_err(refused)?, edges))
+    Ok(Pulses {
+        record: record.map_err(refused)?,
+        edges,
+        centres,
+        shortest,
+    })
 }
 
 /// The sample nearest to `time` \[s\] from the beginning of the hit.

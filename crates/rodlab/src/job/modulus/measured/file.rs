@@ -1,5 +1,6 @@
 //! A ratio of spectra that another program has made.
 
+use cmod::estimate::VarianceFreedom;
 use cmod::two_point::variance_from_coherence;
 use labio::{Dimension, Unit};
 use num_complex::Complex64;
@@ -53,7 +54,7 @@ pub(super) fn of_file(
     chosen.stated("source.path", &source.path);
     chosen.stated("source.values", words);
     let refused = |error| RodlabError::step("source.errors", error);
-    let (variance, coherence, averages) = match &source.errors {
+    let (variance, coherence, freedom) = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
             let coherence = file
                 .column(column, "source.errors.column")?
@@ -61,7 +62,8 @@ pub(super) fn of_file(
             chosen.stated("source.errors", format!("coherence of {averages} averages"));
             let variance =
                 variance_from_coherence(&values, &coherence, *averages).map_err(refused)?;
-            (variance, Some(coherence), Some(*averages))
+            let freedom = VarianceFreedom::of_averages(*averages).map_err(refused)?;
+            (variance, Some(coherence), Some(vec![freedom; values.len()]))
         }
         RatioErrors::StandardError { column } => {
             chosen.stated("source.errors", "a column of standard errors");
@@ -91,7 +93,9 @@ pub(super) fn of_file(
             values,
             variance,
             coherence,
-            averages,
+            freedom,
+            lines_per_independent_line: 1.0,
+            delay: None,
         })),
         missing: String::new(),
         inputs: vec![file.input],

@@ -1,6 +1,7 @@
 //! Hits to averaged ratios and spectra of gauges.
 
 use cmod::multi_point::Quantity;
+use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::two_point::variance_from_coherence;
 use labio::{AveragedSpectra, Record, Window};
 
@@ -92,11 +93,13 @@ pub(super) fn of_hits(
             accepted.iter().copied(),
             impacted_end,
             free_end,
+            1.0,
         )?),
         MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(averaged_ratio(
             accepted.iter().copied(),
             &first.channel,
             &second.channel,
+            1.0,
         )?),
         MethodSheet::SeparatePulses { first, second, .. } => {
             Spectra::Ratio(pulses::separate(&accepted, first, second)?)
@@ -131,11 +134,13 @@ pub(super) fn of_hits(
     Ok(measured)
 }
 
-/// H1 with the denominator as input, and its variance by the coherence.
+/// H1 with the denominator as input, and its variance by the coherence, pooled over neighbouring lines where the hits are few. So many lines
+/// lie within one whose noise is independent of the next.
 pub(in crate::job::modulus) fn averaged_ratio<'a>(
     hits: impl IntoIterator<Item = &'a Record>,
     numerator: &str,
     denominator: &str,
+    lines_per_independent_line: f64,
 ) -> Result<Ratio, RodlabError> {
     let averaging = |error| RodlabError::step("averaging the spectra of the hits", error);
     let spectra = AveragedSpectra::of(hits, Window::Rectangular).map_err(averaging)?;
@@ -146,12 +151,23 @@ pub(in crate::job::modulus) fn averaged_ratio<'a>(
     let variance =
         variance_from_coherence(&response.values, &coherence, response.effective_averages)
             .map_err(|error| RodlabError::step("the variance of the ratio", error))?;
+    let pooled = AveragedVariance {
+        ratio: &response.values,
+        variance: &variance,
+        denominator_power: &spectra.auto(denominator).map_err(averaging)?,
+        averages: response.effective_averages,
+        lines_per_independent_line,
+    }
+    .pooled()
+    .map_err(|error| RodlabError::step("the variance of the ratio", error))?;
     Ok(Ratio {
         frequency_hz: response.frequency_hz,
         values: response.values,
-        variance,
+        variance: pooled.variance,
         coherence: Some(coherence),
-        averages: Some(response.effective_averages),
+        freedom: Some(pooled.freedom),
+        lines_per_independent_line,
+        delay: None,
     })
 }
 

@@ -1,0 +1,107 @@
+//! Errors that are the same for all lines, beside independent ones.
+//!
+//! Of residuals in units of the independent errors, half of a complex unit variance for each part, the covariance is by two
+//! C = I + 2 Σ g gᵀ with the vectors g of the common errors. The problem is whitened with C^{-1/2}, one rank after the other: after the first
+//! vector has been whitened away, the second is another one, and so on.
+
+use super::non_negative::{NonNegativeProblem, dot, length, subtract};
+
+/// Vectors of common errors in units of the independent ones, real and imaginary parts in turn.
+pub(super) struct CommonErrors {
+    vectors: Vec<Vec<f64>>,
+    /// The same, each after those before it have been whitened.
+    whitened: Vec<Vec<f64>>,
+}
+
+impl CommonErrors {
+    pub(super) fn new(vectors: Vec<Vec<f64>>) -> Self {
+        let mut common = Self {
+            vectors: Vec::new(),
+            whitened: Vec::new(),
+        };
+        for mut vector in vectors {
+            common.vectors.push(vector.clone());
+            common.whiten(&mut vector);
+            common.whitened.push(vector);
+        }
+        common
+    }
+
+    /// C^{-1/2} `values`; it makes no vector longer.
+    fn whiten(&self, values: &mut [f64]) {
+        for vector in &self.whitened {
+            let square = 2.0 * dot(vector, vector);
+            if square > 0.0 {
+                // (I + a aᵀ)^{-1/2} = I - a aᵀ (1 - 1/√(1 + a²))/a², without the difference
+                let root = (1.0 + square).sqrt();
+                let part = 2.0 * dot(vector, values) / (root * (1.0 + root));
+                subtract(values, part, vector);
+            }
+        }
+    }
+
+    /// The whitened problem of the nearest sum of `columns` to `target`.
+    pub(super) fn problem(&self, mut columns: Vec<Vec<f64>>, target: &[f64]) -> NonNegativeProblem {
+        let mut whitened = target.to_vec();
+        self.whiten(&mut whitened);
+        for column in &mut columns {
+            self.whiten(column);
+        }
+        // By its optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and C^{-1/2} shortens nothing by more than this; columns
+        // without negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
+        let shortest: f64 = self
+            .whitened
+            .iter()
+            .map(|vector| (1.0 + 2.0 * dot(vector, vector)).sqrt())
+            .product();
+        let largest_sum = (target.len() as f64).sqrt() * length(&whitened) * shortest;
+        NonNegativeProblem::new(columns, whitened, largest_sum)
+    }
+
+    /// Sizes ξ of the common errors that explain the residual `rest` best, by |rest - Σ ξ g|² + ½ Σ ξ².
+    pub(super) fn sizes(&self, rest: &[f64]) -> Vec<f64> {
+        // ξ = 2 gᵀ C⁻¹ rest, by C⁻¹ = W Wᵀ with the steps of whitening applied forwards and backwards
+        let mut solved = rest.to_vec();
+        self.whiten(&mut solved);
+        for vector in self.whitened.iter().rev() {
+            let square = 2.0 * dot(vector, vector);
+            if square > 0.0 {
+                let root = (1.0 + square).sqrt();
+                let part = 2.0 * dot(vector, &solved) / (root * (1.0 + root));
+                subtract(&mut solved, part, vector);
+            }
+        }
+        self.vectors
+            .iter()
+            .map(|vector| 2.0 * dot(vector, &solved))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + ½ Σ ξ², and `sizes` are at this minimum.
+    #[test]
+    fn r14_common_errors_are_taken_off_where_the_sum_of_squares_is_least() {
+        let first = vec![3.0, 1.0, 0.0, -2.0, 0.5];
+        let second = vec![1.0, 1.0, 4.0, 0.0, -1.0];
+        let rest = vec![2.0, -1.0, 3.0, 0.7, 0.1];
+        let common = CommonErrors::new(vec![first.clone(), second.clone()]);
+        let objective = |sizes: &[f64]| {
+            let mut left = rest.clone();
+            subtract(&mut left, sizes[0], &first);
+            subtract(&mut left, sizes[1], &second);
+            dot(&left, &left) + 0.5 * dot(sizes, sizes)
+        };
+        let sizes = common.sizes(&rest);
+        let least = objective(&sizes);
+        for (a, b) in [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -1e-3)] {
+            assert!(objective(&[sizes[0] + a, sizes[1] + b]) > least);
+        }
+        let mut whitened = rest.clone();
+        common.whiten(&mut whitened);
+        assert!((dot(&whitened, &whitened) - least).abs() < 1e-12);
+    }
+}
