@@ -205,7 +205,6 @@ impl Design<'_> {
             times: &times,
             cell: self.cell,
             weight: 1.0,
-            least: f64::INFINITY,
         };
         let seen = contest
             .seen(law.parameters)
@@ -251,11 +250,10 @@ impl Design<'_> {
             times: &times,
             cell: self.cell,
             weight: 1.0,
-            least: f64::INFINITY,
         };
         let modulus = truth.parameters.first().map_or(ground.modulus, |t| t.exp());
         let found = contest
-            .search(modulus, ground.duration)?
+            .search(modulus, ground.duration, &[])?
             .ok_or(MaxwellidError::NoCandidate)?;
         Ok(0.5 * found.chi_square)
     }

@@ -26,6 +26,16 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// The same form of law with the reference rate `rate` [1/s] and otherwise the present parameters: the starting
     /// values of a scan over rates. `None` for a law without rate.
     fn at_rate(&self, rate: f64) -> Option<Self>;
+
+    /// Rate [1/s] at the reference stress where the present parameters make the law linear; 0 for an elastic one, `None` for a nonlinear one.
+    fn linear_rate(&self) -> Option<f64> {
+        None
+    }
+
+    /// The linear limit of this form of law with the reference rate `rate` [1/s], and the limit in words; `None` if it has none.
+    fn at_linear_limit(&self, _rate: f64) -> Option<(Self, &'static str)> {
+        None
+    }
 }
 
 /// A parameter in the form in which the literature states it.
@@ -94,6 +104,10 @@ impl IdentifiableLaw for Elastic {
     fn at_rate(&self, _rate: f64) -> Option<Self> {
         None
     }
+
+    fn linear_rate(&self) -> Option<f64> {
+        Some(0.0)
+    }
 }
 
 impl IdentifiableLaw for Maxwell {
@@ -119,6 +133,14 @@ impl IdentifiableLaw for Maxwell {
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
         Self::from_reference_rate(rate, self.reference_stress()).ok()
+    }
+
+    fn linear_rate(&self) -> Option<f64> {
+        Some(self.reference_stress() / self.viscosity())
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        Some((self.at_rate(rate)?, "of the same viscosity"))
     }
 }
 
@@ -158,6 +180,11 @@ impl IdentifiableLaw for MaxwellNorton {
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
         Self::from_reference_rate(self.exponent(), rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law = Self::from_reference_rate(1.0, rate, self.reference_stress()).ok()?;
+        Some((law, "with kappa = 1"))
     }
 }
 
@@ -205,5 +232,10 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
         Self::from_reference_rate(sharpness(self), rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law = Self::from_reference_rate(0.0, rate, self.reference_stress()).ok()?;
+        Some((law, "with 1/m = 0"))
     }
 }

@@ -52,6 +52,9 @@ use std::fmt::Debug;
 
 use num_complex::Complex64;
 
+use crate::law::{Role, Scale, StatedParameter};
+use crate::special_case::{PronySeries, SpecialCase};
+
 /// A law of linear viscoelasticity by its shape E(s)/E, to be identified together with ln E.
 ///
 /// ```
@@ -102,6 +105,42 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// nonlinearity.
     fn is_flat_loss(&self) -> bool {
         false
+    }
+
+    /// The Prony series of modulus E \[Pa\] that the law is at p, if it is one.
+    fn prony(&self, _modulus: f64, _parameters: &[f64]) -> Option<PronySeries> {
+        None
+    }
+
+    /// The place of `series` among the limits of this law, with its θ = (ln E, p); `None` if it does not contain it.
+    fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
+        None
+    }
+
+    /// The parameters p as the literature states them, for a modulus E \[Pa\]; gradients are by θ = (ln E, p).
+    ///
+    /// Unless a law says otherwise, `ln_x` is stated as x with an error as a ratio, other parameters as they are.
+    fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
+        let names = self.parameter_names().into_iter().zip(parameters);
+        names
+            .enumerate()
+            .map(|(index, (name, value))| {
+                let mut gradient = vec![0.0; parameters.len() + 1];
+                if let Some(own) = gradient.get_mut(index + 1) {
+                    *own = 1.0;
+                }
+                let logarithm = name.strip_prefix("ln_");
+                StatedParameter {
+                    name: logarithm.unwrap_or(name),
+                    symbol: logarithm.unwrap_or(name),
+                    unit: if name.contains("time") { "s" } else { "1" },
+                    value: if logarithm.is_some() { value.exp() } else { *value },
+                    scale: if logarithm.is_some() { Scale::Ratio } else { Scale::Difference },
+                    gradient,
+                    role: Role::Coordinate,
+                }
+            })
+            .collect()
     }
 
     /// E(s)/E for Re s > 0 \[1\]; `None` where the law does not exist.

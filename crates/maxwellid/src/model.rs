@@ -8,6 +8,7 @@ use rodwave::{DirectProblem, InelasticRod};
 
 use crate::error::MaxwellidError;
 use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::special_case::{PronySeries, SpecialCase};
 
 /// The question put to a model: a rod at rest, driven at x = -L by v_e, free at x = 0.
 #[derive(Debug, Clone, Copy)]
@@ -84,6 +85,16 @@ pub trait RodModel: Debug + Send + Sync {
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
+
+    /// The Prony series that the model is at θ, if it is one.
+    fn prony(&self, _parameters: &[f64]) -> Option<PronySeries> {
+        None
+    }
+
+    /// The place of `series` among the limits of this model; `None` if it does not contain it.
+    fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
+        None
+    }
 }
 
 /// [`RodModel::response`] where it has the length that was asked for.
@@ -308,6 +319,32 @@ impl<L: IdentifiableLaw> RodModel for L {
                 .collect(),
         })
     }
+
+    fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
+        let (log_modulus, of_law) = parameters.split_first()?;
+        let law = self.with_parameters(of_law).ok()?;
+        let modulus = log_modulus.exp();
+        let rate = law.linear_rate()?;
+        Some(if rate > 0.0 {
+            PronySeries::maxwell(modulus, law.reference_stress() / (modulus * rate))
+        } else {
+            PronySeries::elastic(modulus)
+        })
+    }
+
+    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+        let rate = self.reference_stress() / (series.modulus * series.single_time()?);
+        let (law, limit) = self.at_linear_limit(rate)?;
+        let limit = if series.branches.is_empty() {
+            "without damping"
+        } else {
+            limit
+        };
+        Some(SpecialCase {
+            parameters: RodModel::parameters(&law, series.modulus),
+            limit: limit.to_owned(),
+        })
+    }
 }
 
 /// A model chosen at run time.
@@ -358,6 +395,14 @@ impl RodModel for Arc<dyn RodModel> {
         parameters: &[f64],
     ) -> Option<LinearisedResponse> {
         self.as_ref().linearised_response(rod, parameters)
+    }
+
+    fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
+        self.as_ref().prony(parameters)
+    }
+
+    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+        self.as_ref().special_case(series)
     }
 }
 

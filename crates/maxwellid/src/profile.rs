@@ -104,10 +104,9 @@ pub fn profiles(
         times: &ground.times,
         cell,
         weight: 1.0,
-        least: f64::INFINITY,
     };
     let start = contest
-        .search(ground.modulus, ground.duration)?
+        .search(ground.modulus, ground.duration, &[])?
         .ok_or(MaxwellidError::NoCandidate)?;
     // what is profiled is the likelihood alone
     let flat = Prior {

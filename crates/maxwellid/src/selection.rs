@@ -33,6 +33,7 @@
 
 mod candidate;
 mod decision;
+mod evidence;
 mod posterior;
 mod seen_test;
 
@@ -40,7 +41,7 @@ pub use candidate::Candidate;
 pub use decision::{Advice, Decision, Doubt};
 
 pub(crate) use candidate::Prior;
-pub(crate) use posterior::{Contest, Posterior, PosteriorProblem};
+pub(crate) use posterior::{Contest, PosteriorProblem};
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
@@ -49,7 +50,9 @@ use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
 use crate::least_squares::Termination;
 use crate::model::check_cell;
-use crate::test::RodTest;
+use crate::test::{RodTest, modulus_of_all};
+use evidence::evidence;
+use posterior::{Likeliest, Posterior};
 
 /// A comparison of candidates to be made.
 ///
@@ -217,87 +220,95 @@ impl Selection {
                 parameters,
             });
         }
-        let mut modulus = ground.modulus;
-        let mut least = f64::INFINITY;
-        let mut posteriors: Vec<Option<Posterior>> = vec![None; self.candidates.len()];
-        // linear laws first: the best of them tells the nonlinear ones where to look for E
-        for linear in [true, false] {
-            for (candidate, posterior) in self.candidates.iter().zip(&mut posteriors) {
-                if candidate.model.is_linear() == linear {
-                    let prior = candidate.prior(ground.modulus, ground.duration);
-                    let contest = Contest {
-                        least,
-                        ..self.contest(candidate, &prior, (tests, &ground.times), 1.0)
-                    };
-                    *posterior = contest.search(modulus, ground.duration)?;
-                    if let Some(found) = posterior {
-                        least = least.min(found.chi_square);
-                    }
-                }
-            }
-            let best = posteriors
-                .iter()
-                .flatten()
-                .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
-            if let Some(first) = best.and_then(|best| best.minimum.parameters.first()) {
-                modulus = first.exp();
-            }
-        }
+        let found = self.found(tests, &ground)?;
         let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
-        let least = posteriors
+        let least = found
             .iter()
             .flatten()
+            .map(|found| &found.likeliest)
             .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
             .ok_or(MaxwellidError::NoCandidate)?;
-        let residual = &least.minimum.linearisation.residual;
-        // behind the samples stand the rows of the prior
-        let of_data = residual.get(..samples).unwrap_or(residual);
-        let inflation = correlation_inflation(of_data, &lengths);
+        let inflation = correlation_inflation(&least.residual, &lengths);
         let scale = self.noise_scale(least.chi_square, samples);
+        let effective_samples = samples as f64 / inflation;
         // with fewer independent samples or another noise the priors weigh more
         let weight = 1.0 / (scale * inflation.sqrt());
-        if (weight - 1.0).abs() > 1e-12 {
-            for (posterior, candidate) in posteriors.iter_mut().zip(&self.candidates) {
-                let Some(found) = posterior.take() else {
-                    continue;
-                };
-                let prior = candidate.prior(ground.modulus, ground.duration);
-                let contest = self.contest(candidate, &prior, (tests, &ground.times), weight);
-                *posterior = contest.from(&found.minimum.parameters)?;
-            }
+        let mut compared = Vec::with_capacity(found.len());
+        let mut models = Vec::with_capacity(found.len());
+        for (candidate, found) in self.candidates.iter().zip(&found) {
+            let Some(found) = found else { continue };
+            let prior = candidate.prior(ground.modulus, ground.duration);
+            let contest = self.contest(candidate, &prior, (tests, &ground.times), weight);
+            let probable = if (weight - 1.0).abs() > 1e-12 {
+                contest.from(&found.probable.minimum.parameters)?
+            } else {
+                Some(found.probable.clone())
+            };
+            let Some(probable) = probable else { continue };
+            let Some(seen) = contest.seen(&probable.minimum.parameters) else {
+                continue;
+            };
+            // of a χ² in units of the noise as it is taken to be
+            let ln_likelihood =
+                |chi_square: f64| self.ln_likelihood(chi_square * scale * scale, effective_samples);
+            let evidence = evidence(&contest.problem(&seen), &probable, &ln_likelihood).ok_or(
+                MaxwellidError::Decomposition {
+                    iteration: probable.minimum.iterations,
+                },
+            )?;
+            let chi_square = found.likeliest.chi_square / inflation;
+            let names = candidate.model.parameter_names();
+            models.push(&candidate.model);
+            compared.push(ComparedLaw {
+                name: candidate.name().to_owned(),
+                is_linear: candidate.model.is_linear(),
+                is_flat_loss: candidate.is_flat_loss(),
+                parameter_names: names.iter().map(ToString::to_string).collect(),
+                chi_square,
+                adequacy: self.adequacy(chi_square, effective_samples - probable.determined),
+                ln_evidence: evidence.ln,
+                ln_evidence_error: evidence.error,
+                probability: 0.0,
+                determined: probable.determined,
+                termination: probable.minimum.termination,
+                is_settled: probable.is_settled && found.likeliest.is_settled,
+                parameters: probable.minimum.parameters,
+                likeliest: found.likeliest.parameters.clone(),
+                limits: Vec::new(),
+                weight: candidate.weight(),
+            });
         }
-        let effective_samples = samples as f64 / inflation;
-        let compared = self
-            .candidates
+        let limits: Vec<Vec<Limit>> = models
             .iter()
-            .zip(posteriors)
-            .filter_map(|(candidate, posterior)| {
-                let posterior = posterior?;
-                // in units of the stated noise
-                let chi_square = posterior.chi_square * scale * scale;
-                Some(ComparedLaw {
-                    name: candidate.name().to_owned(),
-                    is_linear: candidate.model.is_linear(),
-                    is_flat_loss: candidate.is_flat_loss(),
-                    parameter_names: candidate
-                        .model
-                        .parameter_names()
-                        .iter()
-                        .map(ToString::to_string)
-                        .collect(),
-                    chi_square,
-                    adequacy: self.adequacy(chi_square, effective_samples - posterior.determined),
-                    ln_evidence: self.ln_likelihood(chi_square, effective_samples)
-                        - 0.5 * posterior.prior_square
-                        - posterior.occam,
-                    probability: 0.0,
-                    determined: posterior.determined,
-                    termination: posterior.minimum.termination,
-                    parameters: posterior.minimum.parameters,
-                    weight: candidate.weight(),
-                })
+            .zip(&compared)
+            .map(|(model, general)| {
+                let specials = models.iter().zip(&compared);
+                let mut limits: Vec<(usize, Limit)> = specials
+                    .filter(|(_, special)| special.likeliest.len() < general.likeliest.len())
+                    .filter_map(|(of_special, special)| {
+                        let series = of_special.prony(&special.likeliest)?;
+                        let case = model.special_case(&series)?;
+                        let dropped = general.likeliest.len() - special.likeliest.len();
+                        let quantile = ChiSquared::new(dropped as f64).ok()?.inverse_cdf(0.95);
+                        let rise = special.chi_square - general.chi_square;
+                        (rise <= quantile * scale * scale).then(|| {
+                            (
+                                special.likeliest.len(),
+                                Limit {
+                                    special: special.name.clone(),
+                                    limit: case.limit,
+                                },
+                            )
+                        })
+                    })
+                    .collect();
+                limits.sort_by_key(|(parameters, _)| *parameters);
+                limits.into_iter().map(|(_, limit)| limit).collect()
             })
-            .collect::<Vec<_>>();
+            .collect();
+        for (law, limits) in compared.iter_mut().zip(limits) {
+            law.limits = limits;
+        }
         if compared.is_empty() {
             return Err(MaxwellidError::NoCandidate);
         }
@@ -314,6 +325,71 @@ impl Selection {
         ))
     }
 
+    /// The most probable and the likeliest parameters of each candidate, in their order.
+    ///
+    /// Candidates are taken by their number of parameters, so that a special case is known before the law that contains it; linear laws come
+    /// first, because the best of them tells the nonlinear ones where to look for E.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`order` holds indices of the candidates, of which `found` has as many"
+    )]
+    fn found(
+        &self,
+        tests: &[RodTest],
+        ground: &Ground,
+    ) -> Result<Vec<Option<Found>>, MaxwellidError> {
+        let size = |candidate: &Candidate| candidate.model.parameter_names().len();
+        let mut modulus = ground.modulus;
+        let mut found: Vec<Option<Found>> = vec![None; self.candidates.len()];
+        for linear in [true, false] {
+            let mut order: Vec<usize> = (0..self.candidates.len()).collect();
+            order.retain(|index| self.candidates[*index].model.is_linear() == linear);
+            order.sort_by_key(|index| size(&self.candidates[*index]));
+            for index in order {
+                let candidate = &self.candidates[index];
+                let prior = candidate.prior(ground.modulus, ground.duration);
+                let contest = self.contest(candidate, &prior, (tests, &ground.times), 1.0);
+                let special_cases: Vec<(Vec<f64>, f64)> = self
+                    .candidates
+                    .iter()
+                    .zip(&found)
+                    .filter(|(special, _)| size(special) < size(candidate))
+                    .filter_map(|(special, found)| {
+                        let likeliest = &found.as_ref()?.likeliest;
+                        let series = special.model.prony(&likeliest.parameters)?;
+                        let case = candidate.model.special_case(&series)?;
+                        Some((case.parameters, likeliest.chi_square))
+                    })
+                    .collect();
+                let starts: Vec<Vec<f64>> =
+                    special_cases.iter().map(|(start, _)| start.clone()).collect();
+                let Some(probable) = contest.search(modulus, ground.duration, &starts)? else {
+                    continue;
+                };
+                let Some(likeliest) =
+                    contest.likeliest(&probable.minimum.parameters, &special_cases)?
+                else {
+                    continue;
+                };
+                // what explains the data best may be near another maximum of the probability
+                let probable =
+                    Posterior::better(Some(probable), contest.from(&likeliest.parameters)?);
+                found[index] = probable.map(|probable| Found {
+                    probable,
+                    likeliest,
+                });
+            }
+            let best = found
+                .iter()
+                .flatten()
+                .min_by(|a, b| a.likeliest.chi_square.total_cmp(&b.likeliest.chi_square));
+            if let Some(first) = best.and_then(|best| best.likeliest.parameters.first()) {
+                modulus = first.exp();
+            }
+        }
+        Ok(found)
+    }
+
     fn contest<'a>(
         &self,
         candidate: &'a Candidate,
@@ -328,7 +404,6 @@ impl Selection {
             times,
             cell: self.cell,
             weight,
-            least: f64::INFINITY,
         }
     }
 
@@ -429,6 +504,14 @@ impl Selection {
         }
         let first = order[0];
         let probability = laws[first].probability;
+        // a law whose χ² still moves may be any of those that count
+        let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
+        if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
+            return Decision::CannotTell {
+                between: order.iter().copied().filter(|i| counts(*i)).collect(),
+                reason: Doubt::Unsettled { law: *unsettled },
+            };
+        }
         if probability < self.required_probability {
             let mut sum = 0.0;
             let between = order
@@ -478,6 +561,13 @@ impl Selection {
     }
 }
 
+/// What was found of one candidate.
+#[derive(Debug, Clone)]
+struct Found {
+    probable: Posterior,
+    likeliest: Likeliest,
+}
+
 /// What the tests give before any model is fitted.
 pub(crate) struct Ground {
     pub(crate) times: Vec<Vec<f64>>,
@@ -489,13 +579,10 @@ pub(crate) struct Ground {
 
 impl Ground {
     pub(crate) fn of(tests: &[RodTest]) -> Result<Self, MaxwellidError> {
-        let longest = tests
-            .iter()
-            .max_by(|a, b| a.length.total_cmp(&b.length))
-            .ok_or(MaxwellidError::NoTest)?;
+        let modulus = modulus_of_all(tests)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         Ok(Self {
-            modulus: longest.modulus_from_time_of_flight()?,
+            modulus,
             duration: times
                 .iter()
                 .filter_map(|times| times.last().copied())
@@ -544,12 +631,9 @@ impl Comparison {
 impl std::fmt::Display for Comparison {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let names = |indices: &[usize]| -> String {
-            let names: Vec<&str> = indices
-                .iter()
-                .filter_map(|index| self.laws.get(*index))
-                .map(|law| law.name.as_str())
-                .collect();
-            names.join(", ")
+            let laws = indices.iter().filter_map(|index| self.laws.get(*index));
+            let names: Vec<String> = laws.map(ComparedLaw::with_limit).collect();
+            names.join("; ")
         };
         match &self.decision {
             Decision::Law {
@@ -587,6 +671,27 @@ impl std::fmt::Display for Comparison {
     }
 }
 
+impl ComparedLaw {
+    /// Name of the law, with its simplest limit where the data do not exclude one: as `two Maxwell branches, of which one is unbounded: Zener`.
+    #[must_use]
+    pub fn with_limit(&self) -> String {
+        match self.limits.first() {
+            None => self.name.clone(),
+            Some(Limit { special, limit }) => format!("{}, {limit}: {special}", self.name),
+        }
+    }
+}
+
+/// A special case of a law that explains the data as well as the law itself.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Limit {
+    /// Name of the special case.
+    pub special: String,
+    /// The limit, in words that follow the name of the law.
+    pub limit: String,
+}
+
 /// One candidate after the comparison.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -601,17 +706,25 @@ pub struct ComparedLaw {
     pub parameter_names: Vec<String>,
     /// The most probable parameters.
     pub parameters: Vec<f64>,
-    /// χ² of the whitened residual, against the stated noise.
+    /// The likeliest parameters, whatever was known beforehand.
+    pub likeliest: Vec<f64>,
+    /// χ² of the whitened residual at the likeliest parameters, against the stated noise.
     pub chi_square: f64,
     /// Probability of a misfit as large, if this law were true; `None` if the level of the noise is not known.
     pub adequacy: Option<f64>,
     /// ln Z, up to a constant of the data.
     pub ln_evidence: f64,
+    /// Standard error of ln Z.
+    pub ln_evidence_error: f64,
     /// Probability after the tests; all sum to one.
     pub probability: f64,
     /// Number of parameters that the data determine better than the prior.
     pub determined: f64,
     /// Why the fit ended.
     pub termination: Termination,
+    /// Whether another excitation would change χ² no more. What is not settled is not compared.
+    pub is_settled: bool,
+    /// Limits of this law that the data do not exclude at 95 %, the simplest first.
+    pub limits: Vec<Limit>,
     weight: f64,
 }

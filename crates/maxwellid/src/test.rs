@@ -362,6 +362,23 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     Ok(())
 }
 
+/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse variance of ln E. The error of a time of
+/// flight is a share of a sample, so the variance falls with the square of the time in samples.
+pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
+    let mut logarithms = Vec::with_capacity(tests.len());
+    for test in tests {
+        let samples = test.time_of_flight()? * test.sampling_rate_hz;
+        let modulus = test.modulus_from_time_of_flight()?;
+        logarithms.push((samples * samples, modulus.ln()));
+    }
+    let weights: f64 = logarithms.iter().map(|(weight, _)| weight).sum();
+    let sum: f64 = logarithms.iter().map(|(weight, ln)| weight * ln).sum();
+    if tests.is_empty() {
+        return Err(MaxwellidError::NoTest);
+    }
+    Ok((sum / weights).exp())
+}
+
 /// Fractional index at which a history first reaches half the height of its first peak.
 ///
 /// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a quarter of the overall

@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 use num_complex::Complex64;
 
 use super::LinearLaw;
+use crate::law::{Role, Scale, StatedParameter};
+use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 
 /// Constant loss factor (Kjartansson, *J. Geophys. Res.* **84** (1979) 4737).
 ///
@@ -64,6 +66,26 @@ impl LinearLaw for ConstantQ {
 
     fn is_flat_loss(&self) -> bool {
         true
+    }
+
+    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+        series.branches.is_empty().then(|| SpecialCase {
+            parameters: vec![series.modulus.ln(), NO_SHARE.ln()],
+            limit: "without loss".to_owned(),
+        })
+    }
+
+    fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
+        let factors = parameters.iter().map(|ln_loss_factor| StatedParameter {
+            name: "loss factor",
+            symbol: "tan delta",
+            unit: "1",
+            value: ln_loss_factor.exp(),
+            scale: Scale::Ratio,
+            gradient: vec![0.0, 1.0],
+            role: Role::Coordinate,
+        });
+        factors.collect()
     }
 
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {

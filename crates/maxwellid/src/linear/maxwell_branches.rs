@@ -3,6 +3,8 @@
 use num_complex::Complex64;
 
 use super::LinearLaw;
+use crate::law::{Role, Scale, StatedParameter};
+use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED};
 
 /// A Prony series of one to four Maxwell branches.
 ///
@@ -139,6 +141,131 @@ impl LinearLaw for MaxwellBranches {
     fn is_flat_loss(&self) -> bool {
         // within a decade of frequency two time constants do, of which a slow one may stand for the spring
         self.terms() >= 3
+    }
+
+    fn prony(&self, modulus: f64, parameters: &[f64]) -> Option<PronySeries> {
+        let (shares, times) = self.shares_and_times(parameters)?;
+        let (spring, of_branches) = if self.has_spring {
+            let (spring, rest) = shares.split_first()?;
+            (*spring, rest)
+        } else {
+            (0.0, shares.as_slice())
+        };
+        let pairs = of_branches.iter().zip(times);
+        Some(PronySeries {
+            modulus,
+            spring,
+            branches: pairs
+                .map(|(share, time)| Branch {
+                    share: *share,
+                    time,
+                })
+                .collect(),
+        })
+    }
+
+    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+        let mut branches = series.branches.clone();
+        let takes_the_spring = series.spring > 0.0 && !self.has_spring;
+        if takes_the_spring {
+            branches.push(Branch {
+                share: series.spring,
+                time: UNRELAXED,
+            });
+        }
+        let missing = self.branches.checked_sub(branches.len())?;
+        let usual = self.start();
+        let usual_times = usual.iter().rev().take(missing);
+        branches.extend(usual_times.map(|ln_time| Branch {
+            share: NO_SHARE,
+            time: ln_time.exp(),
+        }));
+        // slowest first, as the ranges are
+        branches.sort_by(|a, b| b.time.total_cmp(&a.time));
+        let spring = self.has_spring.then_some(series.spring.max(NO_SHARE));
+        let shares: Vec<f64> = spring
+            .into_iter()
+            .chain(branches.iter().map(|branch| branch.share))
+            .collect();
+        let (first, others) = shares.split_first()?;
+        let ratios = others.iter().map(|share| (share / first).ln());
+        let parameters = std::iter::once(series.modulus.ln())
+            .chain(ratios)
+            .chain(branches.iter().map(|branch| branch.time.ln()))
+            .collect();
+        let no_spring = self.has_spring && series.spring == 0.0;
+        let limit = match (takes_the_spring, missing, no_spring) {
+            _ if series.branches.is_empty() => "without relaxation".to_owned(),
+            (true, 0, _) => "of which one is unbounded".to_owned(),
+            (true, n, _) => format!("of which one is unbounded and {n} without share"),
+            (false, 0, true) => "whose spring has no share".to_owned(),
+            (false, n, true) => format!("whose spring and {n} branches have no share"),
+            (false, n, false) => format!("of which {n} without share"),
+        };
+        Some(SpecialCase { parameters, limit })
+    }
+
+    /// The relaxation times, and the moduli Eᵢ = E wᵢ of spring and branches, which follow from E and the shares.
+    fn stated(&self, modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
+        const TIMES: [(&str, &str); MOST] = [
+            ("relaxation time of branch 1", "tau_1"),
+            ("relaxation time of branch 2", "tau_2"),
+            ("relaxation time of branch 3", "tau_3"),
+            ("relaxation time of branch 4", "tau_4"),
+        ];
+        const MODULI: [(&str, &str); MOST + 1] = [
+            ("modulus of the spring", "E_0"),
+            ("modulus of branch 1", "E_1"),
+            ("modulus of branch 2", "E_2"),
+            ("modulus of branch 3", "E_3"),
+            ("modulus of branch 4", "E_4"),
+        ];
+        let Some((weights, times)) = self.shares_and_times(parameters) else {
+            return Vec::new();
+        };
+        let terms = self.terms();
+        let unit_vector = |index: usize| -> Vec<f64> {
+            (0..=parameters.len())
+                .map(|k| if k == index { 1.0 } else { 0.0 })
+                .collect()
+        };
+        let of_times = TIMES.iter().zip(&times).enumerate();
+        let times = of_times.map(|(branch, ((name, symbol), time))| StatedParameter {
+            name,
+            symbol,
+            unit: "s",
+            value: *time,
+            scale: Scale::Ratio,
+            gradient: unit_vector(terms + branch),
+            role: Role::Coordinate,
+        });
+        let names = MODULI.iter().skip(usize::from(!self.has_spring));
+        let moduli = names
+            .zip(&weights)
+            .enumerate()
+            // the modulus of a single term is E
+            .filter(|_| terms > 1)
+            .map(|(term, ((name, symbol), weight))| {
+                // d ln wᵢ/dxⱼ = δᵢⱼ - wⱼ, x₀ being fixed
+                let mut gradient = vec![0.0; parameters.len() + 1];
+                for (k, slope) in gradient.iter_mut().enumerate().take(terms) {
+                    *slope = match (k, weights.get(k)) {
+                        (0, _) => 1.0,
+                        (k, Some(other)) => f64::from(u8::from(k == term)) - other,
+                        (_, None) => 0.0,
+                    };
+                }
+                StatedParameter {
+                    name,
+                    symbol,
+                    unit: "Pa",
+                    value: modulus * weight,
+                    scale: Scale::Ratio,
+                    gradient,
+                    role: Role::Derived,
+                }
+            });
+        times.chain(moduli).collect()
     }
 
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {

@@ -5,8 +5,9 @@ use rodwave::band_limited::{SampledHistory, VelocityHistory};
 
 use super::LinearLaw;
 use super::laplace_line::{FINER, LaplaceLine};
-use crate::law::{Role, Scale, StatedParameter};
+use crate::law::StatedParameter;
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
+use crate::special_case::{PronySeries, SpecialCase};
 
 /// A rod of a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E, p).
 #[derive(Debug, Clone)]
@@ -67,25 +68,21 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     }
 
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
-        let names = self.law.parameter_names();
-        let of_law = names.into_iter().enumerate().map(|(index, name)| {
-            let mut gradient = vec![0.0; parameters.len()];
-            if let Some(own) = gradient.get_mut(index + 1) {
-                *own = 1.0;
-            }
-            StatedParameter {
-                name,
-                symbol: name,
-                unit: "1",
-                value: parameters.get(index + 1).copied().unwrap_or(f64::NAN),
-                scale: Scale::Difference,
-                gradient,
-                role: Role::Coordinate,
-            }
-        });
+        let of_law = parameters
+            .split_first()
+            .map(|(ln_modulus, of_law)| self.law.stated(ln_modulus.exp(), of_law));
         std::iter::once(stated_modulus(parameters))
-            .chain(of_law)
+            .chain(of_law.unwrap_or_default())
             .collect()
+    }
+
+    fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
+        let (ln_modulus, of_law) = parameters.split_first()?;
+        self.law.prony(ln_modulus.exp(), of_law)
+    }
+
+    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+        self.law.special_case(series)
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {

@@ -34,6 +34,16 @@ pub(crate) struct Prior {
     pub(crate) deviation: Vec<f64>,
 }
 
+impl Prior {
+    /// No knowledge of as many parameters.
+    pub(crate) fn flat(&self) -> Self {
+        Self {
+            mean: vec![0.0; self.mean.len()],
+            deviation: vec![f64::INFINITY; self.deviation.len()],
+        }
+    }
+}
+
 impl Candidate {
     /// Standard deviation of ln E beforehand: the time of flight is good to some per cent, and the modulus of a dispersive
     /// law at its reference frequency is another than that of the front.

@@ -49,6 +49,11 @@ pub enum Doubt {
     },
     /// A nonlinear law leads, but all tests are of one impact velocity, and no linear law of flat loss was among the candidates.
     NoFlatLossCompetitor,
+    /// The misfit of a law that counts still changes when the excitation is estimated again.
+    Unsettled {
+        /// The law.
+        law: usize,
+    },
 }
 
 /// What should be done before the verdict is used.
@@ -78,6 +83,9 @@ impl fmt::Display for Doubt {
             Self::OneVelocity { adequacy, .. } => write!(
                 f,
                 "a nonlinear law leads, but from one impact velocity a linear law of flat loss explains the data as well (adequacy {adequacy:.3})"
+            ),
+            Self::Unsettled { .. } => f.write_str(
+                "the misfit of one of them still changes when the excitation is estimated again",
             ),
             Self::NoFlatLossCompetitor => f.write_str(
                 "a nonlinear law leads, but from one impact velocity and without a linear law of flat loss among the candidates",

@@ -107,10 +107,21 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
-    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: by how much the data narrow the parameters.
-    pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
+    /// Whether another excitation would change χ² no more.
+    pub(crate) is_settled: bool,
+}
+
+/// The greatest likelihood of a candidate: what it explains of the data, whatever was known beforehand.
+#[derive(Debug, Clone)]
+pub(crate) struct Likeliest {
+    pub(crate) parameters: Vec<f64>,
+    /// Σ of the squares of the whitened, weighted residuals.
+    pub(crate) chi_square: f64,
+    /// The whitened residuals.
+    pub(crate) residual: Vec<f64>,
+    pub(crate) is_settled: bool,
 }
 
 /// Starts are compared on a coarse grid.
@@ -119,17 +130,20 @@ const SCAN_CELL: f64 = 8e-3;
 /// Factors of E at which starts of linear models are tried: the time of flight may be a fraction of a period off.
 const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 
+/// Starts of a linear model that are followed to their minima. Its response costs little, and branches have several minima.
+const LINEAR_STARTS: usize = 4;
+
 /// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
-const RENEWALS: usize = 4;
+const RENEWALS: usize = 16;
 
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
-/// Change of χ² by a renewal that ends them: a thirtieth of what tells one law from another.
-const SETTLED: f64 = 0.2;
+/// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
+const SETTLED: f64 = 0.02;
 
-/// A χ² that exceeds that of another candidate by so much needs no further digits: its probability is below e^{-50}.
-const HOPELESS: f64 = 100.0;
+/// χ² by which a law may exceed one of its special cases before it is sought from there too.
+const WORSE: f64 = 0.02;
 
 /// One candidate before its tests.
 pub(crate) struct Contest<'a> {
@@ -140,8 +154,6 @@ pub(crate) struct Contest<'a> {
     pub(crate) cell: f64,
     /// What the whitened residuals are multiplied by.
     pub(crate) weight: f64,
-    /// The least χ² of the candidates so far.
-    pub(crate) least: f64,
 }
 
 impl Contest<'_> {
@@ -186,36 +198,47 @@ impl Contest<'_> {
         Some(sum + unlikely.sum::<f64>())
     }
 
-    /// The most probable parameters, from the best of the candidate's starts for `modulus`; `None` if the model exists at none.
+    /// The most probable parameters, from the best of the candidate's starts for `modulus` and from its special cases; `None` if the model
+    /// exists at none.
     pub(crate) fn search(
         &self,
         modulus: f64,
         duration: f64,
+        special_cases: &[Vec<f64>],
     ) -> Result<Option<Posterior>, MaxwellidError> {
         let levels = self
             .tests
             .iter()
             .map(rough_level)
             .collect::<Result<Vec<_>, _>>()?;
-        let factors = if self.candidate.model.is_linear() {
-            &MODULUS_FACTORS[..]
+        let (factors, followed) = if self.candidate.model.is_linear() {
+            (&MODULUS_FACTORS[..], LINEAR_STARTS)
         } else {
-            &MODULUS_FACTORS[..1]
+            (&MODULUS_FACTORS[..1], 1)
         };
         let starts: Vec<Vec<f64>> = factors
             .iter()
             .flat_map(|factor| self.candidate.starts(modulus * factor, duration))
+            .chain(special_cases.iter().cloned())
             .collect();
         let misfits = map_in_order(&starts, |start| self.rough_misfit(start, &levels));
-        let best = starts
-            .iter()
-            .zip(misfits)
-            .filter_map(|(start, misfit)| Some((misfit?, start)))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        match best {
-            None => Ok(None),
-            Some((_, start)) => self.from(start),
+        let mut ranked: Vec<(f64, &Vec<f64>)> = misfits
+            .into_iter()
+            .zip(&starts)
+            .filter_map(|(misfit, start)| Some((misfit?, start)))
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let first: Vec<&Vec<f64>> = ranked
+            .into_iter()
+            .map(|(_, start)| start)
+            .take(followed)
+            .collect();
+        let found = map_in_order(&first, |start| self.from(start));
+        let mut best: Option<Posterior> = None;
+        for posterior in found {
+            best = Posterior::better(best, posterior?);
         }
+        Ok(best)
     }
 
     /// The most probable parameters near `start`.
@@ -224,19 +247,82 @@ impl Contest<'_> {
         let mut found: Option<Posterior> = None;
         for _ in 0..RENEWALS {
             let Some(tests) = self.seen(&parameters) else {
-                return Ok(None);
+                return Ok(found);
             };
             let problem = self.problem(&tests);
             let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
-                return Ok(None);
+                return Ok(found);
             };
             parameters.clone_from(&minimum.parameters);
-            let next = Posterior::of(&problem, minimum)?;
-            let change = found.as_ref().map_or(f64::INFINITY, |last: &Posterior| {
-                (next.chi_square - last.chi_square).abs()
-            });
-            let is_settled = change < SETTLED || next.chi_square > self.least + HOPELESS;
+            let mut next = Posterior::of(&problem, minimum)?;
+            next.is_settled = found
+                .as_ref()
+                .is_some_and(|last| (next.chi_square - last.chi_square).abs() < SETTLED);
+            let is_settled = next.is_settled;
             found = Some(next);
+            if is_settled {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// The likeliest parameters near the most probable ones, or near a special case that explains the data better.
+    /// `special_cases` have their χ².
+    pub(crate) fn likeliest(
+        &self,
+        probable: &[f64],
+        special_cases: &[(Vec<f64>, f64)],
+    ) -> Result<Option<Likeliest>, MaxwellidError> {
+        let mut best = self.likeliest_from(probable)?;
+        for (start, chi_square) in special_cases {
+            if best
+                .as_ref()
+                .is_none_or(|best| best.chi_square > chi_square + WORSE)
+            {
+                let next = self.likeliest_from(start)?;
+                if let Some(next) = next
+                    && best
+                        .as_ref()
+                        .is_none_or(|best| next.chi_square < best.chi_square)
+                {
+                    best = Some(next);
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    fn likeliest_from(&self, start: &[f64]) -> Result<Option<Likeliest>, MaxwellidError> {
+        let flat = self.prior.flat();
+        let alone = Contest {
+            prior: &flat,
+            ..*self
+        };
+        let mut parameters = start.to_vec();
+        let mut found: Option<Likeliest> = None;
+        for _ in 0..RENEWALS {
+            let Some(tests) = alone.seen(&parameters) else {
+                return Ok(found);
+            };
+            let problem = alone.problem(&tests);
+            let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
+                return Ok(found);
+            };
+            parameters.clone_from(&minimum.parameters);
+            let mut residual = minimum.linearisation.residual;
+            // behind the samples stand the rows of the prior
+            residual.truncate(problem.samples());
+            let chi_square = sum_of_squares(&residual);
+            let is_settled = found
+                .as_ref()
+                .is_some_and(|last| (chi_square - last.chi_square).abs() < SETTLED);
+            found = Some(Likeliest {
+                parameters: minimum.parameters,
+                chi_square,
+                residual,
+                is_settled,
+            });
             if is_settled {
                 break;
             }
@@ -258,9 +344,22 @@ impl Posterior {
         Ok(Self {
             chi_square: sum_of_squares(of_data),
             prior_square: sum_of_squares(of_prior),
-            occam: values.iter().map(|s| s.ln()).sum(),
             determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
+            is_settled: false,
             minimum,
         })
+    }
+
+    /// What is minimised: -2 ln of likelihood times prior.
+    fn misfit(&self) -> f64 {
+        self.chi_square + self.prior_square
+    }
+
+    /// The more probable of two.
+    pub(crate) fn better(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (one, other) {
+            (Some(one), Some(other)) if other.misfit() < one.misfit() => Some(other),
+            (one, other) => one.or(other),
+        }
     }
 }

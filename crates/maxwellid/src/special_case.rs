@@ -1,0 +1,79 @@
+//! Special cases: one law as the limit of another.
+//!
+//! Linear laws meet in the form of a Prony series, E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ). A model that has this form at some of its parameters states it
+//! ([`RodModel::prony`]), and a model that contains a series as a limit states where ([`RodModel::special_case`]). A fit of the general law that starts there
+//! is never worse than that of the special one.
+//!
+//! [`RodModel::prony`]: crate::RodModel::prony
+//! [`RodModel::special_case`]: crate::RodModel::special_case
+
+/// Relaxation time \[s\] that stands for none: a record of milliseconds changes by a hundred-thousandth.
+pub(crate) const UNRELAXED: f64 = 1e3;
+
+/// Share of the modulus that stands for none.
+pub(crate) const NO_SHARE: f64 = 1e-7;
+
+/// A linear law as a Prony series.
+///
+/// ```text
+/// E(s) = E (w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ)) ,    w₀ + Σ wᵢ = 1
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct PronySeries {
+    /// Unrelaxed modulus E \[Pa\].
+    pub modulus: f64,
+    /// Share w₀ of the spring; 0 without one.
+    pub spring: f64,
+    /// Maxwell branches.
+    pub branches: Vec<Branch>,
+}
+
+/// A Maxwell branch of a [`PronySeries`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Branch {
+    /// Share wᵢ of the unrelaxed modulus.
+    pub share: f64,
+    /// Relaxation time τᵢ \[s\].
+    pub time: f64,
+}
+
+impl PronySeries {
+    /// The elastic rod of modulus E \[Pa\].
+    #[must_use]
+    pub fn elastic(modulus: f64) -> Self {
+        Self {
+            modulus,
+            spring: 1.0,
+            branches: Vec::new(),
+        }
+    }
+
+    /// One branch without a spring: the Maxwell law of modulus E \[Pa\] and relaxation time τ \[s\].
+    #[must_use]
+    pub fn maxwell(modulus: f64, time: f64) -> Self {
+        Self {
+            modulus,
+            spring: 0.0,
+            branches: vec![Branch { share: 1.0, time }],
+        }
+    }
+
+    /// Relaxation time \[s\] where this is a Maxwell law or, with a time that no record shows, an elastic rod.
+    #[must_use]
+    pub(crate) fn single_time(&self) -> Option<f64> {
+        match self.branches.as_slice() {
+            [] => Some(UNRELAXED),
+            [branch] if self.spring == 0.0 => Some(branch.time),
+            _ => None,
+        }
+    }
+}
+
+/// A law as the limit of a more general one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpecialCase {
+    /// Parameters θ of the general model at which it is the special one, to within rounding of its response.
+    pub parameters: Vec<f64>,
+    /// The limit in words that follow the name of the general law, as `with kappa = 1`.
+    pub limit: String,
+}

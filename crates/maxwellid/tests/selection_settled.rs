@@ -1,0 +1,150 @@
+//! Comparisons that do not depend on the order of anything, and laws that are never worse than their special cases.
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
+
+mod virtual_tests;
+
+use maxwellid::RodTest;
+use maxwellid::selection::{Candidate, ComparedLaw, Comparison, Decision, Selection};
+use rodwave::inelastic::{Maxwell, MaxwellNorton};
+use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
+use virtual_tests::{Exact, by_the_chain, by_the_line, constant_q_stack, in_parallel, noisy};
+
+const NOISE: f64 = 0.008;
+
+fn compare(candidates: Vec<Candidate>, tests: &[RodTest]) -> Comparison {
+    Selection::new(candidates)
+        .unwrap()
+        .with_cell(8e-3)
+        .unwrap()
+        .compare(tests)
+        .unwrap()
+}
+
+fn linear() -> Vec<Candidate> {
+    let mut all = Candidate::standard();
+    all.retain(|candidate| candidate.model().is_linear());
+    all
+}
+
+fn law<'a>(comparison: &'a Comparison, name: &str) -> &'a ComparedLaw {
+    let mut laws = comparison.laws.iter();
+    laws.find(|law| law.name == name).unwrap()
+}
+
+/// The laws of a decision by their names, in alphabetical order.
+fn decided(comparison: &Comparison) -> (&'static str, Vec<String>) {
+    let (kind, indices) = match &comparison.decision {
+        Decision::Law { candidate, .. } => ("law", vec![*candidate]),
+        Decision::CannotTell { between, .. } => ("cannot tell", between.clone()),
+        Decision::NoneOfThese { best, .. } => ("none", vec![*best]),
+        other => unreachable!("{other:?}"),
+    };
+    let names = indices.iter().map(|i| comparison.laws[*i].name.clone());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    (kind, names)
+}
+
+fn assert_same(one: &Comparison, other: &Comparison) {
+    assert_eq!(decided(one), decided(other));
+    for a in &one.laws {
+        let b = law(other, &a.name);
+        assert!(
+            (a.ln_evidence - b.ln_evidence).abs() < 0.05,
+            "{}: {} {}",
+            a.name,
+            a.ln_evidence,
+            b.ln_evidence
+        );
+    }
+}
+
+/// Rods of constant loss factor, each test alone and any two together: 0.95 quantile of chi-square of the two parameters that the second test could
+/// have had to itself, in three pairs at the level of 1e-4 in all.
+#[test]
+fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
+    let exact = [3.0, 10.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.07), v));
+    let tests: Vec<RodTest> = exact
+        .iter()
+        .zip(0..)
+        .map(|(exact, seed)| noisy(exact, NOISE, 40 + seed))
+        .collect();
+    let alone = in_parallel(&tests, |test| compare(linear(), std::slice::from_ref(test)));
+    for (first, second) in [(0, 1), (0, 2), (1, 2)] {
+        let pair = [tests[first].clone(), tests[second].clone()];
+        let exchanged = [tests[second].clone(), tests[first].clone()];
+        let mut reversed = linear();
+        reversed.reverse();
+        let together = compare(linear(), &pair);
+        let (kind, names) = decided(&together);
+        assert!(
+            kind != "none" && names.contains(&"constant Q".to_owned()),
+            "{together}"
+        );
+        assert_same(&together, &compare(reversed, &exchanged));
+        let of = |comparison: &Comparison| law(comparison, "constant Q").chi_square;
+        let sum = of(&alone[first]) + of(&alone[second]);
+        // chi-square of 2 exceeds 2 ln(1/p)
+        let allowed = 2.0 * 1e4_f64.ln();
+        assert!(of(&together) < sum + allowed, "{} {sum}", of(&together));
+        assert!(together.laws.iter().all(|law| law.is_settled), "{together}");
+    }
+}
+
+/// A general law explains the data at least as well as any of its special cases, whatever made them.
+#[test]
+fn r01_no_law_is_worse_than_its_special_case() {
+    let zener = GeneralisedMaxwell::new(
+        2.2e9,
+        vec![MaxwellBranch {
+            modulus: 0.4e9,
+            relaxation_time: 60e-6,
+        }],
+    )
+    .unwrap();
+    let norton = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
+    let data: [(u64, Vec<Exact>); 4] = [
+        (1, vec![by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0)]),
+        (2, vec![by_the_line(&zener, 10.0)]),
+        (3, [3.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.03), v)).into()),
+        (4, [3.0, 27.0].map(|v| by_the_chain(&norton, v)).into()),
+    ];
+    let comparisons = in_parallel(&data, |(seed, exact)| {
+        let tests: Vec<RodTest> = exact
+            .iter()
+            .zip(0..)
+            .map(|(exact, k)| noisy(exact, NOISE, 10 * seed + k))
+            .collect();
+        let mut reversed = Candidate::standard();
+        reversed.reverse();
+        (
+            compare(Candidate::standard(), &tests),
+            compare(reversed, &tests),
+        )
+    });
+    for (comparison, reversed) in &comparisons {
+        for (general, special) in [
+            ("Maxwell", "elastic"),
+            ("two Maxwell branches", "Maxwell"),
+            ("two Maxwell branches", "Zener"),
+            ("three Maxwell branches", "two Maxwell branches"),
+            ("Zener", "Maxwell"),
+            ("constant Q", "elastic"),
+            ("Maxwell-Norton", "Maxwell"),
+            ("Maxwell-Gurevich-Rabinovich", "Maxwell"),
+        ] {
+            let (general, special) = (law(comparison, general), law(comparison, special));
+            assert!(
+                general.chi_square < special.chi_square + 0.5,
+                "{comparison}"
+            );
+        }
+        assert_same(comparison, reversed);
+    }
+    // made by a Zener rod, two branches of which one is unbounded are that rod
+    let two = law(&comparisons[1].0, "two Maxwell branches");
+    assert_eq!(
+        two.with_limit(),
+        "two Maxwell branches, of which one is unbounded: Zener"
+    );
+}
