@@ -36,6 +36,8 @@ fn stick_by_fourier(criterion: &mut Criterion) {
             impact_velocity: 1.0,
             zero_line: ZeroLine::EffectiveMass(0.5),
             roll_off_from_hz: None,
+            interpolation: 1,
+            until: None,
         };
         group.throughput(Throughput::Elements(n_samples as u64));
         group.bench_function(BenchmarkId::from_parameter(n_samples), |bencher| {

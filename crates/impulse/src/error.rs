@@ -131,6 +131,12 @@ pub enum ImpulseError {
         /// Where it is known.
         expected: &'static str,
     },
+    /// A measured body is to be marched in time, and what it does above its lines is not known.
+    #[error(
+        "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face for a force by marching in time; \
+         without it the stick force on lines can be had"
+    )]
+    NoFrontImpedance,
     /// A mobility has no finite value.
     #[error("the mobility of the {body} body at s = {s} 1/s is not finite")]
     InfiniteMobility {

@@ -16,7 +16,7 @@ use crate::{
     StickProblem, TimeGrid, ZeroLine, lines_of,
 };
 
-pub use discrete::DiscreteImpact;
+pub use discrete::{DiscreteImpact, FirstForce};
 pub use prediction::{Prediction, PredictionFlag};
 
 /// Steps of a prediction unless the caller chooses their length.
@@ -253,6 +253,8 @@ impl<'a> Impact<'a> {
             impact_velocity: self.velocity,
             zero_line,
             roll_off_from_hz: None,
+            interpolation: 1,
+            until: None,
         }
         .solve()
     }

@@ -98,7 +98,7 @@ impl Kernel {
     /// # Errors
     ///
     /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a convolution quadrature of a body that is not
-    /// known off the frequency axis; [`ImpulseError::TooShort`] if the lines of a measured body are too far apart for
+    /// known off the frequency axis; [`ImpulseError::NoFrontImpedance`] for a measured body without one; [`ImpulseError::TooShort`] if the lines of a measured body are too far apart for
     /// the duration; [`ImpulseError::InfiniteMobility`]; what the body reports.
     pub fn of<B: ImpactBody + ?Sized>(
         body: &B,
@@ -210,6 +210,9 @@ impl Front {
                     far: conductance,
                 },
             });
+        }
+        if matches!(body.domain(), Domain::Lines { .. }) {
+            return Err(ImpulseError::NoFrontImpedance);
         }
         let at = |rate: f64| mobility_beyond(body, rate);
         let rates = [edge, BEYOND * edge, 10.0 * BEYOND * edge];

@@ -79,6 +79,8 @@
 //!     impact_velocity: velocity,
 //!     zero_line: ZeroLine::EffectiveMass(mass),
 //!     roll_off_from_hz: Some(100e3), // half the band: no ringing at the jump
+//!     interpolation: 1,
+//!     until: None,
 //! }
 //! .solve()?;
 //! // F = Z V exp(-Z t / M); at one time constant
@@ -120,6 +122,7 @@
 //! `docs/theory/force-reconstruction.md`.
 
 mod balance;
+mod band_limit;
 mod body;
 mod contact;
 mod contact_law;
@@ -137,6 +140,7 @@ mod uncertainty;
 mod unilateral;
 
 pub use balance::Balance;
+pub use band_limit::BandLimit;
 pub use body::{
     Causality, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody, MobilityLaw,
     Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
@@ -146,7 +150,9 @@ pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
-pub use impact::{DiscreteImpact, Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impact::{
+    DiscreteImpact, FirstForce, Impact, LineBand, Pair, Prediction, PredictionFlag,
+};
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{

@@ -17,6 +17,9 @@ const SETTLED: f64 = 0.01;
 /// end of the history is the quiet part, that tells where the force has gone.
 const PARTS_AHEAD: usize = 16;
 
+/// Most lines of a spectrum with its interpolation: a gibibyte.
+const MOST_SAMPLES: usize = 1 << 26;
+
 /// A mobility is taken as passive when its real part is above minus this fraction of its magnitude (rounding).
 const PASSIVITY_ROUNDING: f64 = 1e-12;
 
@@ -44,7 +47,7 @@ pub enum ZeroLine {
 /// | field | shape | unit |
 /// |---|---|---|
 /// | `first`, `second` | `(n_lines)`, from 0 Hz to $`f_{max}`$ | m/(N s) |
-/// | result | `(2 n_lines - 2)`, or half of it for [`ZeroLine::SquareWave`]; a sixteenth of it ahead of the contact at time 0 | N |
+/// | result | `(2 n_lines - 2)` times the interpolation, or half of it for [`ZeroLine::SquareWave`]; a sixteenth of it ahead of the contact at time 0 | N |
 ///
 /// # Validity
 ///
@@ -67,6 +70,11 @@ pub struct StickProblem<'a> {
     pub zero_line: ZeroLine,
     /// Where a raised cosine begins that takes the force spectrum to zero at $`f_{max}`$ \[Hz\]; none leaves it as it is.
     pub roll_off_from_hz: Option<f64>,
+    /// Samples within each interval $`1/(2f_{max})`$ of the lines: 1 gives as many as the lines hold. With more the history between them is that of
+    /// the lines themselves, which peaks and zeros need: a straight line between the samples of one interval misses them.
+    pub interpolation: usize,
+    /// Time \[s\] at which the history that is shown ends; none shows the whole period. The force must settle within the period all the same.
+    pub until: Option<f64>,
 }
 
 /// Whether the force came to rest within the period, so that nothing wrapped around.
@@ -110,10 +118,10 @@ impl StickProblem<'_> {
     /// - [`ImpulseError::VanishingMobility`], [`ImpulseError::SpectrumOverflow`].
     pub fn solve(&self) -> Result<StickForce, ImpulseError> {
         let (lines, nonpassive_lines) = self.force_lines()?;
-        let (history, added_constant) = self.history_of(&lines)?;
+        let (history, added_constant) = self.whole_history_of(&lines)?;
         Ok(StickForce {
             settlement: self.settlement(&history),
-            history,
+            history: self.shown(history)?,
             added_constant,
             nonpassive_lines,
         })
@@ -151,13 +159,36 @@ impl StickProblem<'_> {
         Ok((spectrum, nonpassive_lines))
     }
 
-    /// Number of samples of a period and of the history that is shown.
-    pub(crate) fn n_samples(&self) -> (usize, usize) {
-        let n_samples = 2 * (self.first.len() - 1);
+    /// Number of samples of a period and of the history before it is cut.
+    fn n_whole(&self) -> (usize, usize) {
+        let n_samples = 2 * (self.first.len() - 1) * self.interpolation;
         match self.zero_line {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => (n_samples, n_samples),
             ZeroLine::SquareWave => (n_samples, n_samples / 2),
         }
+    }
+
+    /// Number of samples of a period and of the history that is shown.
+    pub(crate) fn n_samples(&self) -> (usize, usize) {
+        let (n_samples, n_whole) = self.n_whole();
+        let step = 1.0 / (n_samples as f64 * self.frequency_step_hz);
+        let ahead = (n_whole / PARTS_AHEAD) as f64;
+        let n_shown = self.until.map_or(n_whole, |until| {
+            (0..n_whole)
+                .take_while(|index| (*index as f64 - ahead) * step <= until)
+                .count()
+        });
+        (n_samples, n_shown)
+    }
+
+    /// The lines as a spectrum of all samples: of one line at both the end of the band and inside it, half belongs to either side.
+    pub(crate) fn interpolated(&self, mut lines: Vec<Complex64>, share: f64) -> Vec<Complex64> {
+        if self.interpolation > 1
+            && let Some(last) = lines.last_mut()
+        {
+            *last = Complex64::from(share * last.re);
+        }
+        lines
     }
 
     /// The history of a force with these lines, and the constant that was added to it: both linear in the lines.
@@ -165,8 +196,27 @@ impl StickProblem<'_> {
         &self,
         lines: &[Complex64],
     ) -> Result<(ForceHistory, f64), ImpulseError> {
-        let (n_samples, n_shown) = self.n_samples();
-        let period: Vec<f64> = fourier::to_samples(lines, n_samples)
+        let (history, added_constant) = self.whole_history_of(lines)?;
+        Ok((self.shown(history)?, added_constant))
+    }
+
+    /// The part of the history until [`StickProblem::until`].
+    fn shown(&self, history: ForceHistory) -> Result<ForceHistory, ImpulseError> {
+        let (_, n_shown) = self.n_samples();
+        if n_shown == history.force().len() {
+            return Ok(history);
+        }
+        let force = history.force().iter().take(n_shown).copied().collect();
+        ForceHistory::new(history.time_at(0), history.time_step(), force)
+    }
+
+    fn whole_history_of(
+        &self,
+        lines: &[Complex64],
+    ) -> Result<(ForceHistory, f64), ImpulseError> {
+        let (n_samples, n_shown) = self.n_whole();
+        let lines = self.interpolated(lines.to_vec(), 0.5);
+        let period: Vec<f64> = fourier::to_samples(&lines, n_samples)
             .iter()
             .map(|sample| sample * self.frequency_step_hz)
             .collect();
@@ -195,6 +245,17 @@ impl StickProblem<'_> {
     fn checked_n_lines(&self) -> Result<usize, ImpulseError> {
         check_positive("frequency step [Hz]", self.frequency_step_hz)?;
         check_positive("impact velocity [m/s]", self.impact_velocity)?;
+        let n_samples = self.first.len().saturating_mul(self.interpolation);
+        if !(1..=MOST_SAMPLES).contains(&n_samples) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "number of lines times interpolation",
+                value: n_samples as f64,
+                expected: "from 1 to 2^26",
+            });
+        }
+        if let Some(until) = self.until {
+            check_positive("end of the history [s]", until)?;
+        }
         if let ZeroLine::EffectiveMass(mass) = self.zero_line {
             check_positive("effective mass [kg]", mass)?;
         }
@@ -249,7 +310,7 @@ impl StickProblem<'_> {
     /// The samples whose mean is added to the force, with the sign, so that it is zero before contact. A period that has died
     /// out ends as it was before; half a period of the square wave ends at minus the value that it had before.
     pub(crate) fn reference(&self) -> Option<(Range<usize>, f64)> {
-        let (_, n_shown) = self.n_samples();
+        let (_, n_shown) = self.n_whole();
         let quiet = n_shown - n_quiet(n_shown)..n_shown;
         match self.zero_line {
             ZeroLine::EffectiveMass(_) => None,
@@ -352,6 +413,8 @@ mod tests {
             impact_velocity: VELOCITY,
             zero_line,
             roll_off_from_hz,
+            interpolation: 1,
+            until: None,
         }
     }
 

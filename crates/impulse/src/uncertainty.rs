@@ -80,6 +80,12 @@ impl StickProblem<'_> {
                 scale * force.norm_sqr() * variance / (first + second).norm_sqr()
             })
             .collect();
+        let variances: Vec<f64> = {
+            let lines = variances.into_iter().map(Complex64::from).collect();
+            // the amplitude of the last line is halved
+            let lines = self.interpolated(lines, 0.25);
+            lines.iter().map(|line| line.re).collect()
+        };
         let mut error = ForceError::none(n_shown).with_lines(variances, n_period, self.reference());
         let effect = |part: &dyn Fn(usize, Complex64) -> Complex64| {
             let changed = lines.iter().enumerate().map(|(k, f)| part(k, *f));

@@ -256,6 +256,8 @@ struct ContactLog {
     /// forces of the two steps before
     last: [f64; 2],
     highest: f64,
+    /// when the approach came back to zero, if it did within the last step
+    parted: Option<f64>,
 }
 
 impl ContactLog {
@@ -303,11 +305,14 @@ impl ContactLog {
                     let pull = step.pull.min(0.0);
                     begin_of_step + (last / (last - pull) - 0.5) * time_step
                 }
-                _ => begin_of_step,
+                _ => self.parted.unwrap_or(begin_of_step),
             };
             contact.end = Some(end);
             self.done.push(contact);
         }
+        // where the approach of a soft contact comes back to zero
+        self.parted = (before > 0.0 && step.approach <= 0.0)
+            .then(|| begin_of_step + before / (before - step.approach) * time_step);
         self.last = [self.last[1], step.force];
     }
 

@@ -94,6 +94,8 @@ fn stick(
         impact_velocity: velocity,
         zero_line,
         roll_off_from_hz,
+        interpolation: 1,
+        until: None,
     }
     .solve()
     .unwrap();

@@ -3,13 +3,12 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
 
 use super::{Domain, ImpactBody};
 use crate::error::{check_not_negative, check_positive, check_samples};
 use crate::{ImpulseError, fourier};
-
-/// One part in so many of the lines, at the upper end, tells the front impedance where none is given.
-const PARTS_TO_FRONT: usize = 5;
 
 /// Fewest lines of a fit of two numbers that can be judged.
 pub(super) const FEWEST_LINES: usize = 3;
@@ -176,7 +175,8 @@ impl MeasuredBody {
     }
 
     /// The same body with the impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at its face, with which it answers above the
-    /// lines that were measured. Without it the mean of the upper fifth of the lines stands in.
+    /// lines that were measured. A force by marching in time needs it: no mean over measured lines can stand in, since within one resonance
+    /// spacing they swing about $`1/Z`$ by any factor.
     ///
     /// # Errors
     ///
@@ -217,20 +217,31 @@ impl MeasuredBody {
         self.given_front
     }
 
-    /// Mean real part of the upper fifth of the lines, and its scatter from line to line.
-    pub(super) fn front_conductance(&self) -> (f64, f64) {
-        let n_lines = self.mobility.len();
-        let upper = self
-            .mobility
-            .get(n_lines - n_lines / PARTS_TO_FRONT - 1..)
-            .unwrap_or_default();
-        let count = upper.len() as f64;
-        let mean = upper.iter().map(|line| line.re).sum::<f64>() / count;
-        let square = upper
-            .iter()
-            .map(|line| (line.re - mean).powi(2))
-            .sum::<f64>();
-        (mean, (square / count).sqrt())
+    /// The same body with errors by chance: of the lines by their variance, circular and independent of each other; of the scale of all lines
+    /// by the relative standard error `scale`; of a weighed mass by its standard error.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a negative `scale`, or a mass so uncertain that a draw of it is not above zero.
+    pub fn drawn(&self, scale: f64, random: &mut impl Rng) -> Result<Self, ImpulseError> {
+        check_not_negative("relative standard error of the scale", scale)?;
+        let mut normal = || -> f64 { random.sample(StandardNormal) };
+        let mut drawn = self.clone();
+        if let LowFrequency::Free(weighed) = &mut drawn.low {
+            let mass = weighed.mass + weighed.standard_error * normal();
+            weighed.mass = check_positive("drawn mass [kg]", mass)?;
+        }
+        let factor = 1.0 + scale * normal();
+        let no_variance = Vec::new();
+        let variances = self.variance.as_ref().unwrap_or(&no_variance);
+        for (line, value) in drawn.mobility.iter_mut().enumerate() {
+            if let (1.., Some(variance)) = (line, variances.get(line)) {
+                let error = Complex64::new(normal(), normal()) * (0.5 * variance).sqrt();
+                *value += error;
+            }
+            *value *= factor;
+        }
+        Ok(drawn)
     }
 
     /// $`G - 1/(i\omega M) - 1/Z`$: what dies out, line by line. Of a free body it vanishes with $`\omega`$, but for $`-1/Z`$.
@@ -349,10 +360,9 @@ impl MeasuredBody {
         Ok(completed)
     }
 
-    /// $`1/Z`$ of the front.
-    fn conductance(&self) -> f64 {
-        self.given_front
-            .map_or_else(|| self.front_conductance().0, |impedance| 1.0 / impedance)
+    /// $`1/Z`$ of the front, 0 where it is not given: a constant on all lines stands at time 0 alone, which causality does not ask about.
+    pub(super) fn conductance(&self) -> f64 {
+        self.given_front.map_or(0.0, |impedance| 1.0 / impedance)
     }
 }
 
@@ -393,6 +403,6 @@ impl ImpactBody for MeasuredBody {
     }
 
     fn front_impedance(&self) -> Option<f64> {
-        Some(1.0 / self.conductance())
+        self.given_front
     }
 }

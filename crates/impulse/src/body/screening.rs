@@ -24,11 +24,17 @@ const ROUNDING: f64 = 1e-9;
 /// A mass that is off by less is never flagged: the next term of the fitted law leaves as much.
 const MASS_TOLERANCE: f64 = 0.01;
 
+/// Fewest resonance spacings from which the scatter of their means is known.
+const FEWEST_SPACINGS: usize = 3;
+
+/// Factor by which a curve must rise and fall for a turn in it to be that of a resonance, not of noise.
+const SWING: f64 = 1.5;
+
 /// The lines that tell the mass end where the accelerance has fallen to this part of its start.
 const NEARLY_RIGID: f64 = 0.6;
 
-/// Relative deviation of the front impedance that counts as a contradiction.
-const FRONT_TOLERANCE: f64 = 0.5;
+/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer grows by as much over the lines.
+const FRONT_TOLERANCE: f64 = 0.1;
 
 /// What stands ahead of the impulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,10 +74,13 @@ pub struct MassCheck {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontLimit {
-    /// Impedance [kg/s] by the mean real part of the upper fifth of the lines; negative or infinite where that is.
+    /// Impedance [kg/s] by the mean real part over whole resonance spacings, in which what returns from inside the body cancels; negative or
+    /// infinite where that is.
     pub apparent: f64,
-    /// Scatter of the real part from line to line, over its mean: reflections that return, or noise.
-    pub relative_scatter: f64,
+    /// Its standard error [kg/s], by the scatter of the means from spacing to spacing.
+    pub standard_error: f64,
+    /// Number of spacings.
+    pub n_spacings: usize,
     /// The impedance [kg/s] that was given, if it was.
     pub given: Option<f64>,
 }
@@ -86,8 +95,8 @@ pub struct Screening {
     pub passivity: Passivity,
     /// The mass; none if the body is not free or too few lines are nearly rigid.
     pub mass: Option<MassCheck>,
-    /// The answer at once.
-    pub front: FrontLimit,
+    /// The answer at once; none where the lines hold fewer than three resonance spacings and cannot tell.
+    pub front: Option<FrontLimit>,
     free: bool,
     n_judged: usize,
 }
@@ -124,14 +133,16 @@ pub enum ScreeningFlag {
     },
     /// A free body has no line below its first antiresonance, so that its mass cannot be checked.
     MassNotSeen,
-    /// The upper lines have another impedance than that of the material: a wrong sensitivity, or a band that ends too low.
+    /// The lines have another impedance on the average than that of the material: a wrong sensitivity, or another section at the face.
     FrontContradicted {
         /// By the mobility [kg/s].
         apparent: f64,
+        /// Its standard error [kg/s].
+        standard_error: f64,
         /// Given [kg/s].
         given: f64,
     },
-    /// The upper lines give no positive impedance.
+    /// The lines give no positive impedance.
     FrontNotPositive {
         /// Mean real part \[m/(N s)\].
         mean: f64,
@@ -164,13 +175,17 @@ impl fmt::Display for ScreeningFlag {
             Self::MassNotSeen => {
                 write!(formatter, "no line is low enough to tell the mass")
             }
-            Self::FrontContradicted { apparent, given } => write!(
+            Self::FrontContradicted {
+                apparent,
+                standard_error,
+                given,
+            } => write!(
                 formatter,
-                "the upper lines are those of {apparent:.4e} kg/s, given are {given:.4e} kg/s"
+                "the lines have a front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s on the average, given are {given:.4e} kg/s"
             ),
             Self::FrontNotPositive { mean } => write!(
                 formatter,
-                "the real part of the upper lines is {mean:.2e} m/(N s) on the average"
+                "the real part of the lines is {mean:.2e} m/(N s) on the average"
             ),
         }
     }
@@ -220,15 +235,21 @@ impl Screening {
             None if self.free => flags.push(ScreeningFlag::MassNotSeen),
             None => {}
         }
-        let apparent = self.front.apparent;
-        if !(apparent.is_finite() && apparent > 0.0) {
-            flags.push(ScreeningFlag::FrontNotPositive {
-                mean: 1.0 / apparent,
-            });
-        } else if let Some(given) = self.front.given
-            && (apparent / given).ln().abs() > (1.0 + FRONT_TOLERANCE).ln()
-        {
-            flags.push(ScreeningFlag::FrontContradicted { apparent, given });
+        if let Some(front) = &self.front {
+            let (apparent, standard_error) = (front.apparent, front.standard_error);
+            if !(apparent.is_finite() && apparent > 0.0) {
+                flags.push(ScreeningFlag::FrontNotPositive {
+                    mean: 1.0 / apparent,
+                });
+            } else if let Some(given) = front.given
+                && (apparent - given).abs() > COVERAGE * standard_error + FRONT_TOLERANCE * given
+            {
+                flags.push(ScreeningFlag::FrontContradicted {
+                    apparent,
+                    standard_error,
+                    given,
+                });
+            }
         }
         flags
     }
@@ -239,16 +260,11 @@ impl MeasuredBody {
     /// front.
     #[must_use]
     pub fn screen(&self) -> Screening {
-        let (conductance, scatter) = self.front_conductance();
         Screening {
-            causality: self.causality(conductance),
+            causality: self.causality(self.conductance()),
             passivity: self.passivity(),
             mass: self.mass_check(),
-            front: FrontLimit {
-                apparent: 1.0 / conductance,
-                relative_scatter: scatter / conductance.abs(),
-                given: self.given_front(),
-            },
+            front: self.front_limit(),
             free: matches!(self.low_frequency(), LowFrequency::Free(_)),
             n_judged: self.mobility().len(),
         }
@@ -288,6 +304,36 @@ impl MeasuredBody {
             acausal_part: share(ahead),
             expected_from_noise,
         }
+    }
+
+    /// Mean of Re G over whole resonance spacings: $`\operatorname{Re}\coth\gamma L`$ has the mean 1 over each, however much the body damps.
+    fn front_limit(&self) -> Option<FrontLimit> {
+        let real: Vec<f64> = self.mobility().iter().skip(1).map(|line| line.re).collect();
+        // of a reversed sensor the resonances point down
+        let sign = real.iter().sum::<f64>().signum();
+        let turns = turns(&real.iter().map(|re| sign * re).collect::<Vec<f64>>());
+        let means: Vec<f64> = turns
+            .windows(2)
+            .filter_map(|pair| match pair {
+                [from, to] => real.get(*from..*to),
+                _ => None,
+            })
+            .map(|spacing| spacing.iter().sum::<f64>() / spacing.len() as f64)
+            .collect();
+        let n_spacings = means.len();
+        if n_spacings < FEWEST_SPACINGS {
+            return None;
+        }
+        let count = n_spacings as f64;
+        let mean = means.iter().sum::<f64>() / count;
+        let square = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+        let standard_error = (square / (count - 1.0) / count).sqrt();
+        Some(FrontLimit {
+            apparent: 1.0 / mean,
+            standard_error: standard_error / (mean * mean),
+            n_spacings,
+            given: self.given_front(),
+        })
     }
 
     fn passivity(&self) -> Passivity {
@@ -358,5 +404,40 @@ impl MeasuredBody {
             weighed: (weighed.mass, weighed.standard_error),
             n_lines,
         })
+    }
+}
+
+/// Indices of the highest or of the lowest turns of a curve that swings by at least [`SWING`], of whichever there are more: between
+/// neighbours lies one resonance spacing.
+fn turns(curve: &[f64]) -> Vec<usize> {
+    let (mut highest, mut lowest) = (Vec::new(), Vec::new());
+    let (mut top, mut bottom) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
+    // not known before the first swing
+    let mut rising: Option<bool> = None;
+    for (index, &value) in curve.iter().enumerate() {
+        if value > top.1 {
+            top = (index, value);
+        }
+        if value < bottom.1 {
+            bottom = (index, value);
+        }
+        if rising != Some(false) && top.1 > 0.0 && value * SWING < top.1 {
+            if rising == Some(true) {
+                highest.push(top.0);
+            }
+            rising = Some(false);
+            bottom = (index, value);
+        } else if rising != Some(true) && value > SWING * bottom.1.max(0.0) && index > bottom.0 {
+            if rising == Some(false) {
+                lowest.push(bottom.0);
+            }
+            rising = Some(true);
+            top = (index, value);
+        }
+    }
+    if highest.len() >= lowest.len() {
+        highest
+    } else {
+        lowest
     }
 }

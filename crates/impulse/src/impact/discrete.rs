@@ -8,6 +8,22 @@ use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
 /// Two faces whose mobility falls over a decade to less than this part are those of masses.
 const RIGID: f64 = 0.2;
 
+/// Relative change over a decade of the frequency below which the mobility of a face counts as that of a plane wave, $`1/Z`$.
+const PLANE: f64 = 1e-4;
+
+/// How the force begins without a limit to the band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum FirstForce {
+    /// From zero: the contact or a face gives way.
+    Continuous,
+    /// With a jump to the plane-wave value $`V/(1/Z_1 + 1/Z_2)`$ \[N\].
+    Jump(f64),
+    /// Without limit: the impedance of a face grows with frequency without end, as that of a constant loss factor, and the largest force depends on the time
+    /// step. Only the force in a band is a number.
+    Unbounded,
+}
+
 /// Two bodies as their kernels, and what lies between them; made by [`Impact::discretised`](crate::Impact::discretised).
 ///
 /// ```
@@ -34,6 +50,8 @@ pub struct DiscreteImpact {
     law: ContactLaw,
     /// compliance \[m/N\] of springs at the faces that stand in the sum, not in the law
     springs: f64,
+    /// mobility \[m/(N s)\] of both faces beyond the band, and a decade further
+    beyond: [f64; 2],
 }
 
 impl DiscreteImpact {
@@ -87,6 +105,7 @@ impl DiscreteImpact {
             kernel,
             law,
             springs,
+            beyond: [near, far],
         })
     }
 
@@ -117,6 +136,18 @@ impl DiscreteImpact {
     pub fn stick_force(&self) -> Result<ForceHistory, ImpulseError> {
         let force = self.march()?.run_sticking()?;
         self.history(force)
+    }
+
+    /// How the force begins without a limit to the band.
+    #[must_use]
+    pub fn first_force(&self) -> FirstForce {
+        let [near, far] = self.beyond;
+        match self.law {
+            ContactLaw::Rigid if far < near * (1.0 - PLANE) => FirstForce::Unbounded,
+            ContactLaw::Rigid if far > near * (1.0 + PLANE) => FirstForce::Continuous,
+            ContactLaw::Rigid => FirstForce::Jump(self.velocity / near),
+            _ => FirstForce::Continuous,
+        }
     }
 
     /// The kernels of the first and of the second body.

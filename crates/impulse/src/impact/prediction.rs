@@ -6,7 +6,7 @@ use super::DiscreteImpact;
 use crate::balance::{Account, Balance};
 use crate::convolution::causal_convolution;
 use crate::unilateral::{ContactInterval, Marched};
-use crate::{ForceHistory, ForcePeak, ImpulseError};
+use crate::{BandLimit, ForceHistory, ForcePeak, ImpulseError};
 
 /// What a kernel may have ahead of the impulse, over the first weight of both.
 const ACAUSAL: f64 = 1e-3;
@@ -183,6 +183,32 @@ impl Prediction {
             flags,
             balance,
         })
+    }
+
+    /// The force in a band, with the time ahead of the contact into which the band limit rounds a jump. It ends $`5\sigma`$ before a history in which the faces
+    /// still press at the end.
+    ///
+    /// # Errors
+    ///
+    /// As [`BandLimit::apply`]; [`ImpulseError::TooShort`] if nothing is left of the history.
+    pub fn band_limited(&self, band: BandLimit) -> Result<ForceHistory, ImpulseError> {
+        let limited = band.apply(&self.history)?;
+        let unfinished = self.contacts.last().is_some_and(|last| last.end.is_none());
+        if !unfinished {
+            return Ok(limited);
+        }
+        // the band limit has added 5σ at either end, and the last 5σ of the history are not known
+        let n_samples = self.history.force().len();
+        let added = limited.force().len() - n_samples;
+        if n_samples <= added {
+            return Err(ImpulseError::TooShort {
+                what: "force history in a band",
+                found: n_samples,
+                expected: added + 1,
+            });
+        }
+        let known = limited.force().iter().take(n_samples).copied();
+        ForceHistory::new(limited.time_at(0), limited.time_step(), known.collect())
     }
 
     /// The largest force, as sampled.

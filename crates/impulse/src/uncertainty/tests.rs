@@ -37,6 +37,8 @@ fn problem(bodies: &(Vec<Complex64>, Vec<Complex64>), zero_line: ZeroLine) -> St
         impact_velocity: VELOCITY,
         zero_line,
         roll_off_from_hz: Some(25e3),
+        interpolation: 1,
+        until: None,
     }
 }
 

@@ -71,6 +71,8 @@ fn draws_that_no_memory_holds_are_refused() {
         impact_velocity: 1.0,
         zero_line: ZeroLine::EffectiveMass(1.0),
         roll_off_from_hz: None,
+        interpolation: 1,
+        until: None,
     };
     let uncertainty = StickUncertainty {
         first_scale: 0.01,

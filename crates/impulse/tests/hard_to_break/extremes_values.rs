@@ -173,6 +173,8 @@ fn stick_problems() {
         impact_velocity: 1.0,
         zero_line: ZeroLine::EffectiveMass(1.0),
         roll_off_from_hz: None,
+        interpolation: 1,
+        until: None,
     };
     sweep("line spacing", |x| {
         solved(StickProblem {

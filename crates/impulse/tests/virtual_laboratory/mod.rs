@@ -245,6 +245,8 @@ impl Case {
             impact_velocity: self.velocity(),
             zero_line: ZeroLine::EffectiveMass(self.mass()?),
             roll_off_from_hz: None,
+            interpolation: 1,
+            until: None,
         })
     }
 }

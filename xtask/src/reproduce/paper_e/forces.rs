@@ -185,6 +185,8 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
         impact_velocity: velocity,
         zero_line: ZeroLine::EffectiveMass(momentum / velocity),
         roll_off_from_hz: None,
+        interpolation: 1,
+        until: None,
     };
     let first = problem(&measurement.larger_force.mobility);
     let error = first.error(&StickUncertainty {

@@ -51,6 +51,8 @@ impl Bodies {
             impact_velocity: VELOCITY,
             zero_line,
             roll_off_from_hz: Some(25e3),
+            interpolation: 1,
+            until: None,
         }
     }
 }
