@@ -102,6 +102,25 @@ impl ModulusEstimate {
         &self.lines
     }
 
+    /// The estimate on the lines between two frequencies \[Hz\], both included.
+    #[must_use]
+    pub fn within(&self, from_hz: f64, to_hz: f64) -> Self {
+        let band = from_hz..=to_hz;
+        let lines = self.lines.iter();
+        let refused = self.refused.iter();
+        Self {
+            method: self.method.clone(),
+            lines: lines
+                .filter(|line| band.contains(&line.frequency_hz))
+                .cloned()
+                .collect(),
+            refused: refused
+                .filter(|line| band.contains(&line.frequency_hz))
+                .cloned()
+                .collect(),
+        }
+    }
+
     /// The lines that fulfil every condition of [`crate::validity`].
     pub fn valid(&self) -> impl Iterator<Item = &ModulusLine> {
         self.lines.iter().filter(|line| line.validity.is_valid())

@@ -5,6 +5,7 @@
 //!
 //! Theory: `docs/theory/hits.md`.
 
+mod copies;
 mod criteria;
 mod double_hit;
 mod judgement;
@@ -14,6 +15,7 @@ mod rest;
 mod segment;
 mod trigger;
 
+pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
 pub use criteria::Criteria;
 pub use log::{Hit, HitLog, Ruling};
 pub use reason::Reason;

@@ -22,7 +22,7 @@ use crate::templates::JobName;
   rodlab modulus rod.ron                  the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary
 
-Exit status: 0 done; 1 the data do not allow the result; 2 a sheet, a file or a folder is wrong; 130 interrupted."
+Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test: 2 before 1 before 3 before 0."
 )]
 pub struct Arguments {
     /// What to do.

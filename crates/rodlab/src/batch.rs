@@ -4,7 +4,7 @@ mod row;
 mod sheets;
 mod summary;
 
-pub use row::{Row, Status};
+pub use row::Row;
 pub use sheets::{Test, tests_of};
 pub use summary::{Summary, collect};
 
@@ -17,7 +17,6 @@ use rayon::prelude::*;
 use crate::RodlabError;
 use crate::finished;
 use crate::job::{Progress, Silent};
-use crate::outcome::Verdict;
 use crate::output;
 
 /// A part of a campaign: the tests whose number leaves the remainder `number - 1` by `of`.
@@ -106,23 +105,14 @@ impl Batch {
                 test: test.name.clone(),
                 job: done.outcome.job.to_owned(),
                 title: done.outcome.title,
-                status: match &done.outcome.verdict {
-                    Verdict::Answered => Status::Answered,
-                    Verdict::InDoubt { .. } => Status::InDoubt,
-                    Verdict::NotAllowed { .. } => Status::NotAllowed,
-                },
-                headline: match done.outcome.verdict {
-                    Verdict::NotAllowed { reason } => reason,
-                    Verdict::InDoubt { reasons } => reasons.join("; "),
-                    Verdict::Answered => {
-                        done.outcome.summary.into_iter().next().unwrap_or_default()
-                    }
-                },
+                status: done.outcome.verdict.standing(),
+                headline: done.outcome.verdict.headline(&done.outcome.summary),
+                warnings: done.outcome.warnings.len(),
                 quantities: done.outcome.quantities,
             }),
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
-                let row = Row::failed(&test.name, &in_one_line(&error));
+                let row = Row::wrong_input(&test.name, &in_one_line(&error));
                 // where not even this can be written the line on the terminal has to do, and an older result stays what it is
                 if !error.is_of_output() {
                     let _ = row::remember_failure(&row, &folder);

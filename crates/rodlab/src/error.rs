@@ -87,6 +87,32 @@ pub enum RodlabError {
         /// What could be done.
         expected: String,
     },
+    /// Two files, hits or channels hold one measurement, which counts once: errors would be too small.
+    #[error(
+        "{first} and {second} {how}: they are one measurement, expected independent ones: take one of the two out of the sheet"
+    )]
+    OneMeasurement {
+        /// The one.
+        first: String,
+        /// The other.
+        second: String,
+        /// What is the same, as `have the same content`.
+        how: &'static str,
+    },
+    /// The coherence of several hits is 1 to the rounding of numbers, which no measurement has.
+    #[error(
+        "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with noise of their own: these are copies of one hit, or computed without noise"
+    )]
+    NoNoise {
+        /// Part of the sheet, as `source`.
+        place: String,
+        /// Channel that is divided by.
+        input: String,
+        /// Channel that is divided.
+        output: String,
+        /// Number of hits.
+        hits: usize,
+    },
     /// Somebody wanted the job to stop.
     #[error("interrupted")]
     Interrupted,

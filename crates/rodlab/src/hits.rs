@@ -11,11 +11,13 @@
 mod criteria;
 mod cut;
 mod found;
+mod independent;
 mod reading;
 
 pub use criteria::{CriteriaSheet, Limit};
 pub use cut::Cut;
 pub use found::{FoundHit, FoundHits};
+pub use independent::{expect_independent, expect_noise};
 pub use reading::{Reading, Stretch};
 
 use labio::hits::{Criteria, HitLog, find_hits};

@@ -119,7 +119,7 @@ pub fn check(
 }
 
 fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
-    match &sheet.job {
+    let outcome = match &sheet.job {
         Job::Frf(sheet) => frf::run(sheet, around),
         Job::Modulus(sheet) => modulus::run(sheet, around),
         Job::Recovery(sheet) => recovery::run(sheet, around),
@@ -127,5 +127,6 @@ fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabErr
         Job::Mobility(sheet) => mobility::run(sheet, around),
         Job::Force(sheet) => force::run(sheet, around),
         Job::Simulate(sheet) => simulate::run(sheet, around),
-    }
+    };
+    outcome.map(Outcome::settled)
 }

@@ -18,11 +18,12 @@
 //! | [`responses`] | frequency responses of hits or of a file |
 //! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
 //! | [`job`] | what each command does |
-//! | [`outcome`], [`figure`] | what a job hands back |
+//! | [`outcome`], [`standing`], [`figure`] | what a job hands back |
 //! | [`report`] | the page that is read |
 //! | [`output`] | the files that are written of it, whole or not at all |
 //!
-//! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where.
+//! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where; 3, there is an
+//! answer, but a check fails ([`Standing`]).
 
 pub mod arguments;
 pub mod batch;
@@ -48,8 +49,10 @@ pub mod report;
 pub mod responses;
 mod rounded;
 pub mod sheet;
+pub mod standing;
 pub mod templates;
 mod universal;
 
 pub use error::RodlabError;
 pub use outcome::Outcome;
+pub use standing::Standing;

@@ -3,6 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::figure::Figure;
+use crate::standing::Standing;
+
+/// Start of the names of quantities that are checks of the result itself: they keep their verdict where the result is in doubt.
+pub const CHECK: &str = "check: ";
 
 /// The result of one job on one sheet.
 ///
@@ -57,17 +61,41 @@ impl Outcome {
         }
     }
 
-    /// Puts the answer in doubt because of a failed check. A result that the data do not allow stays so.
+    /// Puts the answer in doubt because a check fails; `reason` says which, as a clause without a full stop. A result that the data do
+    /// not allow stays so, and a reason counts once.
     pub fn doubt(&mut self, reason: impl Into<String>) {
+        let reason = reason.into();
         match &mut self.verdict {
             Verdict::Answered => {
                 self.verdict = Verdict::InDoubt {
-                    reasons: vec![reason.into()],
+                    reasons: vec![reason],
                 };
             }
-            Verdict::InDoubt { reasons } => reasons.push(reason.into()),
+            Verdict::InDoubt { reasons } if reasons.contains(&reason) => {}
+            Verdict::InDoubt { reasons } => reasons.push(reason),
             Verdict::NotAllowed { .. } => {}
         }
+    }
+
+    /// The outcome as it leaves its job. Where it is in doubt, the first sentence says so, and no quantity is valid but the checks that
+    /// pass: a number of a result that must not be used is not to be used either.
+    #[must_use]
+    pub(crate) fn settled(mut self) -> Self {
+        if let Verdict::InDoubt { reasons } = &self.verdict {
+            let sentence = format!(
+                "Do not use this result until the failed checks are explained: {}.",
+                reasons.join("; ")
+            );
+            self.summary.insert(0, sentence);
+            let because = format!("{}: {}", Standing::InDoubt, reasons.join("; "));
+            let believed =
+                |quantity: &&mut Quantity| quantity.valid && !quantity.name.starts_with(CHECK);
+            for quantity in self.quantities.iter_mut().filter(believed) {
+                quantity.valid = false;
+                quantity.verdict.clone_from(&because);
+            }
+        }
+        self
     }
 }
 
@@ -91,13 +119,13 @@ fn names_of_figures<S: serde::Serializer>(
 
 /// The standing of a result, apart from errors of the sheet or of a file, which end without a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "answer")]
+#[serde(into = "Told", try_from = "Told")]
 pub enum Verdict {
     /// The data allow an answer and every check passes; exit status 0.
     Answered,
     /// There is an answer, but a check fails; exit status 3.
     InDoubt {
-        /// The failed checks, a sentence each.
+        /// The failed checks, a clause each.
         reasons: Vec<String>,
     },
     /// The data do not allow an answer; exit status 1.
@@ -105,6 +133,69 @@ pub enum Verdict {
         /// Why, in a sentence.
         reason: String,
     },
+}
+
+impl Verdict {
+    /// Its standing.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        match self {
+            Self::Answered => Standing::Answered,
+            Self::InDoubt { .. } => Standing::InDoubt,
+            Self::NotAllowed { .. } => Standing::NotAllowed,
+        }
+    }
+
+    /// What there is to say in one line: why the result is in doubt or not allowed, else the first sentence of its `summary`.
+    #[must_use]
+    pub fn headline(&self, summary: &[String]) -> String {
+        match self {
+            Self::Answered => summary.first().cloned().unwrap_or_default(),
+            Self::InDoubt { reasons } => reasons.join("; "),
+            Self::NotAllowed { reason } => reason.clone(),
+        }
+    }
+}
+
+/// A [`Verdict`] as `result.json` has it.
+#[derive(Serialize, Deserialize)]
+struct Told {
+    answer: Standing,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    reasons: Vec<String>,
+}
+
+impl From<Verdict> for Told {
+    fn from(verdict: Verdict) -> Self {
+        Self {
+            answer: verdict.standing(),
+            reasons: match verdict {
+                Verdict::Answered => Vec::new(),
+                Verdict::InDoubt { reasons } => reasons,
+                Verdict::NotAllowed { reason } => vec![reason],
+            },
+        }
+    }
+}
+
+impl TryFrom<Told> for Verdict {
+    type Error = String;
+
+    fn try_from(told: Told) -> Result<Self, String> {
+        match told.answer {
+            Standing::Answered => Ok(Self::Answered),
+            Standing::InDoubt => Ok(Self::InDoubt {
+                reasons: told.reasons,
+            }),
+            Standing::NotAllowed => Ok(Self::NotAllowed {
+                reason: told.reasons.join("; "),
+            }),
+            Standing::WrongInput => Err(format!(
+                "the verdict is `{}`, expected that of a result",
+                told.answer
+            )),
+        }
+    }
 }
 
 /// A file that was read.

@@ -19,7 +19,7 @@ use crate::outcome::{Cells, Outcome, Table};
 use crate::report::html_of;
 
 /// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
-pub const RESULT_VERSION: u32 = 1;
+pub const RESULT_VERSION: u32 = 2;
 
 /// Name and version of what has made a result.
 pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));

@@ -8,42 +8,37 @@ use std::sync::atomic::AtomicBool;
 use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, SheetCommand};
-use crate::batch::{self, Batch, Row, Status, Summary, in_one_line};
+use crate::batch::{self, Batch, Row, Summary, in_one_line};
 use crate::closed_pipe::UntilClosed;
 use crate::convert::convert;
 use crate::finished::{self, finish};
 use crate::inspect::inspect;
 use crate::job::{self, Silent};
-use crate::outcome::Verdict;
 use crate::progress::Bar;
 use crate::sheet::Sheet;
 use crate::templates::{self, JobName};
-use crate::{RodlabError, output};
+use crate::{RodlabError, Standing, output};
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// Status 0.
-    Done,
-    /// Status 3: there is an answer, but a check fails; it has been said which.
-    InDoubt,
-    /// Status 1: the data do not allow the result; it has been said why.
-    NotAllowed,
-    /// Status 2: a sheet, a file or a folder is wrong; it has been said where.
-    Wrong,
+    /// The status of a standing: 0, 1, 2 or 3. What is not as it should be has been said.
+    With(Standing),
     /// Status 130.
     Interrupted,
 }
 
 impl Ending {
+    /// What was asked for is done.
+    const DONE: Self = Self::With(Standing::Answered);
+    /// A sheet, a file or a folder is wrong.
+    const WRONG: Self = Self::With(Standing::WrongInput);
+
     /// The exit status.
     #[must_use]
     pub fn status(self) -> u8 {
         match self {
-            Self::Done => 0,
-            Self::InDoubt => 3,
-            Self::NotAllowed => 1,
-            Self::Wrong => 2,
+            Self::With(standing) => standing.exit_status(),
             Self::Interrupted => 130,
         }
     }
@@ -64,7 +59,7 @@ pub fn run(
         }
         Err(error) => {
             complain(error, err);
-            Ending::Wrong
+            Ending::WRONG
         }
     }
 }
@@ -95,7 +90,7 @@ fn dispatch(
                 out.write_all(found.to_text().as_bytes())
                     .map_err(to_terminal)?;
             }
-            Ok(Ending::Done)
+            Ok(Ending::DONE)
         }
         Command::Convert {
             input,
@@ -109,7 +104,7 @@ fn dispatch(
                 out.write_all(done.to_text(input, output).as_bytes())
                     .map_err(to_terminal)?;
             }
-            Ok(Ending::Done)
+            Ok(Ending::DONE)
         }
         Command::Init { job, path } => {
             let path = path
@@ -123,7 +118,7 @@ fn dispatch(
                     &format!("{path} is there: fill it in, then `rodlab check {path}`"),
                 )?;
             }
-            Ok(Ending::Done)
+            Ok(Ending::DONE)
         }
         Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
         Command::Batch {
@@ -152,7 +147,7 @@ fn dispatch(
             let mut text = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "rodlab", &mut text);
             out.write_all(&text).map_err(to_terminal)?;
-            Ok(Ending::Done)
+            Ok(Ending::DONE)
         }
         Command::Man { folder } => {
             let pages = manual()?;
@@ -165,10 +160,10 @@ fn dispatch(
                     &format!("{} pages in {}", pages.len(), folder.display()),
                 )?;
             }
-            Ok(Ending::Done)
+            Ok(Ending::DONE)
         }
         // the commands with a sheet, above
-        _ => Ok(Ending::Done),
+        _ => Ok(Ending::DONE),
     }
 }
 
@@ -194,6 +189,7 @@ fn one_sheet(
     let done = finish(&command.sheet, Some(job.name()), &folder, &bar, interrupted);
     drop(bar);
     let done = done?;
+    let standing = done.outcome.verdict.standing();
     if arguments.json {
         let json = output::json_of(&done.outcome, &done.sheet)?;
         out.write_all(json.as_bytes()).map_err(to_terminal)?;
@@ -205,19 +201,14 @@ fn one_sheet(
             say(out, &format!("warning: {warning}"))?;
         }
         let count = done.files.len();
-        say(out, &format!("{count} files in {}", folder.display()))?;
+        let folder = folder.display();
+        say(out, &format!("{standing}; {count} files in {folder}"))?;
     }
-    match &done.outcome.verdict {
-        Verdict::Answered => Ok(Ending::Done),
-        Verdict::InDoubt { reasons } => {
-            let _ = writeln!(err, "answered in doubt: {}", reasons.join("; "));
-            Ok(Ending::InDoubt)
-        }
-        Verdict::NotAllowed { reason } => {
-            let _ = writeln!(err, "the data do not allow the result: {reason}");
-            Ok(Ending::NotAllowed)
-        }
+    if standing != Standing::Answered {
+        let why = done.outcome.verdict.headline(&done.outcome.summary);
+        let _ = writeln!(err, "{standing}: {why}");
     }
+    Ok(Ending::With(standing))
 }
 
 /// Reads every sheet and its files; the first that is wrong does not hide the others.
@@ -228,7 +219,7 @@ fn check(
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> Result<Ending, RodlabError> {
-    let mut ending = Ending::Done;
+    let mut ending = Ending::DONE;
     for path in sheets {
         match Sheet::read(path).and_then(|sheet| {
             job::check(&sheet, &Silent, interrupted)?;
@@ -250,7 +241,7 @@ fn check(
             }
             Err(RodlabError::Interrupted) => return Err(RodlabError::Interrupted),
             Err(error) => {
-                ending = Ending::Wrong;
+                ending = Ending::WRONG;
                 complain(error, err);
             }
         }
@@ -297,7 +288,7 @@ fn many_sheets(
 
 /// The line of one test.
 fn line(row: &Row) -> String {
-    format!("{:<11}  {}: {}", row.status.word(), row.test, row.headline)
+    format!("{:<11}  {}: {}", row.status, row.test, row.headline)
 }
 
 fn conclude(
@@ -315,15 +306,7 @@ fn conclude(
             &format!("{}; {}", summary.sentence(), folder.display()),
         )?;
     }
-    Ok(if summary.count(Status::Failed) > 0 {
-        Ending::Wrong
-    } else if summary.count(Status::NotAllowed) > 0 {
-        Ending::NotAllowed
-    } else if summary.count(Status::InDoubt) > 0 {
-        Ending::InDoubt
-    } else {
-        Ending::Done
-    })
+    Ok(Ending::With(summary.worst()))
 }
 
 /// The manual pages, as file names and contents.

@@ -17,7 +17,7 @@ mod files;
 mod told;
 
 pub use channel::{ChannelSheet, Selector, Sensitivity};
-pub use expect::expect_quantity;
+pub use expect::{expect_different_files, expect_quantity};
 
 use std::path::Path;
 
@@ -72,7 +72,7 @@ impl Records {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the field of the sheet that does not suit it.
+    /// [`RodlabError`] with the file, and the field of the sheet that does not suit it; two files of equal content are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {
@@ -88,6 +88,7 @@ impl Records {
             let bytes = input::read(&path)?;
             lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded)?);
         }
+        expect_different_files(&loaded.inputs)?;
         match lost {
             Some(error) if loaded.records.is_empty() => Err(error),
             _ => Ok(loaded),

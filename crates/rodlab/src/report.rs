@@ -27,7 +27,9 @@ struct Page<'a> {
     software: &'a str,
     job: &'a str,
     title: &'a str,
-    refusal: Option<&'a str>,
+    standing: &'static str,
+    class: String,
+    reasons: &'a [String],
     summary: &'a [String],
     warnings: &'a [String],
     quantities: Vec<QuantityRow<'a>>,
@@ -62,13 +64,17 @@ struct FigurePart<'a> {
 pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError> {
     let refused = |error| RodlabError::step("writing report.html", error);
     let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
+    let standing = outcome.verdict.standing();
     let page = Page {
         software: crate::output::SOFTWARE,
         job: outcome.job,
         title: &outcome.title,
-        refusal: match &outcome.verdict {
-            Verdict::Answered | Verdict::InDoubt { .. } => None,
-            Verdict::NotAllowed { reason } => Some(reason),
+        standing: standing.word(),
+        class: standing.word().replace(' ', "-"),
+        reasons: match &outcome.verdict {
+            Verdict::Answered => &[],
+            Verdict::InDoubt { reasons } => reasons,
+            Verdict::NotAllowed { reason } => std::slice::from_ref(reason),
         },
         summary: &outcome.summary,
         warnings: &outcome.warnings,

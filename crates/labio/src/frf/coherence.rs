@@ -61,6 +61,25 @@ impl Coherence {
     }
 }
 
+/// What is left of 1 by the rounding of samples and transforms: a converter of 24 bits leaves more.
+const ROUNDING_OF_ONE: f64 = 1e-12;
+
+impl Coherence {
+    /// Whether it is 1 to rounding on half of the lines and more: no measurement is without noise, so that several hits are one, or
+    /// were computed.
+    #[must_use]
+    pub fn is_one_to_rounding(&self) -> bool {
+        let known = self.values.iter().filter(|value| value.is_finite());
+        let mut missing: Vec<f64> = known.map(|value| 1.0 - value).collect();
+        let middle = missing.len() / 2;
+        if missing.is_empty() {
+            return false;
+        }
+        let (_, median, _) = missing.select_nth_unstable_by(middle, f64::total_cmp);
+        *median <= ROUNDING_OF_ONE
+    }
+}
+
 impl AveragedSpectra {
     /// Ordinary coherence between two channels.
     ///

@@ -352,7 +352,7 @@ fn only_value(samples: &[f64]) -> Option<f64> {
 
 /// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets
 /// and drifts.
-fn onset_of(samples: &[f64]) -> usize {
+pub(super) fn onset_of(samples: &[f64]) -> usize {
     let steps = samples
         .windows(2)
         .enumerate()

@@ -6,37 +6,10 @@ use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
 use super::Test;
-use crate::RodlabError;
 use crate::input;
 use crate::outcome::{InputFile, Quantity, Verdict};
 use crate::output::{self, FAILURE, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
-
-/// How a test ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// With an answer.
-    Answered,
-    /// With an answer, but a check fails.
-    InDoubt,
-    /// The data do not allow one.
-    NotAllowed,
-    /// The sheet or a file is wrong.
-    Failed,
-}
-
-impl Status {
-    /// In a word.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Answered => "answered",
-            Self::InDoubt => "in doubt",
-            Self::NotAllowed => "not allowed",
-            Self::Failed => "failed",
-        }
-    }
-}
+use crate::{RodlabError, Standing};
 
 /// One test in a summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,20 +21,24 @@ pub struct Row {
     /// Title of the sheet.
     pub title: String,
     /// How it ended.
-    pub status: Status,
-    /// The answer, the reason why there is none, or the error.
+    pub status: Standing,
+    /// Number of warnings in its result.
+    #[serde(default)]
+    pub warnings: usize,
+    /// The answer, the checks that fail, the reason why there is none, or the error.
     pub headline: String,
     /// Single numbers that were found.
     pub quantities: Vec<Quantity>,
 }
 
 impl Row {
-    pub(super) fn failed(test: &str, error: &str) -> Self {
+    pub(super) fn wrong_input(test: &str, error: &str) -> Self {
         Self {
             test: test.to_owned(),
             job: String::new(),
             title: String::new(),
-            status: Status::Failed,
+            status: Standing::WrongInput,
+            warnings: 0,
             headline: error.to_owned(),
             quantities: Vec::new(),
         }
@@ -90,26 +67,20 @@ struct StoredResult {
     title: String,
     verdict: Verdict,
     summary: Vec<String>,
+    warnings: Vec<String>,
     inputs: Vec<InputFile>,
     quantities: Vec<Quantity>,
 }
 
 impl StoredResult {
     fn row(self, test: &str) -> Row {
-        let (status, headline) = match self.verdict {
-            Verdict::Answered => (
-                Status::Answered,
-                self.summary.into_iter().next().unwrap_or_default(),
-            ),
-            Verdict::InDoubt { reasons } => (Status::InDoubt, reasons.join("; ")),
-            Verdict::NotAllowed { reason } => (Status::NotAllowed, reason),
-        };
         Row {
             test: test.to_owned(),
             job: self.job,
             title: self.title,
-            status,
-            headline,
+            status: self.verdict.standing(),
+            warnings: self.warnings.len(),
+            headline: self.verdict.headline(&self.summary),
             quantities: self.quantities,
         }
     }

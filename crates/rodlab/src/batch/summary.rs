@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::Status;
 use super::row::{self, Row};
-use crate::RodlabError;
 use crate::output::SOFTWARE;
+use crate::{RodlabError, Standing};
 
 /// The rows of a campaign, in order of their names.
 #[derive(Debug, Clone, Serialize)]
@@ -17,7 +16,9 @@ pub struct Summary {
     answered: usize,
     in_doubt: usize,
     not_allowed: usize,
-    failed: usize,
+    wrong_input: usize,
+    /// Number of tests whose result has warnings.
+    with_warnings: usize,
     tests: Vec<Row>,
 }
 
@@ -29,23 +30,31 @@ impl Summary {
         let count = |status| tests.iter().filter(|row| row.status == status).count();
         Self {
             software: SOFTWARE,
-            answered: count(Status::Answered),
-            in_doubt: count(Status::InDoubt),
-            not_allowed: count(Status::NotAllowed),
-            failed: count(Status::Failed),
+            answered: count(Standing::Answered),
+            in_doubt: count(Standing::InDoubt),
+            not_allowed: count(Standing::NotAllowed),
+            wrong_input: count(Standing::WrongInput),
+            with_warnings: tests.iter().filter(|row| row.warnings > 0).count(),
             tests,
         }
     }
 
-    /// How many tests ended with this status.
+    /// How many tests ended with this standing.
     #[must_use]
-    pub fn count(&self, status: Status) -> usize {
-        match status {
-            Status::Answered => self.answered,
-            Status::InDoubt => self.in_doubt,
-            Status::NotAllowed => self.not_allowed,
-            Status::Failed => self.failed,
+    pub fn count(&self, standing: Standing) -> usize {
+        match standing {
+            Standing::Answered => self.answered,
+            Standing::InDoubt => self.in_doubt,
+            Standing::NotAllowed => self.not_allowed,
+            Standing::WrongInput => self.wrong_input,
         }
+    }
+
+    /// The standing of the worst test, which is that of the campaign.
+    #[must_use]
+    pub fn worst(&self) -> Standing {
+        let all = self.tests.iter().map(|row| row.status);
+        all.max().unwrap_or(Standing::Answered)
     }
 
     /// The rows.
@@ -57,13 +66,12 @@ impl Summary {
     /// In one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
+        let counts = Standing::ALL.map(|standing| format!("{} {standing}", self.count(standing)));
         format!(
-            "{} tests: {} answered, {} answered in doubt, {} not allowed by their data, {} failed",
+            "{} tests: {}; {} with warnings",
             self.tests.len(),
-            self.answered,
-            self.in_doubt,
-            self.not_allowed,
-            self.failed
+            counts.join(", "),
+            self.with_warnings
         )
     }
 
@@ -75,17 +83,17 @@ impl Summary {
     pub fn to_csv(&self) -> Result<String, RodlabError> {
         let rows = self.tests.iter().map(|row| {
             [
-                &row.test,
-                &row.job,
-                &row.title,
-                row.status.word(),
-                &row.headline,
+                row.test.clone(),
+                row.job.clone(),
+                row.title.clone(),
+                row.status.word().to_owned(),
+                row.warnings.to_string(),
+                row.headline.clone(),
             ]
-            .map(str::to_owned)
         });
         table(
             "summary.csv",
-            ["test", "job", "title", "status", "result"],
+            ["test", "job", "title", "status", "warnings", "result"],
             rows,
         )
     }
@@ -107,6 +115,7 @@ impl Summary {
                     number(quantity.standard_error),
                     quantity.valid.to_string(),
                     quantity.verdict.clone(),
+                    row.status.word().to_owned(),
                 ]
             })
         });
@@ -118,6 +127,7 @@ impl Summary {
             "standard error",
             "valid",
             "verdict",
+            "status",
         ];
         table("quantities.csv", heads, rows)
     }
@@ -150,9 +160,10 @@ impl Summary {
             .iter()
             .map(|row| {
                 minijinja::context! {
-                    link => (row.status != Status::Failed).then(|| link(&row.test)),
+                    link => (row.status != Standing::WrongInput).then(|| link(&row.test)),
                     test => &row.test, job => &row.job, title => &row.title,
-                    status => row.status.word(), headline => &row.headline,
+                    status => row.status.word(), class => row.status.word().replace(' ', "-"),
+                    warnings => row.warnings, headline => &row.headline,
                 }
             })
             .collect();
@@ -238,8 +249,9 @@ fn results_below(
     if row::is_result(folder) {
         let short = folder.strip_prefix(root).unwrap_or(folder);
         let name = format!("{prefix}{}", short.to_string_lossy().replace('\\', "/"));
-        let row = Row::read(&name, folder)
-            .unwrap_or_else(|| Row::failed(&name, "its result cannot be read: do the test again"));
+        let row = Row::read(&name, folder).unwrap_or_else(|| {
+            Row::wrong_input(&name, "its result cannot be read: do the test again")
+        });
         rows.push(row);
     }
     for entry in fs::read_dir(folder).map_err(fail)? {

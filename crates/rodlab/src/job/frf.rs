@@ -29,9 +29,9 @@ use self::settings::settings;
 use self::words::capital;
 use super::Surroundings;
 use crate::figure::Greyed;
-use crate::hits::{FoundHits, HitsSheet};
+use crate::hits::{FoundHits, HitsSheet, expect_independent};
 use crate::outcome::{Quantity, Verdict};
-use crate::records::Records;
+use crate::records::{Records, expect_different_files};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
@@ -62,6 +62,12 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
             .push(format!("No frequency response: {reason}."));
         outcome.verdict = Verdict::NotAllowed { reason };
         return Ok(outcome);
+    }
+    expect_different_files(&outcome.inputs)?;
+    let mut channels = vec![sheet.input.as_str()];
+    channels.extend(outputs.iter().map(String::as_str));
+    for doubt in expect_independent(&sets.iter().collect::<Vec<_>>(), &channels)? {
+        outcome.doubt(doubt);
     }
     let accepted: Vec<Vec<&Record>> = sets.iter().map(FoundHits::accepted).collect();
     let hit = accepted[0][0];
@@ -273,7 +279,7 @@ fn report(
             outcome.warnings.push(format!(
                 "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would be."
             ));
-        } else if merit.n_valid < merit.n_lines {
+        } else if merit.n_valid < merit.n_lines && !one.coherences.is_empty() {
             outcome.warnings.push(format!(
                 "{} of {} lines of `{output}` in the band do not hold: without a signal, or with a coherence that chance alone reaches once in twenty.",
                 merit.n_lines - merit.n_valid,
@@ -303,8 +309,8 @@ fn warn(
 ) {
     for (spectra, hammer) in spectra.iter().zip(["", " of the second hammer"]) {
         if spectra.n_averages() == 1 {
-            outcome.warnings.push(format!(
-                "Only one hit{hammer} is accepted: there is no coherence, and nothing says how good the lines are."
+            outcome.doubt(format!(
+                "only one hit{hammer} is accepted: there is no coherence, and the error of its lines is not known"
             ));
         }
     }
@@ -325,8 +331,8 @@ fn warn(
             .hypot(error)
             .hypot(weighed.mass.si() * one.calibration);
         if apart.abs() > 3.0 * spread {
-            outcome.warnings.push(format!(
-                "The lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain. A wrong sensitivity, or a body that is not free.",
+            outcome.doubt(format!(
+                "the lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain, by a wrong sensitivity or a body that is not free",
                 short(completed.apparent_mass),
                 weighed.mass
             ));

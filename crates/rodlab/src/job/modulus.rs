@@ -1,6 +1,7 @@
 //! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra that another program has made.
 
 mod cards;
+mod checked_band;
 mod checks;
 mod estimate;
 mod figures;
@@ -167,6 +168,9 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     };
     around.go_on()?;
 
+    for doubt in &measured.doubts {
+        outcome.doubt(doubt.as_str());
+    }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);
     outcome.log.extend(reasons.log(found.estimate));
@@ -182,7 +186,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     checks::check(&mut outcome, &found)?;
     around.go_on()?;
     if let Some(laws) = &sheet.laws
-        && outcome.verdict == Verdict::Answered
+        && !matches!(outcome.verdict, Verdict::NotAllowed { .. })
     {
         around.progress.begins("fitting laws", laws.laws.len());
         laws::fit(&mut outcome, &found, laws, around)?;

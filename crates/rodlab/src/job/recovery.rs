@@ -206,7 +206,7 @@ pub(crate) fn run(
     outcome.tables = curves::tables(&found).map_err(refused)?;
     outcome.figures = figures::figures(&found).map_err(refused)?;
     around.go_on()?;
-    if outcome.verdict == Verdict::Answered {
+    if !matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
         statement::predict(&mut outcome, &found).map_err(refused)?;
     }
     Ok(outcome)

@@ -1,8 +1,9 @@
-//! What a job wants a channel to be.
+//! What a job wants channels and files to be.
 
 use labio::{Quantity, Record};
 
 use crate::RodlabError;
+use crate::outcome::InputFile;
 
 /// The channel called `name` has the quantity `wanted`, or an error that says what it has; `field` names it in the sheet.
 ///
@@ -31,5 +32,28 @@ pub fn expect_quantity(
                 format!("one of the channels {}", names.join(", ")),
             ))
         }
+    }
+}
+
+/// Refuses two files of equal content under different names: one measurement counts once.
+///
+/// # Errors
+///
+/// [`RodlabError::OneMeasurement`] with both files.
+pub fn expect_different_files(inputs: &[InputFile]) -> Result<(), RodlabError> {
+    let mut by_content: Vec<&InputFile> = inputs.iter().collect();
+    // stable: of equal ones the first read comes first
+    by_content.sort_by(|a, b| a.sha256.cmp(&b.sha256));
+    let twice = by_content.windows(2).find_map(|pair| match pair {
+        [a, b] if a.sha256 == b.sha256 && a.path != b.path => Some((a, b)),
+        _ => None,
+    });
+    match twice {
+        None => Ok(()),
+        Some((first, second)) => Err(RodlabError::OneMeasurement {
+            first: first.path.clone(),
+            second: second.path.clone(),
+            how: "have the same content",
+        }),
     }
 }

@@ -56,9 +56,26 @@ fn the_page_says_first_that_there_is_no_answer_and_why() {
     outcome.warnings = vec!["The coherence is below 0.9.".into()];
     let page = page(&outcome);
     let at = |text: &str| page.find(text).unwrap_or(usize::MAX);
-    assert!(at("No answer:") < at("Two hits of ten"));
+    assert!(at("<strong>not allowed:</strong>") < at("Two hits of ten"));
     assert!(at("Two hits of ten") < at("The coherence"));
     assert!(at("The coherence") < at("Software and citation"));
+}
+
+#[test]
+fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    assert!(page(&outcome).contains("<p class=\"standing answered\">answered</p>"));
+    outcome.doubt("the check of polarity fails");
+    outcome.doubt("the check of passivity fails");
+    let page = page(&outcome);
+    assert!(
+        page.contains("<p class=\"standing in-doubt\">in doubt</p>"),
+        "{page}"
+    );
+    for check in ["polarity", "passivity"] {
+        let said = format!("<strong>in doubt:</strong> the check of {check} fails");
+        assert!(page.contains(&said), "{page}");
+    }
 }
 
 #[test]

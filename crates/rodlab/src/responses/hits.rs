@@ -6,7 +6,7 @@ use labio::{
 };
 use serde::Deserialize;
 
-use crate::hits::{FoundHits, HitsSheet};
+use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise};
 use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_quantity};
@@ -123,6 +123,9 @@ impl HitsSource {
         outcome.settings.extend(found.settings().iter().cloned());
         outcome.settings.extend(self.settings(field));
         outcome.log.extend(found.log());
+        for doubt in expect_independent(&[&found], &[&self.force, &self.response])? {
+            outcome.doubt(doubt);
+        }
         Ok(found)
     }
 
@@ -166,7 +169,7 @@ impl HitsSource {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with what `labio` says of hits and windows.
+    /// [`RodlabError::Step`] with what `labio` says of hits and windows; [`RodlabError::NoNoise`] for several hits without noise.
     pub fn spectra<'a>(
         &self,
         hits: impl IntoIterator<Item = &'a Record>,
@@ -198,7 +201,9 @@ impl HitsSource {
             around.go_on()?;
             averager.add(hit).map_err(averaging)?;
         }
-        averager.spectra().map_err(averaging)
+        let spectra = averager.spectra().map_err(averaging)?;
+        expect_noise(&spectra, (&self.force, &self.response), field)?;
+        Ok(spectra)
     }
 
     /// Relative standard uncertainty that the sensor chains of `hit` give to the whole response.

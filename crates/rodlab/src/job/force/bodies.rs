@@ -168,7 +168,7 @@ fn read_measured(
     );
     let before = outcome.summary.len();
     let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
-    screening::tell(&body.screen(), outcome);
+    let failed = screening::tell(&body.screen(), outcome);
     // of two bodies: which one is meant
     outcome.summary.truncate(before);
     for quantity in outcome.quantities.iter_mut().skip(quantities) {
@@ -176,6 +176,9 @@ fn read_measured(
     }
     for warning in outcome.warnings.iter_mut().skip(warnings) {
         *warning = format!("{field}: {warning}");
+    }
+    for check in failed {
+        outcome.doubt(format!("{field}: {check}"));
     }
     if sheet.causal {
         body = body.causally_projected();

@@ -168,8 +168,8 @@ fn warnings(solved: &ReconstructedForce, outcome: &mut Outcome) {
     if let Some(chi_square) = solved.reduced_chi_square
         && chi_square > CHI_SQUARE
     {
-        outcome.warnings.push(format!(
-            "The force leaves {chi_square:.2} times as much unexplained as the noise does: the noise is underrated, or the body is not the one of the frequency response."
+        outcome.doubt(format!(
+            "the force leaves {chi_square:.2} times as much unexplained as the noise does: the noise is underrated, or the body is not the one of the frequency response"
         ));
     }
     if let Some(parameter) = &solved.parameter {

@@ -7,6 +7,7 @@ use labio::{
 
 use super::sheet::{ExponentialWindowSheet, FrfSheet, MergeSheet};
 use crate::RodlabError;
+use crate::hits::expect_noise;
 use crate::job::Surroundings;
 
 /// Probability with which noise alone reaches the coherence below which a line is not believed.
@@ -29,20 +30,29 @@ pub(super) struct Estimated {
     pub(super) calibration: f64,
 }
 
+/// What speaks against the lines of a test with a single hit.
+const ONE_HIT: &str = "error not known from one hit";
+
 /// Standard deviations of the number of lines that chance passes, by which more must hold.
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
     /// Whether more of `n_lines` lines hold than noise alone would let pass: each does with the probability that one of the tests
-    /// reaches the level of chance, and independently of the others.
+    /// reaches the level of chance, and independently of the others. Of a single hit it cannot be told, and counts as more.
     pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
-            return n_valid > 0;
+            return true;
         }
         let tests = i32::try_from(self.coherences.len()).unwrap_or(i32::MAX);
         let passes = 1.0 - (1.0 - CHANCE).powi(tests);
         let expected = passes * n_lines as f64;
         n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
+    }
+
+    /// Whether the line carries information, though its error may not be known.
+    pub(super) fn is_measured(&self, line: usize) -> bool {
+        let objection = self.objections.get(line).copied();
+        objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
     }
 
     /// Whether the line may be believed.
@@ -150,15 +160,33 @@ pub(super) fn estimate(
         (first.unwrap_or(Err(none)).map_err(refused)?, None)
     };
     let mut coherences = Vec::new();
+    let mut of_one_hit = Vec::with_capacity(tests.len());
     for test in tests {
-        match test.coherence(input, output) {
-            Ok(coherence) => coherences.push(coherence),
-            // said in the report: there is none from a single hit
-            Err(LabioError::TooFewAverages { .. }) => {}
+        expect_noise(test, (input, output), &format!("response of `{output}`"))?;
+        let coherence = match test.coherence(input, output) {
+            Ok(coherence) => Some(coherence),
+            // there is none from a single hit
+            Err(LabioError::TooFewAverages { .. }) => None,
             Err(error) => return Err(refused(error)),
-        }
+        };
+        of_one_hit.push(coherence.is_none());
+        coherences.extend(coherence);
     }
     let mut objections = objections(&response, &coherences, merged.is_some())?;
+    for (line, objection) in objections.iter_mut().enumerate() {
+        let first = merged
+            .as_ref()
+            .map_or(Some(&1.0), |(shares, _)| shares.get(line));
+        let first = first.copied().unwrap_or(f64::NAN);
+        let alone = of_one_hit.iter().zip([first, 1.0 - first]);
+        if objection.is_none()
+            && alone
+                .into_iter()
+                .any(|(alone, share)| *alone && share > 0.0)
+        {
+            *objection = Some(ONE_HIT);
+        }
+    }
     let completed = match &sheet.weighed_mass {
         None => None,
         Some(weighed) => {

@@ -134,7 +134,7 @@ pub(super) fn bode(
         ));
     }
     let of_coherence = if estimated.coherences.is_empty() {
-        "A single hit has no coherence and no random error."
+        "A single hit has no coherence and no random error: no line is valid."
     } else {
         "Lines whose coherence chance would reach once in twenty are faint."
     };
@@ -253,7 +253,8 @@ pub(super) fn nyquist(
     band: Band,
 ) -> Figure {
     let response = &estimated.response;
-    let shown = |line: usize| estimated.is_valid(line) && band.holds(response.frequency_hz[line]);
+    let shown =
+        |line: usize| estimated.is_measured(line) && band.holds(response.frequency_hz[line]);
     let part = |part: fn(&num_complex::Complex64) -> f64| -> Vec<f64> {
         let lines = response.values.iter().enumerate();
         lines

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::IdentifySheet;
 use crate::job::Surroundings;
 use crate::outcome::{LogEntry, Setting};
-use crate::records::{Records, expect_quantity};
+use crate::records::{Records, expect_different_files, expect_quantity};
 use crate::sheet::{Length, Stated, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
@@ -108,6 +108,7 @@ pub(super) fn read(
         around.progress.one_more();
         around.go_on()?;
     }
+    expect_different_files(&outcome.inputs)?;
     Ok(tests)
 }
 

@@ -72,7 +72,9 @@ pub(super) fn screen(
             sheet.front_impedance.as_ref(),
             "the mobility",
         )?;
-        tell(&body.screen(), outcome);
+        for failed in tell(&body.screen(), outcome) {
+            outcome.doubt(failed);
+        }
         Arc::new(body)
     };
     Ok(Screened {
@@ -130,8 +132,9 @@ fn impulse_response(
     })
 }
 
-/// Screening of a measured body as quantities, a sentence and warnings; the quantities first.
-pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) {
+/// Screening of a measured body as quantities, a sentence and warnings; the quantities first. Returns the checks that fail, a clause each:
+/// an answer before the force, energy that is generated, and a mass that is not the weighed one.
+pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> {
     let flags = screening.flags();
     let against = |is_it: &dyn Fn(&ScreeningFlag) -> bool| {
         let flag = flags.iter().find(|flag| is_it(flag));
@@ -189,7 +192,20 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) {
                 .to_owned(),
         );
     }
-    outcome
-        .warnings
-        .extend(flags.iter().map(|flag| format!("Screening: {flag}.")));
+    let fails = |flag: &ScreeningFlag| {
+        matches!(
+            flag,
+            ScreeningFlag::Acausal { .. }
+                | ScreeningFlag::Active { .. }
+                | ScreeningFlag::MassContradicted { .. }
+        )
+    };
+    let (failed, warnings): (Vec<ScreeningFlag>, Vec<ScreeningFlag>) =
+        flags.into_iter().partition(fails);
+    let warnings = warnings.iter().map(|flag| format!("Screening: {flag}."));
+    outcome.warnings.extend(warnings);
+    failed
+        .iter()
+        .map(|flag| format!("screening: {flag}"))
+        .collect()
 }

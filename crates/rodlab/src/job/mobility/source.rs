@@ -7,9 +7,10 @@ use num_complex::Complex64;
 use serde::Deserialize;
 
 use super::MobilitySheet;
-use crate::hits::FoundHits;
+use crate::hits::{FoundHits, expect_independent};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
+use crate::records::expect_different_files;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::{Frequency, Stated};
@@ -99,13 +100,20 @@ pub(super) fn read<'a>(
     match &sheet.source {
         SourceSheet::Hits(hits) => Ok(Read::Tests(vec![test(hits, "source")?])),
         SourceSheet::TwoHammers { low, high, merge } => {
-            let tests = vec![test(low, "source.low")?, test(high, "source.high")?];
+            let tests = [test(low, "source.low")?, test(high, "source.high")?];
+            expect_different_files(&outcome.inputs)?;
+            let [first, second] = &tests;
+            check_same_channels(&tests)?;
+            let found = [&first.found, &second.found];
+            for doubt in expect_independent(&found, &[&low.force, &low.response])? {
+                outcome.doubt(doubt);
+            }
             outcome.settings.push(Setting {
                 name: "source.merge".to_owned(),
                 value: format!("{merge:?}"),
                 by_default: *merge == MergeSheet::default(),
             });
-            Ok(Read::Tests(tests))
+            Ok(Read::Tests(tests.into()))
         }
         SourceSheet::File(file) => file
             .read(around.folder, "source", outcome)
@@ -192,7 +200,6 @@ fn of_tests(
     let estimator = source.estimator.unwrap_or_default().estimator();
     let refused = |error| RodlabError::step("source", error);
     let (response, merged) = if let [low, high] = spectra.as_slice() {
-        check_same_channels(tests)?;
         let merged = match &sheet.source {
             SourceSheet::TwoHammers {
                 merge: MergeSheet::InverseVariance,

@@ -12,12 +12,12 @@ use serde::Deserialize;
 
 use super::measured::Spectra;
 use super::method::MethodSheet;
-use super::{Found, estimate};
+use super::{Found, checked_band, estimate};
 use crate::chosen::Chosen;
 use crate::digits::significant;
-use crate::outcome::{LogEntry, Quantity};
+use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::rounded::hertz;
-use crate::sheet::{Ratio, Stated};
+use crate::sheet::{Frequency, Ratio, Stated};
 use crate::{Outcome, RodlabError};
 
 /// The front of a wave is faster than every phase velocity of the band by what the loss factor makes of it up to the Nyquist frequency,
@@ -27,8 +27,7 @@ const FRONT: f64 = 1.02;
 /// Lines that the check of Kramers and Kronig takes at most.
 const MOST_LINES: usize = 1000;
 
-/// What the name of the quantity of a check begins and ends with.
-const PREFIX: &str = "check: ";
+/// What the name of the quantity of a check ends with.
 const SUFFIX: &str = ", p-value";
 
 /// Which checks are made.
@@ -39,6 +38,9 @@ pub struct ChecksSheet {
     pub level: Option<Stated<Ratio>>,
     /// Checks that are left out, as `[KramersKronig]`.
     pub without: Vec<CheckSheet>,
+    /// Frequency up to which the filter of the recorder keeps aliases away, as `"20 kHz"`: where the sheet states no band, the checks
+    /// look no higher. By default half the Nyquist frequency.
+    pub alias_free_to: Option<Stated<Frequency>>,
 }
 
 /// A check.
@@ -60,6 +62,9 @@ impl ChecksSheet {
         chosen.either("checks.level", self.level.as_ref(), usual);
         if !self.without.is_empty() {
             chosen.stated("checks.without", format!("{:?}", self.without));
+        }
+        if let Some(limit) = &self.alias_free_to {
+            chosen.stated("checks.alias_free_to", limit);
         }
     }
 
@@ -85,6 +90,11 @@ impl ChecksSheet {
 pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), RodlabError> {
     let checks = &found.sheet.checks;
     let level = checks.level()?;
+    let looked_at = checked_band::lines(outcome, found)?;
+    let found = &Found {
+        estimate: looked_at.as_ref().unwrap_or(found.estimate),
+        ..*found
+    };
     if checks.has(CheckSheet::Passivity) {
         say(
             outcome,
@@ -102,20 +112,6 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     }
     if checks.has(CheckSheet::Arrivals) {
         arrivals(outcome, found, level);
-    }
-    let failed: Vec<&str> = outcome
-        .quantities
-        .iter()
-        .filter(|quantity| !quantity.valid)
-        .filter_map(|quantity| quantity.name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX))
-        .collect();
-    if !failed.is_empty() {
-        let sentence = format!(
-            "It is not to be believed before it is explained why these checks fail: {}.",
-            failed.join(", ")
-        );
-        let place = outcome.summary.len().min(1);
-        outcome.summary.insert(place, sentence);
     }
     Ok(())
 }
@@ -229,7 +225,7 @@ fn say(
     check: Check,
     made: Result<CheckOutcome, cmod::CmodError>,
 ) {
-    let name = format!("{PREFIX}{check}");
+    let name = format!("{CHECK}{check}");
     match made {
         Ok(made) => {
             outcome.quantities.push(Quantity {
@@ -245,7 +241,7 @@ fn say(
                 },
             });
             if made.has_failed() {
-                outcome.warnings.push(in_words(&made, found));
+                outcome.doubt(in_words(&made, found));
             }
         }
         Err(error) => outcome.log.push(LogEntry {
@@ -293,7 +289,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
         _ => "what must hold for any material does not",
     };
     format!(
-        "The check of {} fails{at}: {cause} ({}).",
+        "the check of {} fails{at}: {cause} ({})",
         made.check,
         if made.p_value < 1e-6 {
             "p below 1e-6".to_owned()

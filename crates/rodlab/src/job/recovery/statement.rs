@@ -203,18 +203,18 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     // χ² has the mean ν and the variance 2ν
     let most = freedom + DEVIATIONS * (2.0 * freedom).sqrt();
     if stated && freedom > 0.0 && fit.chi_squared > most {
-        outcome.warnings.push(format!(
-            "The readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
-             expected below {}. Either the errors are larger than stated, or the model does not hold; the errors of the result are \
-             too small.",
+        outcome.doubt(format!(
+            "the readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
+             expected below {}; either the errors are larger than stated, or the model does not hold, and the errors of the result \
+             are too small",
             significant(fit.chi_squared, 3),
             fit.degrees_of_freedom,
             significant(most, 3)
         ));
     }
     if fit.ending != Ending::Converged {
-        outcome.warnings.push(format!(
-            "The fit did not settle ({:?}): its values are where the iteration stopped.",
+        outcome.doubt(format!(
+            "the fit did not settle ({:?}): its values are where the iteration stopped",
             fit.ending
         ));
     }

@@ -9,7 +9,7 @@ use super::silence::{silent_samples, trigger_of};
 use super::{FirstHit, Measured, Ratio, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::hits::HitsSheet;
+use crate::hits::{HitsSheet, expect_independent, expect_noise};
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
@@ -41,6 +41,8 @@ pub(super) fn of_hits(
     };
     let found = hits.find(loaded.records, reference, "source.hits")?;
     chosen.extend(found.settings().to_vec());
+    let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
+    let doubts = expect_independent(&[&found], &taken)?;
     let silent = silent_samples(&found, silent, chosen)?;
     let mut in_words = found.in_words();
     if let Some(first) = in_words.get_mut(..1) {
@@ -58,6 +60,8 @@ pub(super) fn of_hits(
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
         calibration_error: calibration_error(accepted.first().copied(), &channels),
+        sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
+        doubts,
     };
     let fewest = match &sheet.method {
         MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => 1,
@@ -144,6 +148,7 @@ pub(in crate::job::modulus) fn averaged_ratio<'a>(
 ) -> Result<Ratio, RodlabError> {
     let averaging = |error| RodlabError::step("averaging the spectra of the hits", error);
     let spectra = AveragedSpectra::of(hits, Window::Rectangular).map_err(averaging)?;
+    expect_noise(&spectra, (denominator, numerator), "source")?;
     let response = spectra.h1(denominator, numerator).map_err(averaging)?;
     let coherence = response
         .coherence

@@ -1,0 +1,335 @@
+//! Copies among hits: one measurement that was put in twice counts once, and averaging it makes the errors too small.
+
+use std::f64::consts::LN_2;
+
+use num_complex::Complex64;
+
+use super::judgement::onset_of;
+use crate::spectra::RestNoise;
+use crate::{LabioError, Record, dft};
+
+/// Difference of equal samples over the largest: the rounding of single precision, twice.
+const ROUNDING: f64 = 1.0 / 4_194_304.0;
+
+/// Part of the samples before the onset that is taken for silence.
+const SILENT_PART: f64 = 0.75;
+/// Fewest silent samples that tell the noise.
+const FEWEST_SILENT: usize = 16;
+/// Lines below this part of the sampling rate take no part: hum and drift are no noise of a line.
+const LOWEST: f64 = 1.0 / 16.0;
+/// Lines above this part of the sampling rate take no part: a recorder passes nothing there.
+const HIGHEST: f64 = 0.45;
+/// Fewest lines that are compared.
+const FEWEST_LINES: usize = 16;
+/// Part of the power of the noise that the difference of two hits has at least, if they are two: noise while nothing happens need not
+/// be the noise of the hit to the last digit.
+const LEAST_SHARE: f64 = 0.25;
+/// Iterations in which the delay between two hits is found, to all digits.
+const ITERATIONS: usize = 8;
+
+/// One measurement in two places.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Copy {
+    /// Two hits have the same samples on all channels.
+    Hits {
+        /// Number of one, from 0.
+        first: usize,
+        /// Number of the other, from 0.
+        second: usize,
+    },
+    /// Two channels of a hit have the same samples.
+    Channels {
+        /// Number of the hit, from 0.
+        hit: usize,
+        /// Name of one channel.
+        first: String,
+        /// Name of the other.
+        second: String,
+    },
+}
+
+/// Two hits that differ by less than the noise before them lets two hits differ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearCopy {
+    /// Number of one, from 0.
+    pub first: usize,
+    /// Number of the other, from 0.
+    pub second: usize,
+    /// Power of their difference over that of the noise, of the channel where it is greatest: 1 or more for two hits.
+    pub share_of_noise: f64,
+}
+
+/// Samples of a channel about their mean, and where the largest of them is.
+struct Shape {
+    samples: Vec<f64>,
+    peak_at: usize,
+    peak: f64,
+}
+
+impl Shape {
+    /// None of a channel that never moves.
+    fn of(hit: &Record, channel: &str) -> Result<Option<Self>, LabioError> {
+        let samples = hit.channel(channel)?;
+        let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+        let samples: Vec<f64> = samples.iter().map(|x| x - mean).collect();
+        let mut peak_at = 0;
+        let mut peak: f64 = 0.0;
+        for (index, sample) in samples.iter().enumerate() {
+            if sample.abs() > peak.abs() {
+                (peak_at, peak) = (index, *sample);
+            }
+        }
+        Ok((peak.abs() > 0.0).then_some(Self {
+            samples,
+            peak_at,
+            peak,
+        }))
+    }
+
+    /// Equal but for scale, sign, offset and the rounding of single precision.
+    fn equals(&self, other: &Self) -> bool {
+        let Some(scale) = other.samples.get(self.peak_at).filter(|x| x.abs() > 0.0) else {
+            return false;
+        };
+        let allowed = ROUNDING * (self.peak * scale).abs();
+        let mut pairs = self.samples.iter().zip(&other.samples);
+        self.samples.len() == other.samples.len()
+            && pairs.all(|(a, b)| (a * scale - b * self.peak).abs() <= allowed)
+    }
+}
+
+/// The first measurement that is in two places of `hits`: two hits with the same samples on all `channels`, or two of the channels
+/// with the same samples in a hit.
+///
+/// Samples are the same if they are equal but for a factor, an offset and the rounding of single precision, as another file format or
+/// another sensitivity leaves them. No two measurements are: already the noise of the last bit of a converter is greater. Channels that
+/// never move are not compared; hits in which none moves are no copies.
+///
+/// The effort is that of reading the samples once, unless hits are equal.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn find_copy(hits: &[&Record], channels: &[&str]) -> Result<Option<Copy>, LabioError> {
+    let mut shapes: Vec<Vec<Option<Shape>>> = Vec::with_capacity(hits.len());
+    for (second, hit) in hits.iter().enumerate() {
+        let of_hit = channels
+            .iter()
+            .map(|channel| Shape::of(hit, channel))
+            .collect::<Result<Vec<_>, _>>()?;
+        for (b, shape) in of_hit.iter().enumerate() {
+            let before = of_hit.iter().zip(channels).take(b);
+            for (other, name) in before {
+                if let (Some(one), Some(other)) = (shape, other)
+                    && other.equals(one)
+                {
+                    return Ok(Some(Copy::Channels {
+                        hit: second,
+                        first: (*name).to_owned(),
+                        second: channels.get(b).copied().unwrap_or_default().to_owned(),
+                    }));
+                }
+            }
+        }
+        let same = |other: &Vec<Option<Shape>>| {
+            let moves = of_hit.iter().any(Option::is_some);
+            moves
+                && other.iter().zip(&of_hit).all(|pair| match pair {
+                    (Some(a), Some(b)) => a.equals(b),
+                    (None, None) => true,
+                    _ => false,
+                })
+        };
+        if let Some(first) = shapes.iter().position(same) {
+            return Ok(Some(Copy::Hits { first, second }));
+        }
+        shapes.push(of_hit);
+    }
+    Ok(None)
+}
+
+/// The transform of a channel and the noise of its lines.
+struct Lines {
+    n_samples: usize,
+    values: Vec<Complex64>,
+    /// E|noise|² of each line.
+    noise: Vec<f64>,
+    degrees_of_freedom: f64,
+}
+
+impl Lines {
+    /// None if there is no silence, or no noise in it: then nothing is known.
+    fn of(hit: &Record, channel: &str, silent: usize) -> Result<Option<Self>, LabioError> {
+        let noise = RestNoise::before(&[hit], channel, silent)?;
+        let samples = hit.channel(channel)?.to_vec();
+        let (rate, n) = (hit.sampling_rate_hz(), samples.len() as f64);
+        let values = dft::forward(&samples);
+        // one-sided density, of the unscaled transform
+        let noise_of = |line: usize| 0.5 * rate * n * noise.density_at(line as f64 * rate / n);
+        let of_lines: Vec<f64> = (0..values.len()).map(noise_of).collect();
+        let known = of_lines.iter().all(|power| *power > 0.0);
+        Ok(known.then(|| Self {
+            n_samples: samples.len(),
+            values,
+            noise: of_lines,
+            degrees_of_freedom: noise.degrees_of_freedom(0.5 * rate),
+        }))
+    }
+}
+
+/// Pairs of `hits` that differ on all `channels` by less than the noise before them lets two hits differ: the same hit in another
+/// rounding, scaled, delayed or sampled again. A false alarm, in all pairs together, has at most the probability `level`.
+///
+/// Of each pair and channel the factor and the delay are found that make one hit nearest to the other. What is left of two hits is at
+/// least the noise of both: on each line |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an
+/// exponential variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling rate, over ln 2.
+/// Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise; it is too small if even
+/// a quarter of the noise does not explain it. A median knows nothing of the lines that a second sampling has lost.
+///
+/// A channel without noise before the hit, as a computed one, or a hit without silence tells nothing and is passed over.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`]; what [`RestNoise::before`] refuses.
+pub fn find_near_copies(
+    hits: &[&Record],
+    channels: &[&str],
+    level: f64,
+) -> Result<Vec<NearCopy>, LabioError> {
+    let mut all = Vec::with_capacity(hits.len());
+    for hit in hits {
+        let mut onset = hit.n_samples();
+        for channel in channels {
+            onset = onset.min(onset_of(&hit.channel(channel)?.to_vec()));
+        }
+        let silent = share(onset, SILENT_PART);
+        let mut of_hit = Vec::with_capacity(channels.len());
+        for channel in channels {
+            of_hit.push(if silent < FEWEST_SILENT {
+                None
+            } else {
+                Lines::of(hit, channel, silent)?
+            });
+        }
+        all.push(of_hit);
+    }
+    let n_pairs = (hits.len() * hits.len().saturating_sub(1) / 2).max(1) as f64;
+    // P(Z < -z) <= exp(-z²/2)/2
+    let z = (2.0 * (n_pairs / (2.0 * level)).max(1.0).ln()).sqrt();
+    let mut found = Vec::new();
+    for (second, b) in all.iter().enumerate() {
+        for (first, a) in all.iter().enumerate().take(second) {
+            let mut greatest: Option<f64> = None;
+            let known = a
+                .iter()
+                .zip(b)
+                .filter_map(|(a, b)| a.as_ref().zip(b.as_ref()));
+            let mut near = true;
+            for (a, b) in known {
+                let Some((share, error)) = share_of_noise(a, b) else {
+                    continue;
+                };
+                near &= share.ln() < LEAST_SHARE.ln() - z * error;
+                if !near {
+                    break;
+                }
+                greatest = Some(greatest.map_or(share, |greatest| greatest.max(share)));
+            }
+            if let Some(share_of_noise) = greatest.filter(|_| near) {
+                found.push(NearCopy {
+                    first,
+                    second,
+                    share_of_noise,
+                });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// `part` of `count`, rounded down.
+fn share(count: usize, part: f64) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a part of a count of samples"
+    )]
+    let share = (part * count as f64) as usize;
+    share
+}
+
+/// The statistic of two hits, and the standard deviation of its logarithm; none if there are too few lines.
+fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
+    let n_lines = a.values.len();
+    if b.n_samples != a.n_samples {
+        return None;
+    }
+    // lines count half a period of the sampling rate
+    let (from, to) = (share(n_lines, 2.0 * LOWEST), share(n_lines, 2.0 * HIGHEST));
+    if to < from + FEWEST_LINES {
+        return None;
+    }
+    let cross: Vec<Complex64> = a
+        .values
+        .iter()
+        .zip(&b.values)
+        .map(|(a, b)| b * a.conj())
+        .collect();
+    let delay = delay(&cross, a.n_samples);
+    let turned = |line: usize| Complex64::cis(-delay * line as f64);
+    let size: f64 = a.values.iter().map(Complex64::norm_sqr).sum();
+    let projected: f64 = cross
+        .iter()
+        .enumerate()
+        .map(|(line, cross)| (cross * turned(line).conj()).re)
+        .sum();
+    let scale = projected / size;
+    let lines = a
+        .values
+        .iter()
+        .zip(&b.values)
+        .zip(a.noise.iter().zip(&b.noise));
+    let mut shares: Vec<f64> = lines
+        .enumerate()
+        .take(to)
+        .skip(from)
+        .map(|(line, ((a, b), (noise_a, noise_b)))| {
+            let left = b - a * turned(line) * scale;
+            left.norm_sqr() / (noise_b + scale * scale * noise_a)
+        })
+        .collect();
+    let middle = shares.len() / 2;
+    let (_, median, _) = shares.select_nth_unstable_by(middle, f64::total_cmp);
+    let n = (to - from) as f64;
+    let variance =
+        1.0 / (n * LN_2 * LN_2) + 2.0 / a.degrees_of_freedom + 2.0 / b.degrees_of_freedom;
+    Some((median.max(f64::MIN_POSITIVE) / LN_2, variance.sqrt()))
+}
+
+/// Phase a line by which the second of two hits is later, by their cross-spectrum: the delay at which they are most alike.
+fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
+    let alike = dft::inverse(cross, n_samples);
+    let best = (0..alike.len()).max_by(|i, j| {
+        let size = |at: &usize| alike.get(*at).map_or(0.0, |x| x.abs());
+        size(i).total_cmp(&size(j))
+    });
+    let best = best.unwrap_or(0) as f64;
+    let mut delay = best * std::f64::consts::TAU / n_samples as f64;
+    // Newton's steps to the maximum of the sum of Re(C e^{i k d})
+    for _ in 0..ITERATIONS {
+        let (mut slope, mut curvature) = (0.0, 0.0);
+        for (line, cross) in cross.iter().enumerate() {
+            let k = line as f64;
+            let turned = cross * Complex64::cis(delay * k);
+            slope -= k * turned.im;
+            curvature -= k * k * turned.re;
+        }
+        let step = slope / curvature;
+        // half a sample at most: the nearest maximum
+        if !step.is_finite() || step.abs() > std::f64::consts::PI / n_samples as f64 {
+            break;
+        }
+        delay -= step;
+    }
+    delay
+}

@@ -1,0 +1,88 @@
+//! Independence of hits: each is a measurement of its own.
+
+use labio::hits::{Copy, find_copy, find_near_copies};
+use labio::{AveragedSpectra, Record};
+
+use super::FoundHits;
+use crate::RodlabError;
+use crate::digits::significant;
+
+/// Probability with which hits that are independent are called doubtful.
+const LEVEL: f64 = 0.01;
+
+/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns a reason for doubt for each pair of
+/// hits that differ by less than their noise ([`find_near_copies`]).
+///
+/// # Errors
+///
+/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a channel that is not there.
+pub fn expect_independent(
+    sets: &[&FoundHits],
+    channels: &[&str],
+) -> Result<Vec<String>, RodlabError> {
+    let comparing = |error| RodlabError::step("comparing hits", error);
+    let (names, hits): (Vec<String>, Vec<&Record>) = sets
+        .iter()
+        .flat_map(|found| found.hits())
+        .filter(|found| found.hit.is_accepted())
+        .filter_map(|found| Some((found.name(), found.hit.record()?)))
+        .unzip();
+    let name = |hit: usize| names.get(hit).cloned().unwrap_or_default();
+    match find_copy(&hits, channels).map_err(comparing)? {
+        Some(Copy::Hits { first, second }) => {
+            return Err(RodlabError::OneMeasurement {
+                first: name(first),
+                second: name(second),
+                how: "have the same samples",
+            });
+        }
+        Some(Copy::Channels { hit, first, second }) => {
+            return Err(RodlabError::OneMeasurement {
+                first: format!("channel `{first}`"),
+                second: format!("channel `{second}` of {}", name(hit)),
+                how: "have the same samples",
+            });
+        }
+        None => {}
+    }
+    let near = find_near_copies(&hits, channels, LEVEL).map_err(comparing)?;
+    Ok(near
+        .iter()
+        .map(|pair| {
+            format!(
+                "{} and {} differ by {} of the power of the noise before them, expected at least that of both: they may be one \
+                 measurement that was stored twice",
+                name(pair.first),
+                name(pair.second),
+                significant(pair.share_of_noise, 2)
+            )
+        })
+        .collect())
+}
+
+/// Refuses averages whose coherence is 1 to rounding; `place` is the part of the sheet that they are of.
+///
+/// # Errors
+///
+/// [`RodlabError::NoNoise`]; [`RodlabError::Step`] for a channel that is not there.
+pub fn expect_noise(
+    spectra: &AveragedSpectra,
+    (input, output): (&str, &str),
+    place: &str,
+) -> Result<(), RodlabError> {
+    if spectra.n_averages() < 2 {
+        return Ok(());
+    }
+    let coherence = spectra
+        .coherence(input, output)
+        .map_err(|error| RodlabError::step(place, error))?;
+    if coherence.is_one_to_rounding() {
+        return Err(RodlabError::NoNoise {
+            place: place.to_owned(),
+            input: input.to_owned(),
+            output: output.to_owned(),
+            hits: spectra.n_averages(),
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,108 @@
+//! Lines that the checks look at where the sheet states no band: those that carry a signal and are free of aliases.
+
+use cmod::ModulusEstimate;
+
+use super::{Found, measured};
+use crate::outcome::Setting;
+use crate::rounded::hertz;
+use crate::{Outcome, RodlabError};
+
+/// Probability with which noise alone reaches the coherence of a line that carries a signal.
+const CHANCE: f64 = 0.05;
+
+/// The estimate on the lines that the checks look at, which `outcome` is told; `None` where these are all its lines.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for an `alias_free_to` above the Nyquist frequency.
+pub(super) fn lines(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+) -> Result<Option<ModulusEstimate>, RodlabError> {
+    let stated = found.sheet.checks.alias_free_to.as_ref();
+    let nyquist = found.measured.sampling_rate_hz.map(|rate| 0.5 * rate);
+    if let (Some(stated), Some(nyquist)) = (stated, nyquist)
+        && stated.si() > nyquist
+    {
+        return Err(RodlabError::request(
+            "checks.alias_free_to",
+            stated.to_string(),
+            format!("at most {}, the Nyquist frequency", hertz(nyquist)),
+        ));
+    }
+    if found.sheet.band.is_some() {
+        return Ok(None);
+    }
+    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut because = Vec::new();
+    if let Some((first, last)) = found.ratio().and_then(with_signal) {
+        (from, to) = (first, last);
+        because.push("the coherence is above that of chance".to_owned());
+    }
+    match (stated, nyquist) {
+        (Some(stated), _) => {
+            to = to.min(stated.si());
+            because.push(format!("aliases are kept away up to {stated}"));
+        }
+        (None, Some(nyquist)) => {
+            to = to.min(0.5 * nyquist);
+            because.push(format!(
+                "no alias is to be expected below {}, half the Nyquist frequency",
+                hertz(0.5 * nyquist)
+            ));
+        }
+        (None, None) => {}
+    }
+    if because.is_empty() {
+        return Ok(None);
+    }
+    let looked_at = found.estimate.within(from, to);
+    let all = found.estimate.lines();
+    let (Some(first), Some(last)) = (looked_at.lines().first(), looked_at.lines().last()) else {
+        return Ok(Some(looked_at));
+    };
+    if looked_at.lines().len() == all.len() {
+        return Ok(None);
+    }
+    let ends = format!(
+        "{} to {}",
+        hertz(first.frequency_hz),
+        hertz(last.frequency_hz)
+    );
+    outcome.settings.push(Setting {
+        name: "band of the checks".to_owned(),
+        value: format!("{ends}: {}", because.join(", ")),
+        by_default: true,
+    });
+    let beyond = found.estimate.valid().count() - looked_at.valid().count();
+    if beyond > 0 {
+        outcome.warnings.push(format!(
+            "No `band` is stated: the checks look at the lines from {ends}, where {}. {beyond} valid lines lie outside and are not \
+             checked; state a band, or `checks.alias_free_to` if the filter of the recorder keeps aliases away further up.",
+            because.join(" and ")
+        ));
+    }
+    Ok(Some(looked_at))
+}
+
+/// First and last frequency \[Hz\] of the stretch of lines with more lines above the level of chance than below, counted up to
+/// where it has most: single antiresonances do not end it, and the lines of noise that chance lifts do not lengthen it.
+fn with_signal(ratio: &measured::Ratio) -> Option<(f64, f64)> {
+    let (coherence, averages) = (ratio.coherence.as_ref()?, ratio.averages?);
+    if averages <= 1.0 {
+        return None;
+    }
+    let level = 1.0 - CHANCE.powf(1.0 / (averages - 1.0));
+    let mut best: Option<(i64, usize, usize)> = None;
+    let (mut sum, mut from) = (0_i64, 0);
+    for (line, value) in coherence.iter().enumerate() {
+        sum += if *value > level { 1 } else { -1 };
+        if sum <= 0 {
+            (sum, from) = (0, line + 1);
+        } else if best.is_none_or(|(most, _, _)| sum > most) {
+            best = Some((sum, from, line));
+        }
+    }
+    let (_, from, to) = best?;
+    Some((*ratio.frequency_hz.get(from)?, *ratio.frequency_hz.get(to)?))
+}

@@ -1,0 +1,116 @@
+//! The four standings of a test, and the one word for each.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+/// Standing of a test: the same word on the terminal, in reports, summaries and files, and the exit status.
+///
+/// The order is that of severity: a campaign has the standing of its worst test.
+///
+/// | standing | word | exit status |
+/// |---|---|---|
+/// | [`Answered`](Self::Answered) | `answered` | 0 |
+/// | [`InDoubt`](Self::InDoubt) | `in doubt` | 3 |
+/// | [`NotAllowed`](Self::NotAllowed) | `not allowed` | 1 |
+/// | [`WrongInput`](Self::WrongInput) | `wrong input` | 2 |
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Standing {
+    /// The data allow an answer, and every check passes.
+    Answered,
+    /// There is an answer, but a check fails.
+    InDoubt,
+    /// The data do not allow an answer.
+    NotAllowed,
+    /// The sheet, a file or a folder is wrong: there is no result.
+    WrongInput,
+}
+
+impl Standing {
+    /// All four, the best first.
+    pub const ALL: [Self; 4] = [
+        Self::Answered,
+        Self::InDoubt,
+        Self::NotAllowed,
+        Self::WrongInput,
+    ];
+
+    /// The word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Answered => "answered",
+            Self::InDoubt => "in doubt",
+            Self::NotAllowed => "not allowed",
+            Self::WrongInput => "wrong input",
+        }
+    }
+
+    /// The exit status of a program that ends with it.
+    #[must_use]
+    pub fn exit_status(self) -> u8 {
+        match self {
+            Self::Answered => 0,
+            Self::InDoubt => 3,
+            Self::NotAllowed => 1,
+            Self::WrongInput => 2,
+        }
+    }
+}
+
+impl fmt::Display for Standing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.word())
+    }
+}
+
+impl Serialize for Standing {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.word())
+    }
+}
+
+impl<'de> Deserialize<'de> for Standing {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        let known = Self::ALL
+            .into_iter()
+            .find(|standing| standing.word() == word);
+        known.ok_or_else(|| {
+            let words = Self::ALL.map(Self::word).join("`, `");
+            de::Error::custom(format!(
+                "the standing is `{word}`, expected one of `{words}`"
+            ))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn r11_a_standing_is_written_and_read_as_its_word() {
+        for standing in Standing::ALL {
+            let text = serde_json::to_string(&standing).unwrap();
+            assert_eq!(text, format!("\"{}\"", standing.word()));
+            assert_eq!(serde_json::from_str::<Standing>(&text).unwrap(), standing);
+        }
+        let error = serde_json::from_str::<Standing>("\"in_doubt\"").unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("expected one of `answered`, `in doubt`")
+        );
+    }
+
+    #[test]
+    fn r11_a_wrong_sheet_is_worse_than_data_that_do_not_allow_a_result_and_these_than_doubt() {
+        let worst = |of: &[Standing]| of.iter().max().map(|standing| standing.exit_status());
+        use Standing::{Answered, InDoubt, NotAllowed, WrongInput};
+        assert_eq!(worst(&[Answered, InDoubt, Answered]), Some(3));
+        assert_eq!(worst(&[InDoubt, NotAllowed]), Some(1));
+        assert_eq!(worst(&[WrongInput, InDoubt, NotAllowed]), Some(2));
+        assert_eq!(worst(&[Answered]), Some(0));
+    }
+}
