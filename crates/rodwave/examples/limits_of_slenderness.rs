@@ -23,7 +23,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rodwave::slenderness::{
-    LoveRayleigh, MindlinHerrmann, PochhammerChree, RodTheory, RoundRod, recommend,
+    LoveRayleigh, MindlinHerrmann, PochhammerChree, RodTheory, RoundRod, Theory,
 };
 
 const POISSON_RATIOS: [f64; 3] = [0.30, 0.40, 0.49];
@@ -47,12 +47,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         panels.push(panel);
         for wavelength_in_diameters in [10.0, 5.0, 3.0] {
-            let stated = recommend(wavelength_in_diameters, poisson_ratio)?;
+            let left = |theory: Theory| theory.error_left(wavelength_in_diameters, poisson_ratio);
             println!(
-                "nu = {poisson_ratio:.2}, lambda = {wavelength_in_diameters:4.1} D: elementary theory {:6.2} %, Love {:6.3} %, recommended: {:?}",
-                100.0 * stated.elementary_error,
-                100.0 * stated.love_error,
-                stated.theory
+                "nu = {poisson_ratio:.2}, lambda = {wavelength_in_diameters:4.1} D: elementary theory {:6.2} %, Love {:6.3} %",
+                100.0 * left(Theory::Elementary)?,
+                100.0 * left(Theory::LoveRayleigh)?,
             );
         }
     }

@@ -6,14 +6,15 @@
 //!
 //! | theory | what it assumes | where it is good |
 //! |---|---|---|
-//! | elementary, [`medium`](crate::medium) | no lateral inertia | λ > 10D |
-//! | [`LoveRayleigh`] | lateral motion as in statics | λ > 3D |
+//! | elementary, [`medium`](crate::medium) | no lateral inertia | E' within 1 % for λ > 11D at ν = 1/2, for λ > 9D at 0.4 |
+//! | [`LoveRayleigh`] | lateral motion as in statics | E' within 1 % for λ > 3.2D; any section |
 //! | [`MindlinHerrmann`] | two degrees of freedom a section | for comparison: see there |
 //! | [`PochhammerChree`] | nothing but an infinitely long, homogeneous, isotropic cylinder | everywhere |
 //!
 //! All implement [`RodTheory`], in both directions: the propagation coefficient from the complex modulus, and the
 //! modulus, lateral inertia removed, from a measured propagation coefficient. [`Slenderness`] holds the conditions (i) and
-//! (ii) of paper A, [`recommend`] the choice between the theories with the error that is left.
+//! (ii) of paper A, [`Theory::error_left`] the error that a theory leaves. One theory serves a whole band: where two meet, the
+//! modulus has a step.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -59,17 +60,15 @@ mod conditions;
 mod frequency_equation;
 mod love_rayleigh;
 mod mindlin_herrmann;
+mod model_error;
 mod pochhammer_chree;
 mod rayleigh_wave;
-mod recommendation;
 mod theory;
 
 pub use conditions::{GREATEST_WAVELENGTH_IN_LENGTHS, LEAST_WAVELENGTH_IN_DIAMETERS, Slenderness};
 pub use love_rayleigh::{LoveRayleigh, RectangularRod};
 pub use mindlin_herrmann::MindlinHerrmann;
+pub use model_error::{ApparentModulusError, Theory, elementary_theory_error};
 pub use pochhammer_chree::PochhammerChree;
 pub use rayleigh_wave::rayleigh_to_shear_speed;
-pub use recommendation::{
-    ApparentModulusError, Recommendation, Theory, elementary_theory_error, recommend,
-};
 pub use theory::{CorrectedModulus, FirstBranch, ModulusError, RodTheory, RoundRod};

@@ -20,7 +20,7 @@ use super::theory::{
 ///
 /// # Validity
 /// The correction is exact to leading order in (D/λ)². The error that is left in E' is about 0.2 % at λ = 5D and 1 % at 3D
-/// ([`recommend`](super::recommend)). In this theory waves do not travel where ρν²k_p²ω² exceeds E.
+/// ([`Theory::error_left`](super::Theory::error_left)). In this theory waves do not travel where ρν²k_p²ω² exceeds E.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoveRayleigh {
     scale: Scale,

@@ -11,7 +11,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::{Elastic, Zener};
 use rodwave::slenderness::{
     LoveRayleigh, MindlinHerrmann, PochhammerChree, RectangularRod, RodTheory, RoundRod,
-    Slenderness, elementary_theory_error, rayleigh_to_shear_speed, recommend,
+    Slenderness, Theory, elementary_theory_error, rayleigh_to_shear_speed,
 };
 use rodwave::transition::TransitionMatrix;
 use rodwave::waves::TravellingWaves;
@@ -212,10 +212,11 @@ fn thick_rods() {
             slenderness.wavelength_in_lengths(),
         ])
     });
-    findings.sweep_pairs("recommend", &[8.0, 0.35], |a| {
-        let recommendation = recommend(a[0], a[1])?;
-        Ok(vec![recommendation.error(), recommendation.love_error])
-    });
+    for theory in [Theory::Elementary, Theory::LoveRayleigh] {
+        findings.sweep_pairs("Theory::error_left", &[8.0, 0.35], |a| {
+            theory.error_left(a[0], a[1]).map(|error| vec![error])
+        });
+    }
     findings.sweep_pairs("elementary_theory_error", &[8.0, 0.35], |a| {
         let error = elementary_theory_error(a[0], a[1])?;
         Ok(vec![error.storage_modulus, error.loss_factor])
