@@ -306,6 +306,20 @@ pub enum CmodError {
         /// The name found.
         name: String,
     },
+    /// A card was asked of a fitted law that is no Prony series.
+    #[error("the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series")]
+    CardLaw {
+        /// The law that was fitted.
+        law: String,
+    },
+    /// A theory of lateral inertia was named that is one of round rods.
+    #[error(
+        "{theory} was asked for a rod that is not round, expected Love's theory, which takes any section"
+    )]
+    TheoryOfRoundRods {
+        /// The theory.
+        theory: &'static str,
+    },
     /// A Prony series is too long for a program.
     #[error("{found} terms, expected at most {most} as {program} takes")]
     CardTerms {

@@ -3,7 +3,7 @@
 //! | part | where |
 //! |---|---|
 //! | numbers of a line | [`ModulusLine`] |
-//! | standard errors, random and systematic, their covariances | [`Uncertainty`], [`StandardError`] |
+//! | standard errors, random and common (systematic), their covariances | [`Uncertainty`], [`StandardError`] |
 //! | whether a line may be believed | [`crate::validity`] |
 //! | the method and its settings | [`Method`] |
 //! | a table for a file | [`ModulusEstimate::columns`] |
@@ -35,13 +35,14 @@ use crate::one_gauge::OneGauge;
 use crate::pulses::SeparatePulses;
 use crate::resonance::Resonances;
 use crate::two_point::TwoPoint;
-use crate::validity::Validity;
+use crate::validity::{AcceptanceLimits, Validity};
 
 /// Complex modulus on the lines of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ModulusEstimate {
     method: Method,
+    limits: AcceptanceLimits,
     lines: Vec<ModulusLine>,
     refused: Vec<RefusedLine>,
 }
@@ -82,9 +83,15 @@ impl fmt::Display for Method {
 }
 
 impl ModulusEstimate {
-    pub(crate) fn new(method: Method, lines: Vec<ModulusLine>, refused: Vec<RefusedLine>) -> Self {
+    pub(crate) fn new(
+        method: Method,
+        limits: AcceptanceLimits,
+        lines: Vec<ModulusLine>,
+        refused: Vec<RefusedLine>,
+    ) -> Self {
         Self {
             method,
+            limits,
             lines,
             refused,
         }
@@ -94,6 +101,12 @@ impl ModulusEstimate {
     #[must_use]
     pub fn method(&self) -> &Method {
         &self.method
+    }
+
+    /// The limits by which its lines were judged.
+    #[must_use]
+    pub fn limits(&self) -> &AcceptanceLimits {
+        &self.limits
     }
 
     /// All lines that have a modulus, valid or not, in order of frequency. All their numbers are finite.
@@ -149,7 +162,7 @@ pub struct ModulusLine {
     pub loss_factor: f64,
     /// Phase velocity ω/k [m/s].
     pub phase_velocity: f64,
-    /// Standard errors of this line by everything that is uncertain, noise and specimen, to first order.
+    /// Standard errors of this line by everything that is uncertain, random and common, to first order.
     pub standard_error: StandardError,
     /// The covariances behind them, random and systematic part apart.
     pub uncertainty: Uncertainty,
@@ -181,10 +194,20 @@ impl ModulusLine {
         self.standard_error_of(&self.uncertainty.random)
     }
 
-    /// Standard errors by the specimen alone: the same error on all lines.
+    /// Standard errors by the common sources alone, specimen and theory: the same error on all lines.
     #[must_use]
     pub fn systematic_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.systematic_covariance())
+    }
+
+    /// Greatest errors by lateral inertia that was not taken out; 0 if none is left. A bound, not a standard error: E' is too
+    /// small and E''/E' too large by at most so much.
+    #[must_use]
+    pub fn lateral_inertia_bound(&self) -> StandardError {
+        self.standard_error_of(&LineCovariance {
+            modulus: ComplexCovariance::of_shift(self.uncertainty.lateral_inertia_bound()),
+            ..LineCovariance::default()
+        })
     }
 
     fn standard_error_of(&self, covariance: &LineCovariance) -> StandardError {

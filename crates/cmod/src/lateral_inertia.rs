@@ -1,24 +1,26 @@
 //! Lateral inertia taken out of an estimate, with Poisson's ratio and its uncertainty.
 //!
 //! All methods of this crate find γ and make E = -ρω²/γ² of it, which leaves out that the rod also moves sideways: an
-//! *apparent* modulus, too small for short waves. [`LateralInertia`] makes the modulus of the same γ by the simplest
-//! theory that serves at its wavelength λ ([`rodwave::slenderness`]):
+//! *apparent* modulus, too small for short waves. [`LateralInertia`] makes the modulus of the same γ by one theory over the
+//! whole band ([`rodwave::slenderness`]):
 //!
-//! | λ/D | theory | modulus |
-//! |---|---|---|
-//! | above 10 | none | that of the estimate |
-//! | 3 to 10 | Love and Rayleigh | E + ρν²k_p²ω², k_p² = D²/8 |
-//! | below 3 | Pochhammer and Chree | the exact frequency equation, solved for E |
+//! | section | theory | modulus | error left in E' |
+//! |---|---|---|---|
+//! | round | Pochhammer and Chree | the exact frequency equation, solved for E | none |
+//! | rectangular | Love and Rayleigh | E + ρν²k_p²ω², k_p² = (b² + h²)/12 | 0.2 % at λ = 5 D, 1 % at 3.2 D of a circle of the same k_p |
+//!
+//! A theory for each wavelength would put a step into E' where two of them meet, which no causal material has.
 //!
 //! # Errors
 //! The random error goes through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one number for all lines: its error is a
-//! systematic one, δE = (∂E/∂ν) δν at constant γ, added to those of the specimen with
+//! common one, δE = (∂E/∂ν) δν at constant γ, added to those of the specimen with
 //! [`ErrorSource::PoissonRatio`] and kept apart from them. It is 2δν/ν of the correction, to leading order. The errors that the
-//! specimen has in the estimate go through the theory as the random ones do.
+//! specimen has in the estimate go through the theory: through γ as the random ones do, and a density that is wrong by 1 % makes
+//! the corrected modulus wrong by 1 %. Errors of the diameter in the correction are left out: 2δD/D of the correction.
 //!
-//! What the theory itself leaves is [`LineCorrection::remaining_error`], which is no part of the standard errors: without a
-//! correction above 10 D up to 1.2 % of E', with Love's below 0.2 % from 5 D on and about 1 % at 3 D. Between 10.1 D and 9.9 D
-//! the modulus rises by the correction that sets in there.
+//! The bound on lateral inertia that the estimate carried ([`ErrorSource::LateralInertia`]) is replaced by what the theory itself
+//! leaves, [`LineCorrection::remaining_error`]. The lines are then judged anew by the [limits](ModulusEstimate::limits) of the
+//! estimate.
 //!
 //! Theory: `docs/theory/slenderness.md#in-an-estimate`.
 
@@ -26,7 +28,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 use rodwave::slenderness::{
-    FirstBranch, LoveRayleigh, PochhammerChree, RodTheory, RoundRod, Theory, recommend,
+    FirstBranch, LoveRayleigh, PochhammerChree, RectangularRod, RodTheory, RoundRod, Theory,
 };
 
 use crate::error::{CmodError, check_not_negative, check_positive};
@@ -34,13 +36,13 @@ use crate::estimate::{
     ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine, StandardError,
     SystematicShift, Uncertainty,
 };
-use crate::validity::{Validity, Violation};
+use crate::validity::{Acceptance, Validity, Violation};
 
 /// Relative step in γ of the central difference that gives dE/dγ: E is analytic in γ, its third derivative by γ of the order
 /// of E/γ³, so that truncation and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
 
-/// A round rod with its Poisson's ratio.
+/// A uniform rod with its Poisson's ratio.
 ///
 /// ```
 /// use cmod::{LateralInertia, PulsedRod, SeparatePulses};
@@ -63,11 +65,38 @@ const STEP: f64 = 1e-5;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LateralInertia {
-    diameter: f64,
+    section: Section,
     density: f64,
     poisson_ratio: f64,
     poisson_ratio_uncertainty: f64,
     theory: Option<Theory>,
+}
+
+/// Cross-section of the rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Section {
+    /// D \[m\].
+    Round { diameter: f64 },
+    /// b and h \[m\].
+    Rectangular { width: f64, height: f64 },
+}
+
+impl Section {
+    /// Diameter of the circle with the polar radius of gyration of the section, k_p² = D²/8 \[m\].
+    fn diameter(self) -> f64 {
+        match self {
+            Self::Round { diameter } => diameter,
+            Self::Rectangular { width, height } => width.hypot(height) * (2.0_f64 / 3.0).sqrt(),
+        }
+    }
+
+    /// The theory that leaves least.
+    fn theory(self) -> Theory {
+        match self {
+            Self::Round { .. } => Theory::PochhammerChree,
+            Self::Rectangular { .. } => Theory::LoveRayleigh,
+        }
+    }
 }
 
 /// An estimate without lateral inertia.
@@ -79,19 +108,21 @@ pub struct CorrectedEstimate {
     corrections: Vec<LineCorrection>,
 }
 
-/// What was done to one line.
+/// The correction of one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LineCorrection {
     /// The theory used.
     pub theory: Theory,
-    /// λ/D.
+    /// λ/D; for a rectangle D is the diameter of the circle with the same polar radius of gyration.
     pub wavelength_in_diameters: f64,
     /// The modulus before \[Pa\].
     pub apparent_modulus: Complex64,
     /// ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
-    /// Relative error of E' that the theory leaves, (E'_found - E')/E', for low losses; no part of the standard errors.
+    /// Relative error of E' that the theory leaves, (E'_found - E')/E', for low losses: the bound on a common error of the line
+    /// with [`ErrorSource::LateralInertia`]. Of a rectangle that of a circle with the same polar radius of gyration, which is its
+    /// size for sections about as wide as high.
     pub remaining_error: f64,
 }
 
@@ -108,7 +139,7 @@ impl CorrectedEstimate {
         &self.modulus
     }
 
-    /// What was done to each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    /// The correction of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
     #[must_use]
     pub fn corrections(&self) -> &[LineCorrection] {
         &self.corrections
@@ -116,12 +147,35 @@ impl CorrectedEstimate {
 }
 
 impl LateralInertia {
-    /// Of a rod of this `diameter` D \[m\], `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    /// A round rod of `diameter` D \[m\], `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <= 0.5.
     pub fn new(diameter: f64, density: f64, poisson_ratio: f64) -> Result<Self, CmodError> {
         check_positive("diameter [m]", diameter)?;
+        Self::of_section(Section::Round { diameter }, density, poisson_ratio)
+    }
+
+    /// A rod of rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <= ν <= 0.5.
+    pub fn rectangular(
+        width: f64,
+        height: f64,
+        density: f64,
+        poisson_ratio: f64,
+    ) -> Result<Self, CmodError> {
+        check_positive("width [m]", width)?;
+        check_positive("height [m]", height)?;
+        Self::of_section(
+            Section::Rectangular { width, height },
+            density,
+            poisson_ratio,
+        )
+    }
+
+    fn of_section(section: Section, density: f64, poisson_ratio: f64) -> Result<Self, CmodError> {
         check_positive("density [kg/m^3]", density)?;
         if !(0.0..=0.5).contains(&poisson_ratio) {
             return Err(CmodError::NonPhysical {
@@ -131,7 +185,7 @@ impl LateralInertia {
             });
         }
         Ok(Self {
-            diameter,
+            section,
             density,
             poisson_ratio,
             poisson_ratio_uncertainty: 0.0,
@@ -139,7 +193,7 @@ impl LateralInertia {
         })
     }
 
-    /// The same with a standard uncertainty of ν.
+    /// Sets the standard uncertainty of ν.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and not negative.
@@ -149,7 +203,7 @@ impl LateralInertia {
         Ok(self)
     }
 
-    /// The same with one theory at all wavelengths, to compare them.
+    /// Sets the theory, to compare them; otherwise that of Pochhammer and Chree for a round rod, that of Love for others.
     #[must_use]
     pub fn with_theory(mut self, theory: Theory) -> Self {
         self.theory = Some(theory);
@@ -158,48 +212,73 @@ impl LateralInertia {
 
     /// Takes lateral inertia out of every line of an `estimate`.
     ///
-    /// A corrected line is no longer judged by the condition λ > 5D, which is about the error that has been removed; all
-    /// other violations stay. A line without a wavelength, or beyond the first branch of the theory, is refused as
-    /// [`Refusal::LateralInertia`].
+    /// A corrected line is no longer judged by the condition λ > 5D, which is about the error that has been removed. The limits of
+    /// the errors are asked anew; all other violations stay. A line without a wavelength, or beyond the first branch of the
+    /// theory, is refused as [`Refusal::LateralInertia`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a diameter or a density with which γ²D² or ρω²D² leave the range of numbers.
+    /// [`CmodError::NonPhysical`] for a diameter or a density with which γ²D² or ρω²D² leave the range of numbers;
+    /// [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set for a rectangle.
     pub fn correct(&self, estimate: &ModulusEstimate) -> Result<CorrectedEstimate, CmodError> {
-        let rod = RoundRod {
-            density: self.density,
-            diameter: self.diameter,
-            poisson_ratio: self.poisson_ratio,
-        };
+        let diameter = self.section.diameter();
         let out_of_range = |_| CmodError::NonPhysical {
             quantity: "diameter [m]",
-            value: self.diameter,
+            value: diameter,
             expected: "a value with which the theories of lateral inertia can be evaluated",
         };
-        let love = LoveRayleigh::round(rod).map_err(out_of_range)?;
-        let exact = PochhammerChree::new(rod).map_err(out_of_range)?;
+        let round = RoundRod {
+            density: self.density,
+            diameter,
+            poisson_ratio: self.poisson_ratio,
+        };
+        let chosen = self.theory.unwrap_or_else(|| self.section.theory());
+        let theory: Option<Box<dyn RodTheory>> = match (chosen, self.section) {
+            (Theory::Elementary, _) => None,
+            (Theory::LoveRayleigh, Section::Rectangular { width, height }) => Some(Box::new(
+                LoveRayleigh::rectangular(RectangularRod {
+                    density: self.density,
+                    width,
+                    height,
+                    poisson_ratio: self.poisson_ratio,
+                })
+                .map_err(out_of_range)?,
+            )),
+            (Theory::LoveRayleigh, Section::Round { .. }) => {
+                Some(Box::new(LoveRayleigh::round(round).map_err(out_of_range)?))
+            }
+            (_, Section::Round { .. }) => Some(Box::new(
+                PochhammerChree::new(round).map_err(out_of_range)?,
+            )),
+            (_, Section::Rectangular { .. }) => {
+                return Err(CmodError::TheoryOfRoundRods {
+                    theory: "the theory of Pochhammer and Chree",
+                });
+            }
+        };
         let (mut lines, mut corrections) = (Vec::new(), Vec::new());
         let mut refused = estimate.refused().to_vec();
+        let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
         for line in estimate.lines() {
-            let in_diameters = line.wavelength() / self.diameter;
-            let recommended = recommend(in_diameters, self.poisson_ratio).ok();
-            let found = recommended.and_then(|recommended| {
-                let theory = self.theory.unwrap_or(recommended.theory);
-                let (corrected, remaining) = match theory {
-                    Theory::Elementary => (Corrected::none(line), recommended.elementary_error),
-                    Theory::LoveRayleigh => (Corrected::by(&love, line)?, recommended.love_error),
-                    _ => (Corrected::by(&exact, line)?, 0.0),
+            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
+            if acceptance.degrees_of_freedom() != degrees_of_freedom {
+                acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
+            }
+            let in_diameters = line.wavelength() / diameter;
+            let remaining = chosen.error_left(in_diameters, self.poisson_ratio).ok();
+            let found = remaining.and_then(|remaining_error| {
+                let corrected = match &theory {
+                    None => Corrected::none(line),
+                    Some(theory) => Corrected::by(theory.as_ref(), line)?,
                 };
                 let correction = LineCorrection {
-                    theory,
+                    theory: chosen,
                     wavelength_in_diameters: in_diameters,
                     apparent_modulus: line.modulus,
                     by_poisson_ratio: corrected.by_poisson_ratio,
-                    remaining_error: remaining,
+                    remaining_error,
                 };
-                Some((
-                    corrected.line(line, self.poisson_ratio_uncertainty)?,
-                    correction,
-                ))
+                let shifts = self.shifts(line, &corrected, &correction);
+                Some((corrected.line(line, shifts, &acceptance)?, correction))
             });
             match found {
                 Some((line, correction)) => {
@@ -216,9 +295,47 @@ impl LateralInertia {
         refused.sort_by_key(|line| line.index);
         Ok(CorrectedEstimate {
             settings: *self,
-            modulus: ModulusEstimate::new(estimate.method().clone(), lines, refused),
+            modulus: ModulusEstimate::new(
+                estimate.method().clone(),
+                *estimate.limits(),
+                lines,
+                refused,
+            ),
             corrections,
         })
+    }
+
+    /// The common errors that the correction brings: by Poisson's ratio, and by what the theory leaves.
+    fn shifts(
+        &self,
+        line: &ModulusLine,
+        corrected: &Corrected,
+        correction: &LineCorrection,
+    ) -> Vec<SystematicShift> {
+        let mut shifts = Vec::new();
+        let uncertainty = self.poisson_ratio_uncertainty;
+        if uncertainty > 0.0 && corrected.is_corrected {
+            let first = corrected.by_poisson_ratio * uncertainty;
+            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: all there is for ν = 0
+            let inertia = TAU * line.frequency_hz * 0.5 * self.section.diameter();
+            let second = 0.75_f64.sqrt() * self.density * (inertia * uncertainty).powi(2);
+            shifts.push(SystematicShift::new(
+                ErrorSource::PoissonRatio,
+                Complex64::new(first.re.hypot(second), first.im),
+                Complex64::ZERO,
+            ));
+        }
+        // elementary theory: E'' is right; Love's: the next term, of K²E ~ conj(E)
+        let left = correction.remaining_error.abs();
+        if left > 0.0 {
+            let bound = if corrected.is_corrected {
+                corrected.modulus.conj() * left
+            } else {
+                Complex64::new(corrected.modulus.re.abs() * left, 0.0)
+            };
+            shifts.push(SystematicShift::of_lateral_inertia(bound));
+        }
+        shifts
     }
 }
 
@@ -241,7 +358,7 @@ impl Corrected {
         }
     }
 
-    fn by(theory: &impl RodTheory, line: &ModulusLine) -> Option<Self> {
+    fn by(theory: &dyn RodTheory, line: &ModulusLine) -> Option<Self> {
         let omega = TAU * line.frequency_hz;
         let gamma = line.propagation_coefficient;
         let at = |gamma: Complex64| {
@@ -263,8 +380,25 @@ impl Corrected {
         })
     }
 
-    /// The line with everything that follows from the modulus.
-    fn line(&self, line: &ModulusLine, poisson_ratio_uncertainty: f64) -> Option<ModulusLine> {
+    /// A common error of the apparent modulus in the corrected one: what acts through γ has the factor of the random errors, and
+    /// what scales the modulus scales the corrected one.
+    fn through(&self, shift: SystematicShift, line: &ModulusLine) -> SystematicShift {
+        let by_gamma =
+            -2.0 * line.modulus * shift.propagation_coefficient / line.propagation_coefficient;
+        let direct = (shift.modulus - by_gamma) * (self.modulus / line.modulus);
+        SystematicShift {
+            modulus: by_gamma * self.factor + direct,
+            ..shift
+        }
+    }
+
+    /// The line with everything that follows from the modulus; `shifts` are the common errors of the correction.
+    fn line(
+        &self,
+        line: &ModulusLine,
+        shifts: Vec<SystematicShift>,
+        acceptance: &Acceptance,
+    ) -> Option<ModulusLine> {
         let Uncertainty {
             random,
             systematic,
@@ -277,18 +411,10 @@ impl Corrected {
         };
         let mut systematic: Vec<SystematicShift> = systematic
             .into_iter()
-            .map(|shift| SystematicShift {
-                modulus: shift.modulus * self.factor,
-                ..shift
-            })
+            .filter(|shift| shift.source != ErrorSource::LateralInertia)
+            .map(|shift| self.through(shift, line))
             .collect();
-        if poisson_ratio_uncertainty > 0.0 {
-            systematic.push(SystematicShift::new(
-                ErrorSource::PoissonRatio,
-                self.by_poisson_ratio * poisson_ratio_uncertainty,
-                Complex64::ZERO,
-            ));
-        }
+        systematic.extend(shifts);
         let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom)
             .with_own_degrees_of_freedom(own_degrees_of_freedom);
         let standard_error = StandardError::of(
@@ -297,11 +423,7 @@ impl Corrected {
             line.frequency_hz,
             &uncertainty.total_covariance(),
         );
-        let violations = line.validity.violations().iter().copied();
-        let stays = |violation: &Violation| {
-            !(self.is_corrected && matches!(violation, Violation::WavelengthTooShort { .. }))
-        };
-        let corrected = ModulusLine {
+        let mut corrected = ModulusLine {
             modulus: self.modulus,
             loss_factor: self.modulus.im / self.modulus.re,
             standard_error,
@@ -309,9 +431,21 @@ impl Corrected {
             error_amplification: line.error_amplification
                 * self.factor.norm()
                 * (line.modulus.norm() / self.modulus.norm()),
-            validity: Validity::from_violations(violations.filter(stays).collect()),
             ..line.clone()
         };
+        let stays = |violation: &Violation| match violation {
+            Violation::WavelengthTooShort { .. } => !self.is_corrected,
+            // of the apparent modulus; those of the corrected one are asked below
+            Violation::ErrorTooLarge { .. }
+            | Violation::LateralInertiaTooLarge { .. }
+            | Violation::CommonErrorTooLarge { .. }
+            | Violation::ErrorAmplified { .. } => false,
+            _ => true,
+        };
+        let mut violations = line.validity.violations().to_vec();
+        violations.retain(stays);
+        violations.extend(acceptance.violations(&corrected));
+        corrected.validity = Validity::from_violations(violations);
         let is_finite = corrected.loss_factor.is_finite() && corrected.standard_error.is_finite();
         is_finite.then_some(corrected)
     }
@@ -328,6 +462,12 @@ mod tests {
                 .unwrap_err()
                 .to_string(),
             "poisson's ratio is 0.6, expected a value from 0 to 0.5"
+        );
+        assert_eq!(
+            LateralInertia::rectangular(0.01, f64::NAN, 900.0, 0.4)
+                .unwrap_err()
+                .to_string(),
+            "height [m] is NaN, expected a finite value above 0"
         );
         assert_eq!(
             LateralInertia::new(-0.01, 900.0, 0.4)

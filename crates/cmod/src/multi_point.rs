@@ -230,7 +230,12 @@ impl MultiPoint {
         }
         refused.sort_by_key(|line| line.index);
         Ok(MultiPointEstimate {
-            modulus: ModulusEstimate::new(Method::MultiPoint(self.clone()), lines, refused),
+            modulus: ModulusEstimate::new(
+                Method::MultiPoint(self.clone()),
+                self.limits,
+                lines,
+                refused,
+            ),
             fits,
             amplitudes,
             n_tests,

@@ -154,6 +154,7 @@ impl Resonances {
         }
         Ok(ModulusEstimate::new(
             Method::Resonances(*self),
+            *self.settings.limits(),
             lines,
             refused,
         ))

@@ -1,11 +1,12 @@
 //! Laws of viscoelasticity fitted to a complex modulus.
 //!
 //! # Problem
-//! A measurement gives a complex modulus a line with the covariance of its error ([`ModulusData`]). Programs that compute with a
+//! A measurement gives a complex modulus a line with the covariance of its random error, and one vector over the lines for each
+//! source of a common error ([`ModulusData`]). Programs that compute with a
 //! material ask for a law with a handful of parameters. Which law, with which values, and which of them do the data determine?
 //!
 //! # Method
-//! Minimise χ² = Σ δᵀC⁻¹δ, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the line:
+//! Minimise χ² = Σ δᵀC⁻¹δ, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the random error of the line:
 //! [`RheologicalFit`] for a law with a fixed number of parameters, [`PronyFit`] for a generalised Maxwell model whose number
 //! of branches is found, [`Comparison`] for several laws side by side. Each parameter comes with its error, an interval, and a
 //! [`Verdict`] with the [`Reason`] if the data do not determine it. Whether the law is that of the material is told by χ² and by the
@@ -47,8 +48,8 @@
 //! ```
 //!
 //! # What this does not do
-//! - The errors of the lines are taken as independent of each other. What is uncertain of the specimen, the same on all lines, is
-//!   not part of the errors of the parameters; a law of the wrong density is wrong by as much as the density.
+//! - The random errors of the lines are taken as independent of each other. Common errors, as that of the density, are carried to
+//!   the parameters to first order; the law at the minimum is not moved by them.
 //! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, and χ² says so.
 //! - No continuous relaxation spectrum: an ill-posed question, of which a Prony series with few branches is the answer that the data
 //!   support.
@@ -79,14 +80,14 @@ mod symmetric;
 mod whiteness;
 
 pub use comparison::{Comparison, ComparisonRow};
-pub use data::{ModulusData, ModulusPoint};
+pub use data::{CommonError, ModulusData, ModulusPoint};
 pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFit};
 pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
 pub use master_curve::{MasterCurve, MasterPoint, Shift};
 pub use order::{Order, PronyFit};
 pub use parameter::{
-    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
+    CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
 };
 pub use power_law::PowerLaw;
 pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};

@@ -139,7 +139,13 @@ pub(crate) fn estimate(
         }));
     }
     refused.sort_by_key(|line| line.index);
-    Ok(ModulusEstimate::new(equation.method(), lines, refused))
+    let limits = *equation.settings().limits();
+    Ok(ModulusEstimate::new(
+        equation.method(),
+        limits,
+        lines,
+        refused,
+    ))
 }
 
 /// The lines that can be evaluated, and the others.
@@ -232,6 +238,7 @@ pub(crate) fn solved(
         frequency_hz: measured.frequency_hz,
         gamma,
         density,
+        diameter,
         random: ComplexCovariance::circular(measured.variance * by_ratio.norm_sqr()),
         systematic: settings::shifts(equation, (gamma, modulus), omega, relative_density),
         error_amplification: 2.0 * (by_ratio * measured.ratio / gamma).norm(),

@@ -257,6 +257,7 @@ impl TwoPoint {
         refused.sort_by_key(|line| line.index);
         Ok(ModulusEstimate::new(
             Method::TwoPoint(*self),
+            self.limits,
             lines,
             refused,
         ))
@@ -349,6 +350,7 @@ impl TwoPoint {
             frequency_hz: measured.frequency_hz,
             gamma,
             density,
+            diameter,
             random: ComplexCovariance::circular(
                 measured.variance / (length * length * slopes.first.norm_sqr()),
             ),

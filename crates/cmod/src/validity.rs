@@ -7,8 +7,9 @@ mod acceptance;
 
 pub(crate) use acceptance::Acceptance;
 pub use acceptance::{
-    AcceptanceLimits, GREATEST_ERROR_AMPLIFICATION, GREATEST_LOSS_FACTOR_ERROR,
-    GREATEST_SECOND_ORDER, GREATEST_STORAGE_MODULUS_ERROR, STANDARD_ERRORS_WITHIN,
+    AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, GREATEST_ERROR_AMPLIFICATION,
+    GREATEST_LOSS_FACTOR_ERROR, GREATEST_POISSON_RATIO, GREATEST_SECOND_ORDER,
+    GREATEST_STORAGE_MODULUS_ERROR, STANDARD_ERRORS_WITHIN,
 };
 
 use std::fmt;
@@ -16,6 +17,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
+use crate::estimate::ErrorSource;
 
 /// Condition (i): the wavelength exceeds this many diameters. One-dimensional theory then errs by less than 5 per cent
 /// in the storage modulus and in the loss factor, through lateral inertia (paper A, after Pritz).
@@ -152,13 +154,38 @@ pub enum Violation {
         /// ka/π, a being the least distance between sensors.
         half_waves: f64,
     },
-    /// The stated error is larger than what is accepted, see [`AcceptanceLimits`].
+    /// The random error, with what lateral inertia adds, is larger than what is accepted, see [`AcceptanceLimits`].
     #[error("error of {quantity} may reach {error:.1e} of it, expected at most {limit:.1e}")]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// Five standard errors by the value, more if the variance is from few averages.
+        /// Five standard errors of the random part by the value, more if the variance is from few averages, and the bound on
+        /// lateral inertia that was not taken out.
         error: f64,
+        /// What is accepted.
+        limit: f64,
+    },
+    /// The theory of the waves leaves more lateral inertia in the modulus than is accepted, see [`AcceptanceLimits`].
+    #[error(
+        "lateral inertia that was not taken out may be {error:.1e} of {quantity}, expected at most {limit:.1e}"
+    )]
+    LateralInertiaTooLarge {
+        /// `E'` or `the loss factor`.
+        quantity: &'static str,
+        /// The bound on it by the value.
+        error: f64,
+        /// What is accepted.
+        limit: f64,
+    },
+    /// The common errors are larger than what was asked for, see [`AcceptanceLimits::common_storage_modulus`].
+    #[error(
+        "common error of E' may reach {error:.1e} of it, expected at most {limit:.1e}; most of it by: {largest}"
+    )]
+    CommonErrorTooLarge {
+        /// Two standard errors of all common sources by the value.
+        error: f64,
+        /// The source that contributes most.
+        largest: ErrorSource,
         /// What is accepted.
         limit: f64,
     },
@@ -308,6 +335,16 @@ mod tests {
                 error: 0.0234,
                 limit: 0.01,
             },
+            Violation::LateralInertiaTooLarge {
+                quantity: "E'",
+                error: 0.0187,
+                limit: 0.01,
+            },
+            Violation::CommonErrorTooLarge {
+                error: 0.0201,
+                largest: ErrorSource::Density,
+                limit: 0.01,
+            },
             Violation::ErrorAmplified {
                 amplification: 23.42,
                 limit: 10.0,
@@ -328,6 +365,8 @@ mod tests {
              0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
              error of E' may reach 2.3e-2 of it, expected at most 1.0e-2; \
+             lateral inertia that was not taken out may be 1.9e-2 of E', expected at most 1.0e-2; \
+             common error of E' may reach 2.0e-2 of it, expected at most 1.0e-2; most of it by: density; \
              relative errors are amplified 23.4 times, expected at most 10; \
              coherence 0.9300, expected at least 0.9900; \
              misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"

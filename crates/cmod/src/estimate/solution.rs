@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
+use rodwave::slenderness::elementary_theory_error;
 
 use super::uncertainty::{
     ComplexCovariance, LineCovariance, StandardError, SystematicShift, Uncertainty,
@@ -20,9 +21,11 @@ pub(crate) struct Solution {
     pub(crate) gamma: Complex64,
     /// ρ [kg/m³].
     pub(crate) density: f64,
+    /// D \[m\].
+    pub(crate) diameter: f64,
     /// Of γ, by the noise [1/m²].
     pub(crate) random: ComplexCovariance,
-    /// By the specimen. Empty if nothing is uncertain about it.
+    /// By the specimen. Empty if nothing is uncertain about it. What one-dimensional theory leaves out is added here.
     pub(crate) systematic: Vec<SystematicShift>,
     /// |dE/E| by the relative error of what was measured.
     pub(crate) error_amplification: f64,
@@ -66,9 +69,14 @@ impl Solution {
             modulus: self.random.through(-2.0 * modulus / gamma),
             propagation_coefficient: self.random,
         };
-        let uncertainty =
-            Uncertainty::new(random, self.systematic, acceptance.degrees_of_freedom())
-                .with_own_degrees_of_freedom(acceptance.own_degrees_of_freedom());
+        let mut systematic = self.systematic;
+        systematic.extend(lateral_inertia(
+            modulus,
+            gamma.im * self.diameter,
+            acceptance.limits().greatest_poisson_ratio,
+        ));
+        let uncertainty = Uncertainty::new(random, systematic, acceptance.degrees_of_freedom())
+            .with_own_degrees_of_freedom(acceptance.own_degrees_of_freedom());
         let standard_error = StandardError::of(
             modulus,
             gamma,
@@ -105,4 +113,17 @@ impl Solution {
             Err(Refusal::Undetermined)
         }
     }
+}
+
+/// What one-dimensional theory leaves out of a `modulus` at kD = `wave_number`: E' is too small by at most ½ν²(kD/2)² of itself,
+/// E'' is right. `None` without a wave, or for ν = 0.
+fn lateral_inertia(
+    modulus: Complex64,
+    wave_number: f64,
+    poisson_ratio: f64,
+) -> Option<SystematicShift> {
+    let error = elementary_theory_error(TAU / wave_number, poisson_ratio).ok()?;
+    // E'' is right, and E''/E' too large by the part that E' is too small
+    let bound = modulus.re.abs() * error.loss_factor;
+    (bound > 0.0).then(|| SystematicShift::of_lateral_inertia(Complex64::new(bound, 0.0)))
 }

@@ -104,7 +104,7 @@ impl Add for ComplexCovariance {
     }
 }
 
-/// What is known of a specimen only to within an uncertainty, the same on all lines.
+/// Source of a common error: known only to within an uncertainty, and wrong in the same way on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -121,6 +121,8 @@ pub enum ErrorSource {
     Section(usize),
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
+    /// Lateral inertia that the theory of the waves leaves in the modulus: all of it in one-dimensional theory.
+    LateralInertia,
 }
 
 impl fmt::Display for ErrorSource {
@@ -128,6 +130,7 @@ impl fmt::Display for ErrorSource {
         formatter.write_str(match self {
             Self::Section(index) => return write!(formatter, "distance of section {index}"),
             Self::PoissonRatio => "poisson's ratio",
+            Self::LateralInertia => "lateral inertia that was not taken out",
             Self::Length => "length",
             Self::Diameter => "diameter",
             Self::Density => "density",
@@ -149,7 +152,20 @@ pub struct SystematicShift {
     pub propagation_coefficient: Complex64,
 }
 
+/// Standard deviation of a one-sided error that is equally probable anywhere from 0 to its bound, about 0, in parts of the bound:
+/// 1/√3. An error at the bound itself is 1.73 of them.
+const OF_BOUND: f64 = 0.577_350_269_189_625_8;
+
 impl SystematicShift {
+    /// Lateral inertia left in a modulus that it makes too small by at most `bound` \[Pa\].
+    pub(crate) fn of_lateral_inertia(bound: Complex64) -> Self {
+        Self::new(
+            ErrorSource::LateralInertia,
+            bound * OF_BOUND,
+            Complex64::ZERO,
+        )
+    }
+
     pub(crate) fn new(
         source: ErrorSource,
         modulus: Complex64,
@@ -179,7 +195,8 @@ pub struct LineCovariance {
 pub struct Uncertainty {
     /// From the noise of what was measured: independent from line to line.
     pub random: LineCovariance,
-    /// From what is uncertain about the specimen: fully correlated over the lines, and independent of each other.
+    /// Common errors, one for each source: of the specimen and of the theory of its waves. Fully correlated over the lines, and
+    /// independent of each other.
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
@@ -210,7 +227,7 @@ impl Uncertainty {
         }
     }
 
-    /// Covariance of one line by all that is uncertain about the specimen.
+    /// Covariance of one line by all common errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
@@ -221,6 +238,18 @@ impl Uncertainty {
                 propagation_coefficient: sum.propagation_coefficient
                     + ComplexCovariance::of_shift(shift.propagation_coefficient),
             })
+    }
+
+    /// Greatest error \[Pa\] by which the modulus is too small for lateral inertia that was not taken out; 0 if none is left. The
+    /// shift of [`ErrorSource::LateralInertia`] is 1/√3 of it, the standard deviation of an error that may be anything from 0 to
+    /// this bound.
+    #[must_use]
+    pub fn lateral_inertia_bound(&self) -> Complex64 {
+        self.systematic
+            .iter()
+            .filter(|shift| shift.source == ErrorSource::LateralInertia)
+            .map(|shift| shift.modulus / OF_BOUND)
+            .sum()
     }
 
     /// Covariance of one line by everything.

@@ -37,6 +37,7 @@ impl SolvedLine {
             frequency_hz: self.frequency_hz,
             gamma,
             density: rod.density,
+            diameter: rod.diameter,
             random: ComplexCovariance::circular(self.variance),
             systematic: Vec::new(),
             error_amplification: 2.0 * self.amplification / gamma.norm(),

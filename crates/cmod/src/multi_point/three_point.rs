@@ -188,6 +188,7 @@ impl ThreePoint {
         refused.sort_by_key(|line| line.index);
         Ok(ModulusEstimate::new(
             Method::ThreePoint(self.clone()),
+            self.limits,
             lines,
             refused,
         ))

@@ -27,8 +27,10 @@ mod isotropic;
 
 use std::fmt::Write as _;
 
+use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
+use super::fit::RheologicalFit;
 use crate::error::{CmodError, check_positive};
 use isotropic::Isotropic;
 
@@ -63,9 +65,56 @@ pub struct MaterialCard<'a> {
     density: f64,
     poisson_ratio: f64,
     law: &'a GeneralisedMaxwell,
+    comments: Vec<String>,
 }
 
 impl<'a> MaterialCard<'a> {
+    /// A material with the Prony series of a `fit`, otherwise as [`Self::new`]. The card begins with comments on how well the
+    /// modulus is known: |E| at each of `frequency_hz` with its standard uncertainty, by random and by common errors.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::NonPhysical`] for a frequency that is not
+    /// finite and above 0.
+    pub fn from_fit(
+        name: &'a str,
+        density: f64,
+        poisson_ratio: f64,
+        fit: &'a RheologicalFit,
+        frequency_hz: &[f64],
+    ) -> Result<Self, CmodError> {
+        let series = fit.law.prony_series().ok_or_else(|| CmodError::CardLaw {
+            law: fit.law.law().to_string(),
+        })?;
+        let mut card = Self::new(name, density, poisson_ratio, series)?;
+        card.comments.push("modulus with its standard uncertainty".to_owned());
+        for f in frequency_hz {
+            let predicted = fit.prediction(std::f64::consts::TAU * f)?;
+            let size = predicted.modulus.norm();
+            let Complex64 { re, im } = predicted.modulus / size;
+            // d|E| = Re(conj(E) dE)/|E|
+            let along = |c: [[f64; 2]; 2]| {
+                let [[storage, mixed], [_, loss]] = c;
+                re * re * storage + 2.0 * re * im * mixed + im * im * loss
+            };
+            let random = along(predicted.random_covariance);
+            let common = (along(predicted.covariance) - random).max(0.0);
+            let percent = |variance: f64| 100.0 * variance.sqrt() / size;
+            card.comments.push(format!(
+                "|E| at {f:.3e} Hz: {size:.4e} Pa +- {:.1e} % (random {:.1e} %, common {:.1e} %)",
+                percent(random + common),
+                percent(random),
+                percent(common),
+            ));
+        }
+        Ok(card)
+    }
+
+    /// The comments, each after the `mark` that begins a comment of the program.
+    fn commented(&self, mark: &str) -> String {
+        let comments = self.comments.iter();
+        comments.map(|text| format!("{mark} {text}\n")).collect()
+    }
+
     /// A material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the modulus `law`.
     ///
     /// # Errors
@@ -112,6 +161,7 @@ impl<'a> MaterialCard<'a> {
             density,
             poisson_ratio,
             law,
+            comments: Vec::new(),
         })
     }
 
@@ -143,7 +193,8 @@ impl<'a> MaterialCard<'a> {
             (Moduli::LongTerm, BulkBehaviour::Elastic) => (young, poisson),
         };
         let mut text = format!(
-            "** units: m, kg, s, Pa\n*MATERIAL, NAME={}\n*DENSITY\n{},\n*ELASTIC, MODULI={keyword}\n{}, {poisson}\n*VISCOELASTIC, TIME=PRONY\n",
+            "** units: m, kg, s, Pa\n{}*MATERIAL, NAME={}\n*DENSITY\n{},\n*ELASTIC, MODULI={keyword}\n{}, {poisson}\n*VISCOELASTIC, TIME=PRONY\n",
+            self.commented("**"),
             self.name,
             self.density,
             number(young),
@@ -169,8 +220,9 @@ impl<'a> MaterialCard<'a> {
         let solid = Isotropic::of(self.law, self.poisson_ratio, bulk)?;
         check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
         let mut text = format!(
-            "! {}; units: m, kg, s, Pa; elastic constants are instantaneous\nMP,EX,{material},{}\nMP,PRXY,{material},{}\nMP,DENS,{material},{}\n",
+            "! {}; units: m, kg, s, Pa; elastic constants are instantaneous\n{}MP,EX,{material},{}\nMP,PRXY,{material},{}\nMP,DENS,{material},{}\n",
             self.name,
+            self.commented("!"),
             number(self.law.unrelaxed_modulus()),
             self.poisson_ratio,
             self.density,
@@ -204,8 +256,9 @@ impl<'a> MaterialCard<'a> {
         let solid = Isotropic::of(self.law, self.poisson_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
         let mut text = format!(
-            "*MAT_GENERAL_VISCOELASTIC_TITLE\n{}\n$ units: m, kg, s, Pa\n$#     mid        ro      bulk       pcf        ef      tref         a         b\n{material:>10}{}{}{}\n$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk\n{}\n$#      gi     betai        ki    betaki\n",
+            "*MAT_GENERAL_VISCOELASTIC_TITLE\n{}\n$ units: m, kg, s, Pa\n{}$#     mid        ro      bulk       pcf        ef      tref         a         b\n{material:>10}{}{}{}\n$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk\n{}\n$#      gi     betai        ki    betaki\n",
             self.name,
+            self.commented("$"),
             column(self.density),
             column(solid.instantaneous_bulk),
             column(0.0).repeat(5),

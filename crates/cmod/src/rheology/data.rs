@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use crate::error::{CmodError, check_positive};
-use crate::estimate::{ComplexCovariance, ModulusEstimate};
+use crate::error::{CmodError, check_length, check_positive};
+use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
 
 /// A measured complex modulus at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +28,18 @@ impl ModulusPoint {
     }
 }
 
-/// Points of increasing frequency, checked, with the matrices that make their errors independent and of unit variance.
+/// An error of one source that all points share: if the source is wrong by its standard uncertainty, every modulus is wrong by its
+/// shift.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CommonError {
+    /// The source.
+    pub source: ErrorSource,
+    /// δE \[Pa\], one for each point.
+    pub shift: Vec<Complex64>,
+}
+
+/// Points of increasing frequency, checked, with the matrices that make their errors independent and of unit variance, and the
+/// errors that the points share.
 ///
 /// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with WᵀW = C⁻¹, W lower
 /// triangular.
@@ -37,6 +48,7 @@ pub struct ModulusData {
     pub(super) omega: Vec<f64>,
     pub(super) modulus: Vec<Complex64>,
     pub(super) whitening: Vec<Whitening>,
+    pub(super) common: Vec<CommonError>,
 }
 
 /// Lower triangular W of one point.
@@ -112,27 +124,86 @@ impl ModulusData {
                 .collect(),
             modulus: points.iter().map(|point| point.modulus).collect(),
             whitening: points.iter().map(Whitening::of).collect(),
+            common: Vec::new(),
         })
     }
 
-    /// The valid lines of an estimate, with the covariance of their random errors.
+    /// Adds the errors that the points share, independent of each other and one for each source.
     ///
-    /// What is uncertain of the specimen errs alike on all lines: it is no weight, and it is not part of the errors of a fit.
-    /// A density that is wrong by 1 % makes every modulus of every law wrong by 1 %.
+    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the covariance of the parameters is
+    /// `C_random + Σ_s g_s g_sᵀ` with g_s the change of the parameters by the shift of source s.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`CmodError::NoLines`] if no line is valid. Lines without a random error would have infinite weight
-    /// and are refused.
+    /// [`CmodError::LengthMismatch`] unless there is a shift for each point; [`CmodError::ModulusPoint`] unless all are finite.
+    pub fn with_common_errors(mut self, common: Vec<CommonError>) -> Result<Self, CmodError> {
+        for error in &common {
+            check_length("common error", error.shift.len(), self.len())?;
+            if let Some((index, shift)) = error
+                .shift
+                .iter()
+                .enumerate()
+                .find(|(_, shift)| !shift.is_finite())
+            {
+                return Err(CmodError::ModulusPoint {
+                    index,
+                    quantity: "common error of the modulus [Pa]",
+                    value: if shift.re.is_finite() {
+                        shift.im
+                    } else {
+                        shift.re
+                    },
+                    expected: "a finite value",
+                });
+            }
+        }
+        self.common = common;
+        Ok(self)
+    }
+
+    /// The valid lines of an estimate, with the covariance of their random errors and their common errors.
+    ///
+    /// # Errors
+    /// As [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
     pub fn from_estimate(estimate: &ModulusEstimate) -> Result<Self, CmodError> {
-        let points: Vec<_> = estimate
-            .valid()
+        Self::from_lines(estimate.valid())
+    }
+
+    /// Lines of an estimate, with the covariance of their random errors and their common errors. A density that is wrong by 1 %
+    /// makes every line wrong by 1 %: it is no weight of a line, but an error of the law.
+    ///
+    /// # Errors
+    /// As [`Self::new`]. Lines without a random error would have infinite weight and are refused.
+    pub fn from_lines<'a>(
+        lines: impl IntoIterator<Item = &'a ModulusLine>,
+    ) -> Result<Self, CmodError> {
+        let lines: Vec<&ModulusLine> = lines.into_iter().collect();
+        let points: Vec<_> = lines
+            .iter()
             .map(|line| ModulusPoint {
                 frequency_hz: line.frequency_hz,
                 modulus: line.modulus,
                 covariance: line.uncertainty.random.modulus,
             })
             .collect();
-        Self::new(&points)
+        let mut common: Vec<CommonError> = Vec::new();
+        for (index, line) in lines.iter().enumerate() {
+            for shift in &line.uncertainty.systematic {
+                add_shift(
+                    &mut common,
+                    shift.source,
+                    lines.len(),
+                    index,
+                    shift.modulus,
+                );
+            }
+        }
+        Self::new(&points)?.with_common_errors(common)
+    }
+
+    /// The errors that the points share.
+    #[must_use]
+    pub fn common_errors(&self) -> &[CommonError] {
+        &self.common
     }
 
     /// Number of points.
@@ -165,14 +236,30 @@ impl ModulusData {
         (fold(f64::INFINITY, f64::min), fold(0.0, f64::max))
     }
 
-    /// All lines of several data one after the other, in units where their moduli are divided by `factors`.
+    /// All lines of several data one after the other, in units where their moduli are divided by `factors`. One source is one error
+    /// for all of them: it is the same specimen.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
         let mut all = Self {
             omega: Vec::new(),
             modulus: Vec::new(),
             whitening: Vec::new(),
+            common: Vec::new(),
         };
+        let parts: Vec<(&Self, f64)> = parts.collect();
+        let lines = parts.iter().map(|(part, _)| part.len()).sum();
         for (part, factor) in parts {
+            let first = all.len();
+            for error in &part.common {
+                for (line, shift) in error.shift.iter().enumerate() {
+                    add_shift(
+                        &mut all.common,
+                        error.source,
+                        lines,
+                        first + line,
+                        shift / factor,
+                    );
+                }
+            }
             all.omega.extend_from_slice(&part.omega);
             let moduli = part.modulus.iter().map(|modulus| modulus / factor);
             all.modulus.extend(moduli);
@@ -180,6 +267,26 @@ impl ModulusData {
             all.whitening.extend(whitening);
         }
         all
+    }
+}
+
+/// Adds the `shift` of one of so many `lines` to the error of its `source`, which begins with none on all lines.
+fn add_shift(
+    common: &mut Vec<CommonError>,
+    source: ErrorSource,
+    lines: usize,
+    index: usize,
+    shift: Complex64,
+) {
+    if !common.iter().any(|error| error.source == source) {
+        common.push(CommonError {
+            source,
+            shift: vec![Complex64::ZERO; lines],
+        });
+    }
+    let own = common.iter_mut().find(|error| error.source == source);
+    if let Some(sum) = own.and_then(|error| error.shift.get_mut(index)) {
+        *sum += shift;
     }
 }
 

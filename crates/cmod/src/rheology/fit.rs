@@ -12,7 +12,7 @@ use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Ending, count, minimise};
 use super::model::{self, Model};
 use super::order::PronyFit;
-use super::parameter::Parameter;
+use super::parameter::{CommonShift, Parameter};
 use super::power_law::PowerLawModel;
 use super::prony::Prony;
 use super::start::{self, Shape};
@@ -155,6 +155,10 @@ impl Scores {
 /// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the covariance of the line, is
 /// minimised in coordinates that keep every parameter in its range, with exact derivatives. Errors are of first order
 /// at the minimum; where they are large, intervals and verdicts come from profiles of χ².
+///
+/// Weights, χ² and the whiteness of the residuals are those of the random errors. [Common errors](ModulusData::with_common_errors)
+/// shift the parameters by g_s = J⁺W δE_s (J the whitened Jacobian, W the whitening), and the covariance of the parameters is
+/// C_random + Σ_s g_s g_sᵀ: more lines do not lessen it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -163,9 +167,13 @@ pub struct RheologicalFit {
     pub law: FittedLaw,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters, each on its [`Scale`](super::Scale), by rows; `None` if a combination of them is not
-    /// determined at all.
+    /// Covariance of the parameters by random and common errors, each on its [`Scale`](super::Scale), by rows; `None` if a
+    /// combination of them is not determined at all.
     pub covariance: Option<Vec<Vec<f64>>>,
+    /// Its part by the random errors.
+    pub random_covariance: Option<Vec<Vec<f64>>>,
+    /// Its part by common errors, one vector for each source.
+    pub common_errors: Vec<CommonShift>,
     /// Singular values of the whitened Jacobian, descending: by how many standard errors of the data the law changes along each
     /// of the `directions`.
     pub signal_to_noise: Vec<f64>,
@@ -177,7 +185,7 @@ pub struct RheologicalFit {
     pub degrees_of_freedom: usize,
     /// What the standard errors rest on.
     pub error_scale: ErrorScale,
-    /// By what the variances are multiplied: 1, or χ²/ν for errors from the residual.
+    /// By what the variances of the random errors are multiplied: 1, or χ²/ν for errors from the residual.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant of the data.
     pub aicc: f64,
@@ -333,7 +341,7 @@ impl RheologicalFit {
             .map_or(f64::NAN, |distribution| distribution.sf(self.chi_squared))
     }
 
-    /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters.
+    /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters, random and common.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if a law of more parameters
@@ -352,13 +360,25 @@ impl RheologicalFit {
             });
         };
         model.evaluate(at, &[omega], &mut modulus, &mut gradient);
-        let covariance = self
+        let random_covariance = self
             .information
             .of_modulus(&gradient)
             .map(|row| row.map(|entry| self.variance_factor * entry));
+        let mut covariance = random_covariance;
+        for error in &self.common_errors {
+            let products = gradient.iter().zip(&error.shift).map(|(g, s)| g * s);
+            let shift: Complex64 = products.sum();
+            let parts = [shift.re, shift.im];
+            for (row, own) in covariance.iter_mut().zip(parts) {
+                for (entry, other) in row.iter_mut().zip(parts) {
+                    *entry += own * other;
+                }
+            }
+        }
         Ok(PredictedModulus {
             modulus: modulus[0],
             covariance,
+            random_covariance,
         })
     }
 }
@@ -372,6 +392,8 @@ pub struct PredictedModulus {
     /// Covariance of (E', E'') \[Pa²\], by rows; infinite where the data leave it open. Of the law, if it is true: a wrong law is
     /// no more certain by it.
     pub covariance: [[f64; 2]; 2],
+    /// Its part by the random errors.
+    pub random_covariance: [[f64; 2]; 2],
 }
 
 /// Minimises from all starts and judges the best.

@@ -79,6 +79,28 @@ impl Information {
             .sum()
     }
 
+    /// Change of the coordinates by a change `whitened` of the data, J⁺ times it; nothing along directions that the data do not see.
+    pub(super) fn change(&self, linearised: &Linearised, whitened: &[f64]) -> Vec<f64> {
+        let parameters = self.singular_values.len();
+        let mut gradient = vec![0.0; parameters];
+        let rows = linearised.jacobian.chunks_exact(parameters.max(1));
+        for (row, value) in rows.zip(whitened) {
+            for (sum, entry) in gradient.iter_mut().zip(row) {
+                *sum += entry * value;
+            }
+        }
+        let mut change = vec![0.0; parameters];
+        for (s, direction) in self.singular_values.iter().zip(&self.directions) {
+            if *s > 0.0 {
+                let along: f64 = direction.iter().zip(&gradient).map(|(a, b)| a * b).sum();
+                for (sum, entry) in change.iter_mut().zip(direction) {
+                    *sum += entry * along / (s * s);
+                }
+            }
+        }
+        change
+    }
+
     /// Covariance of the coordinates; `None` if a combination of them is not determined at all.
     pub(super) fn matrix(&self) -> Option<Vec<Vec<f64>>> {
         let parameters = self.singular_values.len();

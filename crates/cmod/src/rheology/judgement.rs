@@ -9,7 +9,7 @@ use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, count, minimise};
 use super::model::Model;
 use super::parameter::{
-    Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
+    CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
 };
 use super::profile::{End, end};
 use super::whiteness::Whiteness;
@@ -49,8 +49,13 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 ErrorScale::FromResidual => minimum.chi_squared / count(degrees_of_freedom.max(1)),
                 _ => 1.0,
             };
-            let judged =
-                self.parameters(&minimum, &information, variance_factor, degrees_of_freedom);
+            let common = self.common_shifts(&minimum, &information);
+            let judged = self.parameters(
+                &minimum,
+                (&information, &common),
+                variance_factor,
+                degrees_of_freedom,
+            );
             match judged {
                 Ok(parameters) => {
                     let scores = Scores::of(
@@ -60,12 +65,15 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         minimum.at.len(),
                     );
                     let scaled = |row: &Vec<f64>| row.iter().map(|c| variance_factor * c).collect();
+                    let random: Option<Vec<Vec<f64>>> = information
+                        .matrix()
+                        .map(|matrix| matrix.iter().map(scaled).collect());
                     return Ok(RheologicalFit {
                         law: wrap(&minimum.at)?,
                         parameters,
-                        covariance: information
-                            .matrix()
-                            .map(|matrix| matrix.iter().map(scaled).collect()),
+                        covariance: random.clone().map(|random| with_common(random, &common)),
+                        random_covariance: random,
+                        common_errors: common,
                         signal_to_noise: information.singular_values.clone(),
                         directions: information.directions.clone(),
                         chi_squared: minimum.chi_squared,
@@ -90,15 +98,30 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         Err(no_law())
     }
 
+    /// The change of the coordinates by each common error of the data.
+    fn common_shifts(&self, minimum: &Minimum, information: &Information) -> Vec<CommonShift> {
+        let of = |error: &super::data::CommonError| {
+            let lines = self.data.whitening.iter().zip(&error.shift);
+            let whitened: Vec<f64> = lines
+                .flat_map(|(whitening, shift)| whitening.apply(*shift))
+                .collect();
+            CommonShift {
+                source: error.source,
+                shift: information.change(&minimum.linearised, &whitened),
+            }
+        };
+        self.data.common.iter().map(of).collect()
+    }
+
     /// The parameters, or the coordinates of a lower minimum.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`at`, the variances and the correlations have one entry for each of the kinds of the model"
+        reason = "`at`, the variances, the correlations and each common shift have one entry for each of the kinds of the model"
     )]
     fn parameters(
         &self,
         minimum: &Minimum,
-        information: &Information,
+        (information, common): (&Information, &[CommonShift]),
         variance_factor: f64,
         degrees_of_freedom: usize,
     ) -> Result<Vec<Parameter>, Vec<f64>> {
@@ -120,11 +143,15 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         for (index, kind) in kinds.iter().enumerate() {
             let here = minimum.at[index];
             let standard_error = standard_errors[index];
+            let common_error = common
+                .iter()
+                .fold(0.0, |sum: f64, error| sum.hypot(error.shift[index]));
+            let total = standard_error.hypot(common_error);
             let value = |coordinate: f64| kind.scale.value(coordinate);
             let (interval, verdict) = if is_linear(index) {
                 let interval = Interval {
-                    lower: value(here - quantile * standard_error),
-                    upper: value(here + quantile * standard_error),
+                    lower: value(here - quantile * total),
+                    upper: value(here + quantile * total),
                     method: IntervalMethod::Linear,
                 };
                 (interval, Verdict::Identified)
@@ -144,6 +171,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                     [End::Open, End::At(upper)] => [None, Some(upper)],
                     [End::Open, End::Open] => [None, None],
                 };
+                let wider = |end: f64| {
+                    here + (end - here).signum() * (end - here).hypot(quantile * common_error)
+                };
+                let ends = ends.map(|end| end.map(wider));
                 let interval = Interval {
                     lower: value(ends[0].unwrap_or(f64::NEG_INFINITY)),
                     upper: value(ends[1].unwrap_or(f64::INFINITY)),
@@ -164,7 +195,9 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 unit: kind.unit,
                 value: value(here),
                 scale: kind.scale,
-                standard_error,
+                standard_error: total,
+                random_error: standard_error,
+                common_error,
                 interval,
                 verdict,
             });
@@ -215,4 +248,16 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             _ => Reason::Noise { standard_error },
         }
     }
+}
+
+/// C_random + Σ_s g_s g_sᵀ.
+fn with_common(mut covariance: Vec<Vec<f64>>, common: &[CommonShift]) -> Vec<Vec<f64>> {
+    for error in common {
+        for (row, own) in covariance.iter_mut().zip(&error.shift) {
+            for (entry, other) in row.iter_mut().zip(&error.shift) {
+                *entry += own * other;
+            }
+        }
+    }
+    covariance
 }

@@ -241,8 +241,15 @@ impl MasterCurve {
         let covariance: Vec<Vec<f64>> = units
             .iter()
             .map(|a| {
-                let row = units.iter().map(|b| information.covariance(a, b));
-                row.map(|entry| self.fit.variance_factor * entry).collect()
+                let along = |g: &[f64], shift: &[f64]| -> f64 {
+                    g.iter().zip(shift).map(|(g, shift)| g * shift).sum()
+                };
+                let entry = |b: &Vec<f64>| {
+                    let common = self.fit.common_errors.iter();
+                    let common = common.map(|error| along(a, &error.shift) * along(b, &error.shift));
+                    self.fit.variance_factor * information.covariance(a, b) + common.sum::<f64>()
+                };
+                units.iter().map(entry).collect()
             })
             .collect();
         let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::estimate::ErrorSource;
+
 /// Largest standard error, on the scale of the parameter, up to which the linearised interval is believed and the parameter
 /// counts as identified without further search. At a quarter of a natural logarithm the two intervals differ by some tenths of
 /// their width.
@@ -46,12 +48,27 @@ pub struct Parameter {
     pub value: f64,
     /// The scale of the standard error.
     pub scale: Scale,
-    /// Standard error on the scale, from the linearised law; infinite if the data leave it open.
+    /// Standard error on the scale by random and common errors together, from the linearised law; infinite if the data leave it
+    /// open.
     pub standard_error: f64,
+    /// Its part by the random errors of the lines.
+    pub random_error: f64,
+    /// Its part by the errors that the lines share.
+    pub common_error: f64,
     /// Confidence interval at the level of the fit.
     pub interval: Interval,
     /// Whether the data determine it.
     pub verdict: Verdict,
+}
+
+/// Change of all parameters of a law by one standard uncertainty of one common source.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CommonShift {
+    /// The source.
+    pub source: ErrorSource,
+    /// The changes, in the order of the parameters and on their scales.
+    pub shift: Vec<f64>,
 }
 
 /// A confidence interval of a parameter.
@@ -81,7 +98,7 @@ pub enum IntervalMethod {
     /// From the standard error on the scale of the parameter.
     Linear,
     /// From the profile of χ²: the parameter is held at a value, all others are fitted anew, and the end is where χ² has risen by
-    /// the quantile of its distribution.
+    /// the quantile of its distribution. Common errors widen it on both sides, in squares.
     Profile,
 }
 

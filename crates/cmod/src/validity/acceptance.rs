@@ -25,11 +25,25 @@ pub const GREATEST_ERROR_AMPLIFICATION: f64 = 10.0;
 /// bounds of 1σ and 2σ keep their meaning.
 pub const GREATEST_SECOND_ORDER: f64 = 0.1;
 
-/// What errors are accepted of a valid line. The limits of a method are part of its settings.
+/// Default of [`AcceptanceLimits::greatest_poisson_ratio`]: that of an incompressible material, which no isotropic one exceeds.
+pub const GREATEST_POISSON_RATIO: f64 = 0.5;
+
+/// So many standard errors of the common sources count against [`AcceptanceLimits::common_storage_modulus`]: some 95 %.
+pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
+
+/// The errors that are accepted of a valid line. The limits of a method are part of its settings.
 ///
-/// The conditions (i)-(iii) of paper A are about the physics of a line and say nothing of the size of its error. These
-/// limits do: of a valid line E' is known to 1 % and the loss factor to 5 %, if the defaults are kept. A limit that
-/// is infinite (0 for the coherence) is not asked.
+/// The conditions (i)-(iii) of paper A are about the physics of a line and say nothing of the size of its error. These limits do.
+/// They judge what differs from line to line and the method: the random error, and the lateral inertia that the theory of the
+/// waves leaves in the modulus. If the defaults are kept, noise and theory leave E' of a valid line within 1 % and its loss factor
+/// within 5 %.
+///
+/// A common error, of the length, the density or the mass of the accelerometer, shifts all lines alike: no line is better than
+/// another for it, so it makes none invalid. It is stated beside the random error
+/// ([`ModulusLine::systematic_error`](crate::ModulusLine::systematic_error)) and is part of the standard error. Set
+/// `common_storage_modulus` to ask for a bound on it, too.
+///
+/// A limit that is infinite (0 for the coherence) is not asked.
 ///
 /// ```
 /// use cmod::validity::AcceptanceLimits;
@@ -40,12 +54,20 @@ pub const GREATEST_SECOND_ORDER: f64 = 0.1;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceptanceLimits {
-    /// Greatest relative error of E'. [`STANDARD_ERRORS_WITHIN`] standard errors must be less: the largest relative
-    /// standard error accepted is one fifth of this limit. If the variance was estimated from few averages, the random
-    /// part counts with as many standard errors as are exceeded as rarely by Student's distribution; 7.6 for ten averages.
+    /// Greatest relative error of E' by noise and by the theory of the waves: [`STANDARD_ERRORS_WITHIN`] standard errors of the
+    /// random part, and the [bound](crate::estimate::Uncertainty::lateral_inertia_bound) on lateral inertia that was not taken out.
+    /// If the variance was estimated from few averages, the random part counts with as many standard errors as are exceeded as
+    /// rarely by Student's distribution; 7.6 for ten averages.
     pub storage_modulus: f64,
     /// Greatest relative error of E''/E', likewise.
     pub loss_factor: f64,
+    /// Greatest relative common error of E' by all common sources together, as [`COMMON_STANDARD_ERRORS_WITHIN`] standard
+    /// errors. Infinite by default.
+    pub common_storage_modulus: f64,
+    /// Greatest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional theory makes E' too small by up to
+    /// (πνD/λ)²/2 of itself: with 0.5, the default, 1 % at λ = 11 D. Where ν is known, [`LateralInertia`](crate::LateralInertia)
+    /// takes that error out. 0 is for waves that have no lateral inertia, as one-dimensional simulations make them.
+    pub greatest_poisson_ratio: f64,
     /// Greatest |dE/E| by |dΨ/Ψ|.
     pub error_amplification: f64,
     /// Least ordinary coherence, where a coherence is known.
@@ -57,6 +79,8 @@ impl Default for AcceptanceLimits {
         Self {
             storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
             loss_factor: GREATEST_LOSS_FACTOR_ERROR,
+            common_storage_modulus: f64::INFINITY,
+            greatest_poisson_ratio: GREATEST_POISSON_RATIO,
             error_amplification: GREATEST_ERROR_AMPLIFICATION,
             coherence: 0.0,
         }
@@ -64,10 +88,13 @@ impl Default for AcceptanceLimits {
 }
 
 impl AcceptanceLimits {
-    /// No limits: only the conditions of the paper and what the solution reports are asked.
+    /// No limits: only the conditions of the paper and what the solution reports are asked. One-dimensional theory is taken as
+    /// exact.
     pub const NONE: Self = Self {
         storage_modulus: f64::INFINITY,
         loss_factor: f64::INFINITY,
+        common_storage_modulus: f64::INFINITY,
+        greatest_poisson_ratio: 0.0,
         error_amplification: f64::INFINITY,
         coherence: 0.0,
     };
@@ -76,6 +103,10 @@ impl AcceptanceLimits {
         let above_zero = [
             ("greatest error of E'", self.storage_modulus),
             ("greatest error of the loss factor", self.loss_factor),
+            (
+                "greatest common error of E'",
+                self.common_storage_modulus,
+            ),
             ("greatest error amplification", self.error_amplification),
         ];
         for (quantity, value) in above_zero {
@@ -92,6 +123,13 @@ impl AcceptanceLimits {
                 quantity: "least coherence",
                 value: self.coherence,
                 expected: "a value from 0 to 1",
+            });
+        }
+        if !(0.0..=0.5).contains(&self.greatest_poisson_ratio) {
+            return Err(CmodError::NonPhysical {
+                quantity: "greatest poisson's ratio",
+                value: self.greatest_poisson_ratio,
+                expected: "a value from 0 to 0.5",
             });
         }
         Ok(self)
@@ -144,41 +182,61 @@ impl Acceptance {
         self.own_degrees_of_freedom
     }
 
-    /// What of the limits `line` exceeds.
+    pub(crate) fn limits(&self) -> &AcceptanceLimits {
+        &self.limits
+    }
+
+    /// The limits that `line` exceeds.
     pub(crate) fn violations(&self, line: &ModulusLine) -> Vec<Violation> {
         let mut violations = Vec::new();
-        let total = &line.standard_error;
-        let (random, systematic);
-        let (random, systematic) = if line.uncertainty.systematic.is_empty() {
-            (total, None)
-        } else {
-            random = line.random_error();
-            systematic = line.systematic_error();
-            (&random, Some(&systematic))
-        };
-        let within = |random: f64, systematic: Option<f64>| {
-            (self.factor * random).hypot(STANDARD_ERRORS_WITHIN * systematic.unwrap_or(0.0))
-        };
-        let storage = within(
-            random.storage_modulus,
-            systematic.map(|error| error.storage_modulus),
-        ) / line.modulus.re.abs();
-        if storage > self.limits.storage_modulus {
-            violations.push(Violation::ErrorTooLarge {
-                quantity: "E'",
-                error: storage,
-                limit: self.limits.storage_modulus,
-            });
+        let random = line.random_error();
+        let inertia = line.lateral_inertia_bound();
+        let storage = line.modulus.re.abs();
+        let loss = line.loss_factor.abs();
+        for (quantity, random, inertia, limit) in [
+            (
+                "E'",
+                random.storage_modulus / storage,
+                inertia.storage_modulus / storage,
+                self.limits.storage_modulus,
+            ),
+            (
+                "the loss factor",
+                random.loss_factor / loss,
+                inertia.loss_factor / loss,
+                self.limits.loss_factor,
+            ),
+        ] {
+            // the bound is no standard error: it adds to what the random error may reach
+            let error = self.factor * random + inertia;
+            if inertia > limit {
+                violations.push(Violation::LateralInertiaTooLarge {
+                    quantity,
+                    error: inertia,
+                    limit,
+                });
+            } else if error > limit {
+                violations.push(Violation::ErrorTooLarge {
+                    quantity,
+                    error,
+                    limit,
+                });
+            }
         }
-        let loss = within(
-            random.loss_factor,
-            systematic.map(|error| error.loss_factor),
-        ) / line.loss_factor.abs();
-        if loss > self.limits.loss_factor {
-            violations.push(Violation::ErrorTooLarge {
-                quantity: "the loss factor",
-                error: loss,
-                limit: self.limits.loss_factor,
+        let common = COMMON_STANDARD_ERRORS_WITHIN * line.systematic_error().storage_modulus
+            / storage;
+        let largest = line
+            .uncertainty
+            .systematic
+            .iter()
+            .max_by(|a, b| a.modulus.re.abs().total_cmp(&b.modulus.re.abs()));
+        if common > self.limits.common_storage_modulus
+            && let Some(largest) = largest
+        {
+            violations.push(Violation::CommonErrorTooLarge {
+                error: common,
+                largest: largest.source,
+                limit: self.limits.common_storage_modulus,
             });
         }
         if line.error_amplification > self.limits.error_amplification {
@@ -190,7 +248,7 @@ impl Acceptance {
         violations
     }
 
-    /// Whether a `coherence` is too low.
+    /// The violation of the least coherence, if `coherence` is below it.
     pub(crate) fn incoherent(&self, coherence: f64) -> Option<Violation> {
         (coherence < self.limits.coherence).then_some(Violation::CoherenceTooLow {
             coherence,
@@ -233,6 +291,13 @@ mod tests {
                 ..default
             }),
             "least coherence is 1.5, expected a value from 0 to 1"
+        );
+        assert_eq!(
+            text(AcceptanceLimits {
+                greatest_poisson_ratio: 0.6,
+                ..default
+            }),
+            "greatest poisson's ratio is 0.6, expected a value from 0 to 0.5"
         );
         let nan = AcceptanceLimits {
             error_amplification: f64::NAN,

@@ -55,7 +55,8 @@ pub struct ModulusSheet {
     /// What is asked of a line that is to be called valid.
     #[serde(default)]
     pub limits: LimitsSheet,
-    /// Lateral inertia taken out of the modulus; by default it is not, and waves shorter than five diameters are not valid.
+    /// Lateral inertia taken out of the modulus. By default it is not: Poisson's ratio may then be anything up to 0.5, the error by
+    /// it is one of the common errors, and a line where it exceeds the limit of E' is not valid.
     #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
     /// Checks that need no truth to compare with.
@@ -90,10 +91,14 @@ pub struct SpecimenSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSheet {
-    /// Greatest relative error of E', within which five standard errors must lie, as `"1 %"`, which is the default.
+    /// Greatest relative error of E', within which five standard errors of the random part and lateral inertia that was not taken
+    /// out must lie, as `"1 %"`, which is the default.
     pub storage_modulus: Option<Stated<Ratio>>,
     /// Greatest relative error of the loss factor, likewise; `"5 %"` by default.
     pub loss_factor: Option<Stated<Ratio>>,
+    /// Greatest relative common error of E', within which two standard errors of all common sources must lie; not asked by
+    /// default.
+    pub common_storage_modulus: Option<Stated<Ratio>>,
     /// Greatest amplification of a relative error; `"10"` by default.
     pub error_amplification: Option<Stated<Ratio>>,
     /// Least coherence, of the two-point method from several hits; not asked by default.
@@ -104,9 +109,9 @@ pub struct LimitsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralInertiaSheet {
-    /// Poisson's ratio, as `"0.40 ± 0.02"`.
+    /// Poisson's ratio, as `"0.40 ± 0.02"`; `"0"` for simulated waves in one dimension.
     pub poisson_ratio: Stated<Ratio>,
-    /// The theory; by default the simplest that serves at each wavelength.
+    /// The theory; by default that of Pochhammer and Chree at all wavelengths.
     #[serde(default)]
     pub theory: Option<TheorySheet>,
 }
@@ -114,7 +119,7 @@ pub struct LateralInertiaSheet {
 /// A theory of rods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum TheorySheet {
-    /// Love and Rayleigh, from three diameters a wavelength on.
+    /// Love and Rayleigh; what it leaves, 1 % of E' at three diameters a wavelength, is one of the common errors.
     LoveRayleigh,
     /// Pochhammer and Chree, exact for a round rod.
     PochhammerChree,

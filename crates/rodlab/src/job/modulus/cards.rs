@@ -16,19 +16,25 @@ pub(super) fn attach(
     asked: &CardsSheet,
 ) -> Result<(), RodlabError> {
     let refused = |error| RodlabError::step("laws.cards", error);
-    let series = comparison
+    let fitted = comparison
         .rows
         .iter()
-        .find_map(|row| row.fit.law.prony_series());
-    let Some(series) = series else {
+        .find_map(|row| Some((&row.fit, row.fit.law.prony_series()?)));
+    let Some((fit, series)) = fitted else {
         // it is in the log why it could not be fitted
         return Ok(());
     };
-    let card = match MaterialCard::new(
+    let mut valid = found.estimate.valid().map(|line| line.frequency_hz);
+    let band = valid.next().map_or_else(Vec::new, |first| {
+        let last = valid.last().unwrap_or(first);
+        vec![first, (first * last).sqrt(), last]
+    });
+    let card = match MaterialCard::from_fit(
         &asked.name,
         found.sheet.specimen.density.si(),
         asked.poisson_ratio.si(),
-        series,
+        fit,
+        &band,
     ) {
         Ok(card) => card,
         // a series without a spring is no solid: the programs do not take it

@@ -328,6 +328,11 @@ pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
     AcceptanceLimits {
         storage_modulus: or(&sheet.limits.storage_modulus, default.storage_modulus),
         loss_factor: or(&sheet.limits.loss_factor, default.loss_factor),
+        common_storage_modulus: or(
+            &sheet.limits.common_storage_modulus,
+            default.common_storage_modulus,
+        ),
+        greatest_poisson_ratio: default.greatest_poisson_ratio,
         error_amplification: or(
             &sheet.limits.error_amplification,
             default.error_amplification,

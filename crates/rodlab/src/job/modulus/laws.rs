@@ -1,9 +1,10 @@
 //! Laws fitted to the valid lines, and cards for programs that compute with a material.
 
 use cmod::rheology::{
-    Comparison, Criterion, ErrorScale, FitOptions, Law, ModulusData, ModulusPoint, RheologicalFit,
+    Comparison, Criterion, ErrorScale, FitOptions, Law, ModulusData, Parameter, RheologicalFit,
     Scale,
 };
+use cmod::ModulusLine;
 use serde::Deserialize;
 
 use super::{Found, cards};
@@ -167,7 +168,7 @@ pub(super) fn fit(
         })
         .collect();
     let points = points(found, asked.most_lines.unwrap_or(MOST_LINES));
-    let data = match ModulusData::new(&points) {
+    let data = match ModulusData::from_lines(points.iter().copied()) {
         Ok(data) => data,
         Err(error) => {
             outcome.log.push(LogEntry {
@@ -223,36 +224,42 @@ pub(super) fn fit(
     Ok(())
 }
 
-/// Valid lines with the covariance of their noise, evenly chosen.
-fn points(found: &Found<'_>, most: usize) -> Vec<ModulusPoint> {
-    let valid: Vec<_> = found.estimate.valid().collect();
-    let stride = valid.len().div_ceil(most).max(1);
-    valid
-        .iter()
-        .step_by(stride)
-        .map(|line| ModulusPoint {
-            frequency_hz: line.frequency_hz,
-            modulus: line.modulus,
-            covariance: line.uncertainty.random.modulus,
-        })
-        .collect()
+/// Valid lines, evenly chosen.
+fn points<'a>(found: &Found<'a>, most: usize) -> Vec<&'a ModulusLine> {
+    let count = found.estimate.valid().count();
+    let stride = count.div_ceil(most).max(1);
+    found.estimate.valid().step_by(stride).collect()
+}
+
+/// An `error` on the scale of the parameter as one of its value; none where it is no small one.
+fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
+    match parameter.scale {
+        Scale::Ratio if parameter.standard_error < 0.5 => Some(parameter.value * error),
+        Scale::Difference => Some(error),
+        // on the odds of α its derivative is α(1 - α)
+        Scale::LogOdds if parameter.standard_error < 0.5 => {
+            Some(parameter.value * (1.0 - parameter.value) * error)
+        }
+        _ => None,
+    }
+    .filter(|error| error.is_finite())
 }
 
 fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
     let white = fit.whiteness.is_white(WHITE);
     for parameter in &fit.parameters {
         let identified = parameter.verdict.is_identified();
-        let error = match parameter.scale {
-            Scale::Ratio if parameter.standard_error < 0.5 => {
-                Some(parameter.value * parameter.standard_error)
-            }
-            Scale::Difference => Some(parameter.standard_error),
-            // on the odds of α its derivative is α(1 - α)
-            Scale::LogOdds if parameter.standard_error < 0.5 => {
-                Some(parameter.value * (1.0 - parameter.value) * parameter.standard_error)
-            }
-            _ => None,
-        };
+        let error = of_value(parameter, parameter.standard_error);
+        let parts = of_value(parameter, parameter.random_error)
+            .zip(of_value(parameter, parameter.common_error))
+            .filter(|(_, common)| *common > 0.0)
+            .map_or_else(String::new, |(random, common)| {
+                format!(
+                    ", ± {} random ± {} common",
+                    significant(random, 2),
+                    significant(common, 2)
+                )
+            });
         outcome.quantities.push(Quantity {
             name: format!("{}, {}", fit.law.law(), parameter.name),
             unit: match parameter.unit {
@@ -260,10 +267,10 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
                 unit => unit.to_owned(),
             },
             value: Some(parameter.value),
-            standard_error: error.filter(|error| error.is_finite()),
+            standard_error: error,
             valid: identified && white,
             verdict: format!(
-                "{}; between {} and {}{}",
+                "{}; between {} and {}{parts}{}",
                 parameter.verdict,
                 significant(parameter.interval.lower, 4),
                 significant(parameter.interval.upper, 4),
@@ -313,7 +320,7 @@ fn table(comparison: &Comparison) -> Table {
 
 fn figure(
     found: &Found<'_>,
-    points: &[ModulusPoint],
+    points: &[&ModulusLine],
     comparison: &Comparison,
     best: &RheologicalFit,
 ) -> Figure {
@@ -332,7 +339,7 @@ fn figure(
         for (index, row) in comparison.rows.iter().enumerate() {
             let law = &row.fit.law;
             let at =
-                |point: &ModulusPoint| of(law.modulus(std::f64::consts::TAU * point.frequency_hz));
+                |point: &&ModulusLine| of(law.modulus(std::f64::consts::TAU * point.frequency_hz));
             marks.push(Mark::Line {
                 name: law.law().to_string(),
                 role: Role::of_series(index),

@@ -29,11 +29,20 @@ pub(super) fn table(found: &Found<'_>) -> Table {
         numbers("standard error of the loss factor", "", &|l| {
             l.standard_error.loss_factor
         }),
-        numbers("standard error of E' by noise", "GPa", &|l| {
+        numbers("random error of E'", "GPa", &|l| {
             giga * l.random_error().storage_modulus
         }),
-        numbers("standard error of E' by the specimen", "GPa", &|l| {
+        numbers("common error of E'", "GPa", &|l| {
             giga * l.systematic_error().storage_modulus
+        }),
+        numbers("random error of the loss factor", "", &|l| {
+            l.random_error().loss_factor
+        }),
+        numbers("common error of the loss factor", "", &|l| {
+            l.systematic_error().loss_factor
+        }),
+        numbers("lateral inertia left in E', at most", "GPa", &|l| {
+            giga * l.lateral_inertia_bound().storage_modulus
         }),
         numbers("wave number", "rad/m", &ModulusLine::wave_number),
         numbers("standard error of the wave number", "rad/m", &|l| {

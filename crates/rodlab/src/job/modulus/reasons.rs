@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cmod::estimate::ModulusEstimate;
+use cmod::estimate::{ErrorSource, ModulusEstimate};
 use cmod::validity::Violation;
 
 use crate::outcome::LogEntry;
@@ -54,11 +54,40 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::NearSingular { .. } => "too near a singular frequency for this noise",
         Violation::ErrorTooLarge { quantity: "E'", .. } => "error of E' above its limit",
         Violation::ErrorTooLarge { .. } => "error of the loss factor above its limit",
+        Violation::LateralInertiaTooLarge { quantity: "E'", .. } => {
+            "lateral inertia not taken out: error of E' above its limit"
+        }
+        Violation::LateralInertiaTooLarge { .. } => {
+            "lateral inertia not taken out: error of the loss factor above its limit"
+        }
+        Violation::CommonErrorTooLarge { largest, .. } => by_source(*largest),
         Violation::ErrorAmplified { .. } => "errors amplified above the limit",
         Violation::CoherenceTooLow { .. } => "coherence below its limit",
         Violation::NodeAtMiddleGauge { .. } => "node at the middle gauge",
         Violation::Misfit { .. } => "two waves do not explain the gauges",
         _ => "another condition",
+    }
+}
+
+/// A common error above its limit, with the source that contributes most.
+fn by_source(largest: ErrorSource) -> &'static str {
+    match largest {
+        ErrorSource::Length => "common error of E' above its limit, most of it by the length",
+        ErrorSource::Diameter => "common error of E' above its limit, most of it by the diameter",
+        ErrorSource::Density => "common error of E' above its limit, most of it by the density",
+        ErrorSource::AccelerometerMass => {
+            "common error of E' above its limit, most of it by the mass of the accelerometer"
+        }
+        ErrorSource::Section(_) => {
+            "common error of E' above its limit, most of it by the distance of a section"
+        }
+        ErrorSource::PoissonRatio => {
+            "common error of E' above its limit, most of it by Poisson's ratio"
+        }
+        ErrorSource::LateralInertia => {
+            "common error of E' above its limit, most of it by lateral inertia not taken out"
+        }
+        _ => "common error of E' above its limit",
     }
 }
 

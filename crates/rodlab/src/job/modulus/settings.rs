@@ -28,13 +28,16 @@ pub(super) fn of(sheet: &ModulusSheet) -> Chosen {
     }
     limits(&sheet.limits, &mut chosen);
     match &sheet.lateral_inertia {
-        None => chosen.by_default("lateral_inertia", "not taken out"),
+        None => chosen.by_default(
+            "lateral_inertia",
+            "not taken out: an error by Poisson's ratio up to 0.5",
+        ),
         Some(inertia) => {
             chosen.stated("lateral_inertia.poisson_ratio", &inertia.poisson_ratio);
             match inertia.theory {
                 None => chosen.by_default(
                     "lateral_inertia.theory",
-                    "the simplest that serves at each wavelength",
+                    "Pochhammer and Chree at all wavelengths",
                 ),
                 Some(TheorySheet::LoveRayleigh) => {
                     chosen.stated("lateral_inertia.theory", "Love and Rayleigh");
@@ -165,6 +168,11 @@ fn limits(limits: &LimitsSheet, chosen: &mut Chosen) {
             "loss_factor",
             &limits.loss_factor,
             percent(default.loss_factor),
+        ),
+        (
+            "common_storage_modulus",
+            &limits.common_storage_modulus,
+            "not asked".to_owned(),
         ),
         (
             "error_amplification",

@@ -60,13 +60,9 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     outcome.summary.insert(
         1,
         format!(
-            "Found by {}; an error is one standard error, of {}.",
+            "Found by {}; an error is one standard error: random, by noise, apart from line to line; common to all lines, {}.",
             method_in_words(&found.sheet.method),
-            if gauged(&found.sheet.method) {
-                "noise"
-            } else {
-                "noise and specimen together"
-            }
+            best.map_or_else(String::new, |line| by_sources(line)),
         ),
     );
     if valid.len() < all.len() {
@@ -85,14 +81,29 @@ fn answer(
     valid: &[&ModulusLine],
     all: usize,
 ) -> String {
-    let error = &line.standard_error;
+    let (random, common) = (line.random_error(), line.systematic_error());
     let (modulus, unit) = in_pascal(line.modulus.re);
+    let parts = |value: f64, random: f64, common: f64| {
+        let random = percent(random / value.abs());
+        if common > 0.0 {
+            format!(
+                "± {random} random ± {} common",
+                percent(common / value.abs())
+            )
+        } else {
+            format!("± {random} random")
+        }
+    };
     format!(
-        "E' = {} {unit} ± {} and loss factor {} ± {} at {}; {} of {} valid from {} to {}.",
+        "E' = {} {unit} {} and loss factor {} {} at {}; {} of {} valid from {} to {}.",
         significant(modulus, 3),
-        percent(error.storage_modulus / line.modulus.re.abs()),
+        parts(
+            line.modulus.re,
+            random.storage_modulus,
+            common.storage_modulus
+        ),
         significant(line.loss_factor, 3),
-        percent(error.loss_factor / line.loss_factor.abs()),
+        parts(line.loss_factor, random.loss_factor, common.loss_factor),
         hertz(line.frequency_hz),
         valid.len(),
         if all == 1 {
@@ -103,6 +114,28 @@ fn answer(
         hertz(first.frequency_hz),
         hertz(last.frequency_hz),
     )
+}
+
+/// The common errors of E' on one line, the largest first, as `by density (1.0 %) and length (0.12 %)`.
+fn by_sources(line: &ModulusLine) -> String {
+    let mut sources: Vec<(String, f64)> = line
+        .uncertainty
+        .systematic
+        .iter()
+        .map(|shift| {
+            let part = (shift.modulus.re / line.modulus.re).abs();
+            (shift.source.to_string(), part)
+        })
+        .collect();
+    sources.sort_by(|a, b| b.1.total_cmp(&a.1));
+    if sources.is_empty() {
+        return "of which none is stated".to_owned();
+    }
+    let words: Vec<String> = sources
+        .iter()
+        .map(|(source, part)| format!("{source} ({})", percent(*part)))
+        .collect();
+    format!("by {}", words.join(", "))
 }
 
 /// In GPa or in MPa.
@@ -262,13 +295,37 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 line.modulus.re / correction.apparent_modulus.re - 1.0,
             ))
         };
-        if let Some((f, most)) = valid.last().and_then(|line| relative(line)) {
+        if let Some((f, most)) = valid
+            .last()
+            .and_then(|line| relative(line))
+            .filter(|(_, most)| *most > 0.0)
+        {
             outcome.summary.push(format!(
                 "Lateral inertia was taken out: it raises E' by {} at {}.",
                 percent(most),
                 hertz(f)
             ));
+            let stated = found.sheet.lateral_inertia.as_ref();
+            if let Some(ratio) = stated.map(|asked| &asked.poisson_ratio)
+                && ratio.standard_uncertainty().is_none()
+            {
+                // the correction goes with the square of Poisson's ratio
+                outcome.warnings.push(format!(
+                    "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which is not in \
+                     the errors.",
+                    percent(most * 0.02 / ratio.si()),
+                    hertz(f)
+                ));
+            }
         }
+    } else if let Some(line) = valid.last() {
+        let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
+        outcome.warnings.push(format!(
+            "Lateral inertia was not taken out, as no Poisson's ratio is stated. With any up to 0.5, E' is too small by at most {} at {}; \
+             this is in the common errors. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
+            percent(bound),
+            hertz(line.frequency_hz)
+        ));
     }
     let calibration = found.measured.calibration_error;
     let amplified = valid
@@ -283,14 +340,14 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             hertz(line.frequency_hz)
         ));
     }
-    let systematic = |line: &&ModulusLine| {
+    let is_larger = |line: &&ModulusLine| {
         line.systematic_error().storage_modulus > line.random_error().storage_modulus
     };
-    let by_specimen = valid.iter().filter(|line| systematic(line)).count();
-    if by_specimen > valid.len() / 2 {
+    let larger = valid.iter().filter(|line| is_larger(line)).count();
+    if larger > valid.len() / 2 {
         outcome.warnings.push(format!(
-            "On {by_specimen} of {} valid lines the specimen contributes more to the error of E' than the noise: that part is the same \
-             on all lines, and more hits do not lessen it.",
+            "On {larger} of {} valid lines the common error of E' is larger than the random one: it shifts all lines alike, and more \
+             hits do not lessen it.",
             valid.len()
         ));
     }
