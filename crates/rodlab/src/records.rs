@@ -27,7 +27,7 @@ use ndarray::Axis;
 use serde::Deserialize;
 
 use crate::outcome::{InputFile, LogEntry, Setting};
-use crate::sheet::{Frequency, Stated};
+use crate::sheet::{Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
 /// Which files, and what their channels are.
@@ -38,7 +38,7 @@ pub struct Records {
     pub files: Vec<String>,
     /// Rate of the samples, where the files do not tell it (NPY) or have it rounded (by less than 0.1 %).
     #[serde(default)]
-    pub sampling_rate: Option<Stated<Frequency>>,
+    pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; the others are passed over.
     pub channels: Vec<ChannelSheet>,
 }

@@ -17,7 +17,7 @@ pub use support::{CompletionSheet, SupportSheet, measured_body};
 use labio::{FrequencyResponse, LineValidity};
 
 use crate::RodlabError;
-use crate::sheet::{Frequency, Stated};
+use crate::sheet::{Frequency, Exact};
 
 /// Fewest lines of a response that something is made of.
 const FEWEST_LINES: usize = 8;
@@ -49,7 +49,7 @@ pub fn in_words(validity: LineValidity) -> &'static str {
 /// [`RodlabError::Request`] if fewer than eight lines are left.
 pub fn cut(
     response: &mut FrequencyResponse,
-    up_to: &Stated<Frequency>,
+    up_to: &Exact<Frequency>,
     field: &str,
 ) -> Result<(), RodlabError> {
     let limit = up_to.si() + 1e-6 * line_spacing_hz(response);

@@ -10,20 +10,26 @@
 //! )
 //! ```
 //!
-//! Quantities are texts with a unit and, where it is known, a standard uncertainty ([`Stated`]). Paths are relative to the sheet.
+//! Quantities are texts with a unit. A measured one whose uncertainty its job follows to the result takes a `±` ([`Stated`]). Any other
+//! refuses it at its place in the sheet: what is chosen is exact by definition ([`Exact`]), and what is measured may have no way yet
+//! from its uncertainty to the result ([`NotFollowed`]). So no `±` is without effect. Numbers without quotes are exact by definition.
+//! Paths are relative to the sheet.
 
 pub mod body;
 mod diagnostic;
+mod exact;
+mod kind;
 pub mod material;
 pub mod measured;
 mod stated;
 
 pub use diagnostic::SheetError;
-pub use stated::{
+pub use exact::{ByDefinition, Exact, NoWay, NotFollowed, Reason};
+pub use kind::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, Pressure,
-    Ratio, SpecificImpedance, Stated, Stiffness, Stress, Temperature, Time, Velocity, Viscosity,
-    Written,
+    Ratio, SpecificImpedance, Stiffness, Stress, Temperature, Time, Velocity, Viscosity,
 };
+pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
 use std::path::{Path, PathBuf};

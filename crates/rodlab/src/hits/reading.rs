@@ -7,7 +7,7 @@ use labio::{Channel, Dimension};
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{self, Duration, Stated};
+use crate::sheet::{self, Duration, Exact};
 
 /// A level of a channel, as `"20 N"`; which unit it must have, the channel says.
 #[derive(Debug, Clone, Deserialize)]
@@ -84,7 +84,7 @@ impl TryFrom<String> for Stretch {
                 format!("`{text}` is no whole number of samples, as \"4096 samples\"")
             })?),
             None => {
-                let duration: Stated<Duration> = trimmed
+                let duration: Exact<Duration> = trimmed
                     .parse()
                     .map_err(|error| format!("{error}, or \"4096 samples\""))?;
                 Extent::Seconds(duration.si())

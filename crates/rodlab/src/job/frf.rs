@@ -324,12 +324,13 @@ fn warn(
         let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
             continue;
         };
-        let error = weighed.mass.standard_uncertainty().unwrap_or(0.0);
-        let apart = completed.apparent_mass - weighed.mass.si();
+        let mass = weighed.mass.with_uncertainty();
+        let error = mass.uncertainty();
+        let apart = completed.apparent_mass - mass.value;
         let spread = completed
             .apparent_mass_standard_error
             .hypot(error)
-            .hypot(weighed.mass.si() * one.calibration);
+            .hypot(mass.value * one.calibration);
         if apart.abs() > 3.0 * spread {
             outcome.doubt(format!(
                 "the lines of `{output}` say a mass of {} kg, the balance {}: more apart than their errors explain, by a wrong sensitivity or a body that is not free",

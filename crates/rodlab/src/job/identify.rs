@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 use super::{About, Surroundings};
 use crate::outcome::{Column, Setting, Table, Verdict};
-use crate::sheet::{Density, Length, Stated};
+use crate::sheet::{Density, Exact, Length, Stated};
 use crate::{Outcome, RodlabError};
 use laws::FittedLaw;
 use words::Shown;
@@ -48,12 +48,12 @@ pub struct IdentifySheet {
     pub profiles: bool,
     /// Longest cell of the rod in the direct problem, as `"8 mm"` for a rod whose waves are long; 4 mm by default.
     #[serde(default)]
-    pub cell: Option<Stated<Length>>,
+    pub cell: Option<Exact<Length>>,
 }
 
 impl IdentifySheet {
     fn cell(&self) -> f64 {
-        self.cell.as_ref().map_or(DEFAULT_CELL, Stated::si)
+        self.cell.as_ref().map_or(DEFAULT_CELL, Exact::si)
     }
 }
 
@@ -119,7 +119,7 @@ pub(crate) fn run(
     for law in &sheet.laws {
         laws.push(laws::fit(
             *law,
-            sheet.cell.as_ref().map(Stated::si),
+            sheet.cell.as_ref().map(Exact::si),
             &tests,
         )?);
         around.progress.one_more();
@@ -206,7 +206,7 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
     let cell = sheet.cell.as_ref();
     say(
         "cell",
-        cell.map_or_else(usual, Stated::to_string),
+        cell.map_or_else(usual, Exact::to_string),
         cell.is_none(),
     );
     let DifferentiatorSheet { half_width, degree } = sheet.differentiator;

@@ -15,7 +15,7 @@ use super::{About, Surroundings};
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::material::Materials;
-use crate::sheet::{AddedMass, Frequency, SpecificImpedance, Stated};
+use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -37,7 +37,7 @@ pub struct MobilitySheet {
     pub head_mass: Option<Stated<AddedMass>>,
     /// Lines above this frequency are left out, as `"10 kHz"`; by default none is.
     #[serde(default)]
-    pub up_to: Option<Stated<Frequency>>,
+    pub up_to: Option<Exact<Frequency>>,
     /// What holds the body; by default what the line at 0 Hz says.
     #[serde(default)]
     pub support: SupportSheet,
@@ -46,7 +46,7 @@ pub struct MobilitySheet {
     pub complete: Option<CompletionSheet>,
     /// Characteristic impedance of the material at the face, with which it answers at once, as `"3.2e3 kg/s"`.
     #[serde(default)]
-    pub front_impedance: Option<Stated<SpecificImpedance>>,
+    pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }
 
 pub(crate) fn run(
@@ -95,7 +95,7 @@ fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
     );
     say(
         "up_to",
-        sheet.up_to.as_ref().map(Stated::to_string),
+        sheet.up_to.as_ref().map(Exact::to_string),
         "all lines",
     );
     let support = match &sheet.support {
@@ -110,7 +110,7 @@ fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
         )
     });
     say("complete", completed, "lines stay as measured");
-    let front = sheet.front_impedance.as_ref().map(Stated::to_string);
+    let front = sheet.front_impedance.as_ref().map(NotFollowed::to_string);
     say("front_impedance", front, "of the upper fifth of the lines");
 }
 

@@ -5,6 +5,7 @@ mod checked_band;
 mod checks;
 mod estimate;
 mod figures;
+mod followed;
 mod gauges;
 mod histories;
 mod laws;
@@ -30,7 +31,7 @@ use super::About;
 use super::Surroundings;
 use super::frf::BandSheet;
 use crate::outcome::Verdict;
-use crate::sheet::{AddedMass, Density, Frequency, Length, Ratio, Stated};
+use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, Ratio, Stated};
 use crate::{Outcome, RodlabError};
 use measured::{Measured, Spectra};
 
@@ -68,7 +69,7 @@ pub struct ModulusSheet {
     /// Frequencies whose results are named one by one, as `["1 kHz", "5 kHz"]`; by default 1, 2 and 5 of each decade where lines are
     /// valid.
     #[serde(default)]
-    pub report_at: Option<Vec<Stated<Frequency>>>,
+    pub report_at: Option<Vec<Exact<Frequency>>>,
 }
 
 /// The rod.
@@ -93,16 +94,16 @@ pub struct SpecimenSheet {
 pub struct LimitsSheet {
     /// Greatest relative error of E', within which five standard errors of the random part and lateral inertia that was not taken
     /// out must lie, as `"1 %"`, which is the default.
-    pub storage_modulus: Option<Stated<Ratio>>,
+    pub storage_modulus: Option<Exact<Ratio>>,
     /// Greatest relative error of the loss factor, likewise; `"5 %"` by default.
-    pub loss_factor: Option<Stated<Ratio>>,
+    pub loss_factor: Option<Exact<Ratio>>,
     /// Greatest relative common error of E', within which two standard errors of all common sources must lie; not asked by
     /// default.
-    pub common_storage_modulus: Option<Stated<Ratio>>,
+    pub common_storage_modulus: Option<Exact<Ratio>>,
     /// Greatest amplification of a relative error; `"10"` by default.
-    pub error_amplification: Option<Stated<Ratio>>,
+    pub error_amplification: Option<Exact<Ratio>>,
     /// Least coherence, of the two-point method from several hits; not asked by default.
-    pub coherence: Option<Stated<Ratio>>,
+    pub coherence: Option<Exact<Ratio>>,
 }
 
 /// Lateral inertia that is taken out.
@@ -138,6 +139,7 @@ struct Found<'a> {
 
 pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
+    followed::check(sheet)?;
     sheet.checks.level()?;
     if let Some(laws) = &sheet.laws {
         laws.check()?;

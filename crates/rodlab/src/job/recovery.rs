@@ -22,7 +22,7 @@ use super::About;
 use super::Surroundings;
 use crate::chosen::Chosen;
 use crate::outcome::{InputFile, LogEntry, Verdict};
-use crate::sheet::{Frequency, Pressure, Ratio, Stated};
+use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -38,7 +38,7 @@ pub struct RecoverySheet {
     /// determines it.
     pub series_modulus: Stated<Pressure>,
     /// Frequency at which the loss factor was read, as `"10 kHz"`.
-    pub frequency: Stated<Frequency>,
+    pub frequency: NotFollowed<Frequency>,
     /// Loss factor of the virgin material, as `"0.025 ± 0.0003"`. Its uncertainty is shared by all readings.
     #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
@@ -47,7 +47,7 @@ pub struct RecoverySheet {
     pub readings_are: Option<ReadingsAre>,
     /// Standard error of a reading that states none itself, as `"0.0012"`.
     #[serde(default)]
-    pub standard_error: Option<Stated<Ratio>>,
+    pub standard_error: Option<Exact<Ratio>>,
     /// What the errors of the result rest on; the stated errors by default.
     #[serde(default)]
     pub error_scale: Option<ErrorScaleSheet>,
@@ -98,7 +98,7 @@ pub struct TestSheet {
     pub load: Vec<LoadSheet>,
     /// Frequency of this test, where it differs from that of the sheet.
     #[serde(default)]
-    pub frequency: Option<Stated<Frequency>>,
+    pub frequency: Option<NotFollowed<Frequency>>,
     /// What was read.
     pub readings: ReadingsSheet,
 }
@@ -167,9 +167,10 @@ pub(crate) fn run(
         .dedup_by(|a: &mut InputFile, b| a.path == b.path);
     around.has_read_all()?;
 
+    let stated = sheet.series_modulus.with_uncertainty();
     let series_modulus = SeriesModulus {
-        value: sheet.series_modulus.si(),
-        standard_error: sheet.series_modulus.standard_uncertainty().unwrap_or(0.0),
+        value: stated.value,
+        standard_error: stated.uncertainty(),
     };
     let scale = ErrorScale::from(sheet.error_scale.unwrap_or(ErrorScaleSheet::Stated));
     around
@@ -283,7 +284,7 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
     paper_procedure(
         tests,
         reference,
-        sheet.series_modulus.si(),
+        sheet.series_modulus.with_uncertainty().value,
         asked.exponents.unwrap_or(EXPONENTS),
     )
     .map(Some)

@@ -6,7 +6,7 @@ use labio::{Polarity, Position, Rating, SensorChain, StrainBridge};
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{self, Coordinate, Stated, Time};
+use crate::sheet::{self, Coordinate, NotFollowed, Time};
 
 /// A channel of the files, and the sensor it is of.
 #[derive(Debug, Clone, Deserialize)]
@@ -36,10 +36,10 @@ pub struct ChannelSheet {
     pub offset: f64,
     /// How much later than the others the channel is sampled.
     #[serde(default)]
-    pub time_skew: Option<Stated<Time>>,
+    pub time_skew: Option<NotFollowed<Time>>,
     /// Coordinate of the sensor along the rod.
     #[serde(default)]
-    pub position: Option<Stated<Coordinate>>,
+    pub position: Option<NotFollowed<Coordinate>>,
     /// Serial number of the sensor.
     #[serde(default)]
     pub serial: Option<String>,
@@ -126,7 +126,7 @@ impl ChannelSheet {
         if let Some(position) = &self.position {
             let position = Position {
                 x: position.si(),
-                standard_uncertainty: position.standard_uncertainty().unwrap_or(0.0),
+                standard_uncertainty: 0.0,
             };
             chain = chain.with_position(position).map_err(refused)?;
         }
@@ -142,7 +142,7 @@ impl ChannelSheet {
             .with_polarity(polarity)
             .with_offset(self.offset)
             .and_then(|chain| {
-                chain.with_time_skew(self.time_skew.as_ref().map_or(0.0, Stated::si))
+                chain.with_time_skew(self.time_skew.as_ref().map_or(0.0, NotFollowed::si))
             });
         chain.map(Some).map_err(refused)
     }

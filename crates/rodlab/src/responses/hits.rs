@@ -10,7 +10,7 @@ use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise};
 use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_quantity};
-use crate::sheet::{Ratio, Stated, Time};
+use crate::sheet::{Ratio, Exact, Time};
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.
@@ -34,7 +34,7 @@ pub struct HitsSource {
     pub force_window: Option<ForceWindowSheet>,
     /// Exponential window on both channels, by its weight at the end of a hit, as `"1 %"`.
     #[serde(default)]
-    pub exponential_window: Option<Stated<Ratio>>,
+    pub exponential_window: Option<Exact<Ratio>>,
 }
 
 /// How a response is formed of averaged spectra.
@@ -66,11 +66,11 @@ impl EstimatorSheet {
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
     /// Begin of the flat part, as `"8 ms"`.
-    pub start: Stated<Time>,
+    pub start: Exact<Time>,
     /// End of the flat part, as `"14 ms"`.
-    pub end: Stated<Time>,
+    pub end: Exact<Time>,
     /// Length of either edge, as `"1 ms"`.
-    pub taper: Stated<Time>,
+    pub taper: Exact<Time>,
 }
 
 impl HitsSource {

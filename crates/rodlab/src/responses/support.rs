@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::line_spacing_hz;
 use crate::RodlabError;
-use crate::sheet::{Frequency, ImpactMass, SpecificImpedance, Stated};
+use crate::sheet::{Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated};
 
 /// What holds a body.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -23,7 +23,7 @@ pub enum SupportSheet {
     /// It is so long that nothing returns.
     LongRod {
         /// Its characteristic impedance, as `"392 kg/s"`.
-        impedance: Stated<SpecificImpedance>,
+        impedance: NotFollowed<SpecificImpedance>,
     },
     /// The line at 0 Hz says it.
     #[default]
@@ -46,10 +46,13 @@ impl SupportSheet {
     #[must_use]
     pub fn weighed(&self) -> Option<WeighedMass> {
         match self {
-            Self::Free { mass } => Some(WeighedMass {
-                mass: mass.si(),
-                standard_error: mass.standard_uncertainty().unwrap_or(0.0),
-            }),
+            Self::Free { mass } => {
+                let mass = mass.with_uncertainty();
+                Some(WeighedMass {
+                    mass: mass.value,
+                    standard_error: mass.uncertainty(),
+                })
+            }
             _ => None,
         }
     }
@@ -60,9 +63,9 @@ impl SupportSheet {
 #[serde(deny_unknown_fields)]
 pub struct CompletionSheet {
     /// Lines below this frequency are replaced, as `"30 Hz"`.
-    pub below: Stated<Frequency>,
+    pub below: Exact<Frequency>,
     /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
-    pub fitted_to: Stated<Frequency>,
+    pub fitted_to: Exact<Frequency>,
 }
 
 impl CompletionSheet {
@@ -108,7 +111,7 @@ impl CompletionSheet {
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,
-    front_impedance: Option<&Stated<SpecificImpedance>>,
+    front_impedance: Option<&NotFollowed<SpecificImpedance>>,
     field: &str,
 ) -> Result<MeasuredBody, RodlabError> {
     let mobility = response
@@ -138,7 +141,7 @@ pub fn measured_body(
         }
         body = body.with_variance(&variance).map_err(refused)?;
     }
-    if let Some(impedance) = front_impedance.map(Stated::si).or(front) {
+    if let Some(impedance) = front_impedance.map(NotFollowed::si).or(front) {
         body = body.with_front_impedance(impedance).map_err(refused)?;
     }
     Ok(body)

@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::material::{Material, Materials, material_called};
 use super::measured::MeasuredBodySheet;
-use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
+use super::{AddedMass, ImpactMass, Length, SpecificImpedance, NotFollowed, Stiffness};
 use crate::RodlabError;
 
 /// A body as a row of elements from its impact face, a lump, or as it was measured.
@@ -28,16 +28,16 @@ pub enum BodySheet {
         end: EndSheet,
     },
     /// A rigid body.
-    RigidMass(Stated<ImpactMass>),
+    RigidMass(NotFollowed<ImpactMass>),
     /// A long rod from which nothing returns, by its material and diameter.
     LongRod {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: Stated<Length>,
+        diameter: NotFollowed<Length>,
     },
     /// A long rod by its characteristic impedance.
-    Impedance(Stated<SpecificImpedance>),
+    Impedance(NotFollowed<SpecificImpedance>),
     /// A body by the measured response of its impact face.
     Measured(Box<MeasuredBodySheet>),
 }
@@ -51,38 +51,38 @@ pub enum ElementSheet {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: Stated<Length>,
+        diameter: NotFollowed<Length>,
         /// Length.
-        length: Stated<Length>,
+        length: NotFollowed<Length>,
     },
     /// A truncated cone.
     Cone {
         /// Name of its material.
         material: String,
         /// Diameter at the side of the impact face.
-        near: Stated<Length>,
+        near: NotFollowed<Length>,
         /// Diameter at the other side.
-        far: Stated<Length>,
+        far: NotFollowed<Length>,
         /// Length.
-        length: Stated<Length>,
+        length: NotFollowed<Length>,
     },
     /// An exponential horn.
     Horn {
         /// Name of its material.
         material: String,
         /// Diameter at the side of the impact face.
-        near: Stated<Length>,
+        near: NotFollowed<Length>,
         /// Diameter at the other side.
-        far: Stated<Length>,
+        far: NotFollowed<Length>,
         /// Length.
-        length: Stated<Length>,
+        length: NotFollowed<Length>,
     },
     /// A rigid mass.
-    Mass(Stated<AddedMass>),
+    Mass(NotFollowed<AddedMass>),
     /// A massless spring.
-    Spring(Stated<Stiffness>),
+    Spring(NotFollowed<Stiffness>),
     /// A massless dashpot.
-    Dashpot(Stated<SpecificImpedance>),
+    Dashpot(NotFollowed<SpecificImpedance>),
 }
 
 /// What stands behind the last element.
@@ -95,15 +95,15 @@ pub enum EndSheet {
     /// A rigid wall.
     Fixed,
     /// A rigid mass, as an accelerometer.
-    Mass(Stated<ImpactMass>),
+    Mass(NotFollowed<ImpactMass>),
     /// A dashpot to the ground.
-    Dashpot(Stated<SpecificImpedance>),
+    Dashpot(NotFollowed<SpecificImpedance>),
     /// A long rod from which nothing returns.
     LongRod {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: Stated<Length>,
+        diameter: NotFollowed<Length>,
     },
 }
 

@@ -13,7 +13,7 @@ use rodwave::modulus::{
 };
 use serde::Deserialize;
 
-use super::{Density, Duration, Frequency, Pressure, Ratio, Stated, Viscosity};
+use super::{Density, Duration, Frequency, Pressure, Ratio, NotFollowed, Viscosity};
 use crate::RodlabError;
 
 /// Materials by the names that the rest of the sheet calls them.
@@ -24,7 +24,7 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
     /// Density, as `"1150 kg/m3"`.
-    pub density: Stated<Density>,
+    pub density: NotFollowed<Density>,
     /// Law of the modulus.
     pub law: LawSheet,
 }
@@ -36,56 +36,56 @@ pub enum LawSheet {
     /// No losses.
     Elastic {
         /// Young's modulus, as `"206 GPa"`.
-        modulus: Stated<Pressure>,
+        modulus: NotFollowed<Pressure>,
     },
     /// The same loss factor at all frequencies.
     ConstantQ {
         /// Absolute value of the modulus at the reference frequency.
-        modulus: Stated<Pressure>,
+        modulus: NotFollowed<Pressure>,
         /// Loss factor.
-        loss_factor: Stated<Ratio>,
+        loss_factor: NotFollowed<Ratio>,
         /// Reference frequency.
-        at: Stated<Frequency>,
+        at: NotFollowed<Frequency>,
     },
     /// Spring and dashpot side by side.
     KelvinVoigt {
         /// Young's modulus.
-        modulus: Stated<Pressure>,
+        modulus: NotFollowed<Pressure>,
         /// Viscosity, as `"20 kPa s"`.
-        viscosity: Stated<Viscosity>,
+        viscosity: NotFollowed<Viscosity>,
     },
     /// Spring and dashpot in a row.
     Maxwell {
         /// Young's modulus.
-        modulus: Stated<Pressure>,
+        modulus: NotFollowed<Pressure>,
         /// Viscosity, as `"2 MPa s"`.
-        viscosity: Stated<Viscosity>,
+        viscosity: NotFollowed<Viscosity>,
     },
     /// Three elements.
     Zener {
         /// Modulus of slow processes.
-        relaxed: Stated<Pressure>,
+        relaxed: NotFollowed<Pressure>,
         /// Modulus of fast processes.
-        unrelaxed: Stated<Pressure>,
+        unrelaxed: NotFollowed<Pressure>,
         /// Relaxation time.
-        relaxation_time: Stated<Duration>,
+        relaxation_time: NotFollowed<Duration>,
     },
     /// Three elements, the dashpot replaced by a fractional one.
     FractionalZener {
         /// Modulus of slow processes.
-        relaxed: Stated<Pressure>,
+        relaxed: NotFollowed<Pressure>,
         /// Modulus of fast processes.
-        unrelaxed: Stated<Pressure>,
+        unrelaxed: NotFollowed<Pressure>,
         /// Relaxation time.
-        relaxation_time: Stated<Duration>,
+        relaxation_time: NotFollowed<Duration>,
         /// Exponent, above 0 and up to 1.
-        exponent: Stated<Ratio>,
+        exponent: NotFollowed<Ratio>,
     },
     /// Maxwell branches beside a spring.
     Prony {
         /// Modulus of the spring; absent for none.
         #[serde(default)]
-        equilibrium: Option<Stated<Pressure>>,
+        equilibrium: Option<NotFollowed<Pressure>>,
         /// Branches: modulus and relaxation time.
         branches: Vec<BranchSheet>,
     },
@@ -108,9 +108,9 @@ pub enum LawSheet {
 #[serde(deny_unknown_fields)]
 pub struct BranchSheet {
     /// Modulus.
-    pub modulus: Stated<Pressure>,
+    pub modulus: NotFollowed<Pressure>,
     /// Relaxation time.
-    pub relaxation_time: Stated<Duration>,
+    pub relaxation_time: NotFollowed<Duration>,
 }
 
 /// Any law that is analytic in the right half plane.
@@ -210,7 +210,7 @@ impl MaterialSheet {
                         relaxation_time: branch.relaxation_time.si(),
                     })
                     .collect();
-                let spring = equilibrium.as_ref().map_or(0.0, Stated::si);
+                let spring = equilibrium.as_ref().map_or(0.0, NotFollowed::si);
                 Arc::new(GeneralisedMaxwell::new(spring, branches).map_err(refused)?)
             }
             LawSheet::PowerLawPropagation {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Frequency, Ratio, SpecificImpedance, Stated};
+use super::{Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
 use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
 
@@ -32,7 +32,7 @@ pub struct MeasuredBodySheet {
     pub averages: Option<usize>,
     /// Lines above this frequency are left out, as `"10 kHz"`; by default none is.
     #[serde(default)]
-    pub up_to: Option<Stated<Frequency>>,
+    pub up_to: Option<Exact<Frequency>>,
     /// What holds the body, as `Free(mass: "1.5 kg ± 1 gram")`; by default what the line at 0 Hz says.
     #[serde(default)]
     pub support: SupportSheet,
@@ -41,10 +41,10 @@ pub struct MeasuredBodySheet {
     pub complete: Option<CompletionSheet>,
     /// Characteristic impedance of the material at the face, with which it answers at once.
     #[serde(default)]
-    pub front_impedance: Option<Stated<SpecificImpedance>>,
+    pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
     /// Standard uncertainty of the scale, the same on all lines, as `"1 %"`: that of the sensors.
     #[serde(default)]
-    pub scale_uncertainty: Option<Stated<Ratio>>,
+    pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Takes off what the impulse response has ahead of the impulse; by default nothing is.
     #[serde(default)]
     pub causal: bool,

@@ -2,54 +2,75 @@
 
 use std::fmt;
 use std::marker::PhantomData;
+use std::str::FromStr;
 
-use labio::{Dimension, Unit};
+use labio::Unit;
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 
-/// What kind of quantity a field of a sheet wants.
-pub trait Kind {
-    /// Name with article, as `a length`.
-    const NAME: &'static str;
-    /// How it is written.
-    const EXAMPLE: &'static str;
-    /// Its dimension.
-    const DIMENSION: Dimension;
-    /// Whether zero and negative values are refused.
-    const POSITIVE: bool;
-}
+use super::kind::Kind;
+use crate::RodlabError;
 
-/// A quantity of a sheet, in SI.
+/// A measured quantity of a sheet, in SI, of which the job follows the uncertainty to its result.
 ///
 /// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard
-/// deviation.
+/// deviation, and in % it is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative
+/// uncertainty is refused where it says nothing or two things: of the value 0, on a scale with a zero of its own (`degC`), and of a
+/// number that is in % itself, as `"2.5 % ± 1 %"`.
+///
+/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or the sheet is refused where one is stated
+/// ([`Stated::exact`]). Fields that never take an uncertainty are of the type [`Exact`](super::Exact).
 ///
 /// # Examples
 ///
 /// ```
-/// use rodlab::sheet::{Length, Stated};
+/// use rodlab::sheet::{Length, Ratio, Stated};
 ///
 /// let length: Stated<Length> = "799 mm ± 0.3 mm".parse()?;
-/// assert_eq!(length.si(), 0.799);
-/// assert_eq!(length.standard_uncertainty(), Some(0.0003));
+/// let stated = length.with_uncertainty();
+/// assert_eq!(stated.value, 0.799);
+/// assert_eq!(stated.standard_uncertainty, Some(0.0003));
+/// let ratio: Stated<Ratio> = "0.025 ± 1 %".parse()?;
+/// assert_eq!(ratio.with_uncertainty().standard_uncertainty, Some(0.00025));
 /// let error = "799 kg".parse::<Stated<Length>>().unwrap_err();
 /// assert_eq!(
 ///     error.to_string(),
-///     "`799 kg` has the dimension kg, expected a length, as \"800 mm\" or \"800 mm ± 0.5 mm\""
+///     "`799 kg` has the dimension kg, expected a length, as \"800 mm\", with or without ±"
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Stated<K> {
-    si: f64,
-    standard_uncertainty: Option<f64>,
+    stated: ValueWithUncertainty,
     text: String,
     kind: PhantomData<K>,
+}
+
+/// A value and its standard uncertainty, in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ValueWithUncertainty {
+    /// Value.
+    pub value: f64,
+    /// Standard uncertainty, if the sheet states one.
+    pub standard_uncertainty: Option<f64>,
+}
+
+impl ValueWithUncertainty {
+    /// Standard uncertainty, 0 if none is stated.
+    #[must_use]
+    pub fn uncertainty(&self) -> f64 {
+        self.standard_uncertainty.unwrap_or(0.0)
+    }
+
+    /// Standard uncertainty over the value, 0 if none is stated. For quantities that are not 0.
+    #[must_use]
+    pub fn relative(&self) -> f64 {
+        self.uncertainty() / self.value.abs()
+    }
 }
 
 impl<K> Clone for Stated<K> {
     fn clone(&self) -> Self {
         Self {
-            si: self.si,
-            standard_uncertainty: self.standard_uncertainty,
+            stated: self.stated,
             text: self.text.clone(),
             kind: PhantomData,
         }
@@ -70,16 +91,30 @@ impl<K> fmt::Display for Stated<K> {
 }
 
 impl<K> Stated<K> {
-    /// Value in SI.
+    /// Value and standard uncertainty, for a job that follows both to its result.
     #[must_use]
-    pub fn si(&self) -> f64 {
-        self.si
+    pub fn with_uncertainty(&self) -> ValueWithUncertainty {
+        self.stated
     }
 
-    /// Standard uncertainty in SI, if the sheet states one.
-    #[must_use]
-    pub fn standard_uncertainty(&self) -> Option<f64> {
-        self.standard_uncertainty
+    /// Value, where it counts as exact; `field` is its place in the sheet, `why` completes "no uncertainty can be followed from here,
+    /// because …".
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] if an uncertainty is stated.
+    pub fn exact(&self, field: &str, why: &str) -> Result<f64, RodlabError> {
+        if self.stated.uncertainty() > 0.0 {
+            return Err(RodlabError::request(
+                field,
+                format!("`{self}`"),
+                format!(
+                    "the value without ±, because {why}. {}",
+                    super::exact::ADVICE
+                ),
+            ));
+        }
+        Ok(self.stated.value)
     }
 }
 
@@ -87,68 +122,94 @@ impl<K> Stated<K> {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` {problem}, expected {expected}")]
 pub struct Written {
-    text: String,
-    problem: String,
-    expected: String,
+    pub(super) text: String,
+    pub(super) problem: String,
+    pub(super) expected: String,
 }
 
-impl<K: Kind> std::str::FromStr for Stated<K> {
+impl<K: Kind> FromStr for Stated<K> {
     type Err = Written;
 
     fn from_str(text: &str) -> Result<Self, Written> {
-        let wrong = |problem: String| Written {
+        let stated = parsed::<K>(text).map_err(|problem| Written {
             text: text.to_owned(),
             problem,
-            expected: format!("{}, as {}", K::NAME, K::EXAMPLE),
-        };
-        let (value, uncertainty) = value_and_uncertainty(text);
-        let (number, unit) = number_and_unit(value).map_err(wrong)?;
-        if unit.dimension() != K::DIMENSION {
-            return Err(wrong(if unit.symbol() == "1" {
-                "has no unit".to_owned()
-            } else {
-                format!("has the dimension {}", unit.dimension())
-            }));
-        }
-        let si = unit.to_si(number);
-        if !si.is_finite() {
-            return Err(wrong("is beyond the range of numbers".to_owned()));
-        }
-        if K::POSITIVE && si <= 0.0 {
-            return Err(wrong("is not above 0".to_owned()));
-        }
-        let standard_uncertainty = uncertainty
-            .map(|text| {
-                let (number, unit) = number_and_unit(text).map_err(wrong)?;
-                let one = unit.to_si(1.0) - unit.to_si(0.0); // a difference knows no zero of its scale
-                let percent = unit.symbol() == "%" && K::DIMENSION != Dimension::NONE;
-                if percent {
-                    Ok(si.abs() * number / 100.0)
-                } else if unit.dimension() == K::DIMENSION {
-                    Ok(number * one)
-                } else {
-                    let found = unit.dimension();
-                    Err(wrong(format!(
-                        "has an uncertainty of the dimension {found}"
-                    )))
-                }
-            })
-            .transpose()?;
-        if standard_uncertainty.is_some_and(|u| !u.is_finite()) {
-            return Err(wrong(
-                "has an uncertainty beyond the range of numbers".to_owned(),
-            ));
-        }
-        if standard_uncertainty.is_some_and(|u| u < 0.0) {
-            return Err(wrong("has an uncertainty below 0".to_owned()));
-        }
+            expected: format!("{}, as {}, with or without ±", K::NAME, K::EXAMPLE),
+        })?;
         Ok(Self {
-            si,
-            standard_uncertainty,
+            stated,
             text: text.trim().to_owned(),
             kind: PhantomData,
         })
     }
+}
+
+/// Value and uncertainty of a text; else what is wrong with it.
+pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String> {
+    let (quantity, uncertainty) = value_and_uncertainty(text);
+    let (number, unit) = number_and_unit(quantity)?;
+    if unit.dimension() != K::DIMENSION {
+        return Err(if unit.symbol() == "1" {
+            "has no unit".to_owned()
+        } else {
+            format!("has the dimension {}", unit.dimension())
+        });
+    }
+    let value = unit.to_si(number);
+    if !value.is_finite() {
+        return Err("is beyond the range of numbers".to_owned());
+    }
+    if K::POSITIVE && value <= 0.0 {
+        return Err("is not above 0".to_owned());
+    }
+    let standard_uncertainty = match uncertainty {
+        None => None,
+        Some(text) => Some(uncertainty_of::<K>(value, &unit, text)?),
+    };
+    Ok(ValueWithUncertainty {
+        value,
+        standard_uncertainty,
+    })
+}
+
+/// Standard uncertainty that `text` states of `value`, which is written in `unit`.
+fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, String> {
+    let (number, in_unit) = number_and_unit(text)?;
+    let in_percent = in_unit.symbol() == "%";
+    if unit.symbol() == "%" {
+        return Err(
+            "is in % and has an uncertainty, which may be a part of it or percentage points: write a pure number, as \"0.025 ± 1 %\" \
+             (1 % of it) or \"0.025 ± 0.001\""
+                .to_owned(),
+        );
+    }
+    if in_percent && unit.to_si(0.0) != 0.0 {
+        return Err(format!(
+            "has a relative uncertainty on a scale with a zero of its own: state it in {}",
+            unit.symbol()
+        ));
+    }
+    if in_percent && value == 0.0 && number != 0.0 {
+        return Err("has a relative uncertainty, and a part of 0 is 0: state it with a unit".to_owned());
+    }
+    let uncertainty = if in_percent {
+        value.abs() * number / 100.0
+    } else if in_unit.dimension() == K::DIMENSION {
+        // a difference has no zero of the scale
+        number * (in_unit.to_si(1.0) - in_unit.to_si(0.0))
+    } else {
+        return Err(format!(
+            "has an uncertainty of the dimension {}",
+            in_unit.dimension()
+        ));
+    };
+    if !uncertainty.is_finite() {
+        return Err("has an uncertainty beyond the range of numbers".to_owned());
+    }
+    if uncertainty < 0.0 {
+        return Err("has an uncertainty below 0".to_owned());
+    }
+    Ok(uncertainty)
 }
 
 /// What stands before and behind the sign of an uncertainty.
@@ -185,84 +246,32 @@ pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
 
 impl<'de, K: Kind> Deserialize<'de> for Stated<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Text<K>(PhantomData<K>);
-
-        impl<K: Kind> Visitor<'_> for Text<K> {
-            type Value = Stated<K>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{} with its unit in quotes, as {}", K::NAME, K::EXAMPLE)
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Stated<K>, E> {
-                text.parse().map_err(E::custom)
-            }
-        }
-
-        deserializer.deserialize_any(Text(PhantomData))
+        from_text::<Self, K, D>(deserializer)
     }
 }
 
-macro_rules! kinds {
-    ($($(#[$doc:meta])* $name:ident: $words:literal, $example:literal, $unit:expr, $positive:literal;)*) => {$(
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy)]
-        pub enum $name {}
+/// Reads a quantity of the kind `K` from its text in quotes.
+pub(super) fn from_text<'de, T, K, D>(deserializer: D) -> Result<T, D::Error>
+where
+    T: FromStr<Err = Written>,
+    K: Kind,
+    D: Deserializer<'de>,
+{
+    struct Text<T, K>(PhantomData<(T, K)>);
 
-        impl Kind for $name {
-            const NAME: &'static str = $words;
-            const EXAMPLE: &'static str = $example;
-            const DIMENSION: Dimension = $unit;
-            const POSITIVE: bool = $positive;
+    impl<T: FromStr<Err = Written>, K: Kind> Visitor<'_> for Text<T, K> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "{} with its unit in quotes, as {}", K::NAME, K::EXAMPLE)
         }
-    )*};
-}
 
-const fn dimension(length: i8, mass: i8, time: i8, temperature: i8) -> Dimension {
-    Dimension {
-        length,
-        mass,
-        time,
-        current: 0,
-        temperature,
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<T, E> {
+            text.parse().map_err(E::custom)
+        }
     }
-}
 
-kinds! {
-    /// A length above 0 \[m\].
-    Length: "a length", "\"800 mm\" or \"800 mm ± 0.5 mm\"", dimension(1, 0, 0, 0), true;
-    /// A coordinate \[m\], of any sign.
-    Coordinate: "a coordinate", "\"0 mm\" or \"-12 mm\"", dimension(1, 0, 0, 0), false;
-    /// A mass above 0 \[kg\].
-    ImpactMass: "a mass", "\"1.5 kg\" or \"2.9 gram\"", dimension(0, 1, 0, 0), true;
-    /// A mass of 0 or more \[kg\], as that of an accelerometer that is not there.
-    AddedMass: "a mass", "\"2.9 gram\" or \"0 kg\"", dimension(0, 1, 0, 0), false;
-    /// A density above 0 [kg/m³].
-    Density: "a density", "\"1150 kg/m3\"", dimension(-3, 1, 0, 0), true;
-    /// A duration above 0 \[s\].
-    Duration: "a duration", "\"4 ms\"", dimension(0, 0, 1, 0), true;
-    /// A time of any sign \[s\].
-    Time: "a time", "\"0.5 s\" or \"120 us\"", dimension(0, 0, 1, 0), false;
-    /// A frequency above 0 \[Hz\].
-    Frequency: "a frequency", "\"51.2 kHz\"", dimension(0, 0, -1, 0), true;
-    /// A velocity above 0 [m/s].
-    Velocity: "a velocity", "\"0.93 m/s\"", dimension(1, 0, -1, 0), true;
-    /// A force above 0 \[N\].
-    Force: "a force", "\"5 N\" or \"2 kN\"", dimension(1, 1, -2, 0), true;
-    /// A modulus or a stress above 0 \[Pa\].
-    Pressure: "a modulus or stress", "\"2.6 GPa\"", dimension(-1, 1, -2, 0), true;
-    /// A stress of any sign \[Pa\].
-    Stress: "a stress", "\"45 MPa\" or \"0 MPa\"", dimension(-1, 1, -2, 0), false;
-    /// A characteristic impedance above 0 [kg/s].
-    SpecificImpedance: "a characteristic impedance", "\"1000 kg/s\" or \"1000 N s/m\"", dimension(0, 1, -1, 0), true;
-    /// A stiffness above 0 [N/m].
-    Stiffness: "a stiffness", "\"20 MN/m\"", dimension(0, 1, -2, 0), true;
-    /// A viscosity above 0 [Pa s].
-    Viscosity: "a viscosity", "\"20 kPa s\"", dimension(-1, 1, -1, 0), true;
-    /// A temperature \[K\].
-    Temperature: "a temperature", "\"23 degC\" or \"296 K\"", dimension(0, 0, 0, 1), true;
-    /// A pure number above 0.
-    Ratio: "a pure number", "\"0.094\" or \"9.4 %\"", Dimension::NONE, true;
+    deserializer.deserialize_any(Text::<T, K>(PhantomData))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::job::Surroundings;
 use crate::job::mobility::screening;
 use crate::outcome::Setting;
 use crate::responses::{cut, measured_body};
-use crate::sheet::Stated;
+use crate::sheet::Exact;
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::material::Materials;
 use crate::sheet::measured::MeasuredBodySheet;
@@ -156,7 +156,7 @@ fn read_measured(
         (text.unwrap_or_else(|| default.to_owned()), by_default)
     };
     let (value, by_default) = stated(
-        sheet.scale_uncertainty.as_ref().map(Stated::to_string),
+        sheet.scale_uncertainty.as_ref().map(Exact::to_string),
         "none",
     );
     say("scale_uncertainty", value, by_default);
@@ -186,7 +186,7 @@ fn read_measured(
     let weighed = sheet.support.weighed();
     Ok(FaceBody::Measured {
         body,
-        scale: sheet.scale_uncertainty.as_ref().map_or(0.0, Stated::si),
+        scale: sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si),
         mass_error: weighed.map_or(0.0, |weighed| weighed.standard_error),
     })
 }

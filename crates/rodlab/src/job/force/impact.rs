@@ -10,7 +10,9 @@ use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
 use crate::sheet::body::BodySheet;
 use crate::sheet::material::Materials;
-use crate::sheet::{Duration, Force, Length, Pressure, Ratio, Stated, Stiffness, Velocity};
+use crate::sheet::{
+    Duration, Exact, Force, Length, NotFollowed, Pressure, Ratio, Stated, Stiffness, Velocity,
+};
 use crate::{Outcome, RodlabError};
 
 /// Two bodies that meet.
@@ -24,10 +26,10 @@ pub struct ImpactSheet {
     /// Relative velocity before they meet.
     pub velocity: Stated<Velocity>,
     /// How long the force is followed.
-    pub duration: Stated<Duration>,
+    pub duration: Exact<Duration>,
     /// Step of the march; chosen for the bodies unless stated.
     #[serde(default)]
-    pub time_step: Option<Stated<Duration>>,
+    pub time_step: Option<Exact<Duration>>,
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
@@ -48,33 +50,33 @@ pub enum ContactSheet {
     #[default]
     Rigid,
     /// A spring.
-    Linear(Stated<Stiffness>),
+    Linear(NotFollowed<Stiffness>),
     /// The face of a thin rod on the plane face of a wide body.
     FlatPunch {
         /// Radius of the thin rod.
-        radius: Stated<Length>,
+        radius: NotFollowed<Length>,
         /// Young's modulus of the wide body.
-        modulus: Stated<Pressure>,
+        modulus: NotFollowed<Pressure>,
         /// Its Poisson ratio.
-        poisson_ratio: Stated<Ratio>,
+        poisson_ratio: NotFollowed<Ratio>,
     },
     /// A spherical face on a plane one.
     Sphere {
         /// Radius of the sphere.
-        radius: Stated<Length>,
+        radius: NotFollowed<Length>,
         /// Young's modulus of the sphere, then of the plane body.
-        moduli: (Stated<Pressure>, Stated<Pressure>),
+        moduli: (NotFollowed<Pressure>, NotFollowed<Pressure>),
         /// Poisson ratio of the sphere, then of the plane body.
-        poisson_ratios: (Stated<Ratio>, Stated<Ratio>),
+        poisson_ratios: (NotFollowed<Ratio>, NotFollowed<Ratio>),
     },
     /// A measured law: approach and force, from small to large.
-    Table(Vec<(Stated<Length>, Stated<Force>)>),
+    Table(Vec<(NotFollowed<Length>, NotFollowed<Force>)>),
 }
 
 impl ContactSheet {
     fn law(&self) -> Result<ContactLaw, RodlabError> {
         let material =
-            |modulus: &Stated<Pressure>, poisson_ratio: &Stated<Ratio>| ElasticMaterial {
+            |modulus: &NotFollowed<Pressure>, poisson_ratio: &NotFollowed<Ratio>| ElasticMaterial {
                 modulus: modulus.si(),
                 poisson_ratio: poisson_ratio.si(),
             };
@@ -198,12 +200,12 @@ fn predict(
         }
     };
     let refused = |error| RodlabError::step("problem", error);
-    let velocity = sheet.velocity.si();
+    let stated = sheet.velocity.with_uncertainty();
+    let velocity = stated.value;
     // the kernels do not depend on the velocity
     let discrete = at(velocity).discretised(duration).map_err(refused)?;
-    let faster = sheet
-        .velocity
-        .standard_uncertainty()
+    let faster = stated
+        .standard_uncertainty
         .filter(|uncertainty| *uncertainty > 0.0)
         .map(|uncertainty| discrete.at_velocity(velocity + uncertainty).predict())
         .transpose()
@@ -293,7 +295,7 @@ fn answer(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
         balance.impulse,
         balance.energy_residual.abs(),
     ));
-    if sheet.velocity.standard_uncertainty().is_none() {
+    if sheet.velocity.with_uncertainty().standard_uncertainty.is_none() {
         outcome.warnings.push(
             "no uncertainty of the velocity is stated: the force has no error; it is known no better than the velocity, in parts"
                 .to_owned(),

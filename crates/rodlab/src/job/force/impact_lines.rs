@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::bodies::FaceBody;
 use super::impact::{ContactSheet, ImpactSheet};
 use crate::outcome::{Column, Quantity, Setting, Table};
-use crate::sheet::{Frequency, Ratio, Stated};
+use crate::sheet::{Frequency, Ratio, Exact};
 use crate::{Outcome, RodlabError};
 
 /// Part of the peak below which the force counts as ringing of the band limit, not as separation.
@@ -28,13 +28,13 @@ const LEVEL: f64 = 0.95;
 #[serde(deny_unknown_fields)]
 pub struct Line {
     /// Highest frequency, as `"10 kHz"`.
-    pub up_to: Stated<Frequency>,
+    pub up_to: Exact<Frequency>,
     /// Samples of the force over the period, as 2048. Not stated where a body was measured, whose lines they are then.
     #[serde(default)]
     pub samples: Option<usize>,
     /// Where a raised cosine begins that takes the spectrum to zero at the highest frequency; by default none does.
     #[serde(default)]
-    pub roll_off_from: Option<Stated<Frequency>>,
+    pub roll_off_from: Option<Exact<Frequency>>,
 }
 
 /// How the errors of velocity and mobilities are followed to the force.
@@ -46,7 +46,7 @@ pub struct UncertaintySheet {
     /// Seed of the draws; by default 1.
     pub seed: Option<u64>,
     /// Level of the bands; by default 95 %.
-    pub level: Option<Stated<Ratio>>,
+    pub level: Option<Exact<Ratio>>,
 }
 
 /// The stick force with what it is worth.
@@ -88,7 +88,7 @@ pub(super) fn on_lines(
         first: &first,
         second: &second,
         frequency_step_hz: step_hz,
-        impact_velocity: sheet.velocity.si(),
+        impact_velocity: sheet.velocity.with_uncertainty().value,
         zero_line: if inverse > 0.0 {
             ZeroLine::EffectiveMass(effective)
         } else {
@@ -98,7 +98,7 @@ pub(super) fn on_lines(
             .lines
             .as_ref()
             .and_then(|lines| lines.roll_off_from.as_ref())
-            .map(Stated::si),
+            .map(Exact::si),
     };
     let stick = problem.solve().map_err(refused)?;
     if let impulse::Settlement::Unsettled { relative_level } = stick.settlement {
@@ -111,7 +111,7 @@ pub(super) fn on_lines(
         second_variance: bodies[1].variance(n_lines),
         first_scale: bodies[0].scale(),
         second_scale: bodies[1].scale(),
-        impact_velocity: sheet.velocity.standard_uncertainty().unwrap_or(0.0),
+        impact_velocity: sheet.velocity.with_uncertainty().uncertainty(),
         // dM = M^2 ((dM1/M1^2)^2 + (dM2/M2^2)^2)^(1/2)
         effective_mass: if inverse > 0.0 {
             let parts = masses.iter().flatten();
@@ -193,7 +193,7 @@ fn bands(
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
     let draws = chosen.draws.unwrap_or(DRAWS);
     let seed = chosen.seed.unwrap_or(SEED);
-    let level = chosen.level.as_ref().map_or(LEVEL, Stated::si);
+    let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
     let mut say = |name: &str, value: String, by_default: bool| {
         outcome.settings.push(Setting {
             name: format!("problem.uncertainty.{name}"),

@@ -15,8 +15,9 @@ pub(super) fn quantities(sheet: &ImpactSheet, found: &Found, outcome: &mut Outco
         .any(|flag| matches!(flag, PredictionFlag::StillInContact));
     let relative = sheet
         .velocity
-        .standard_uncertainty()
-        .map(|uncertainty| uncertainty / sheet.velocity.si());
+        .with_uncertainty()
+        .standard_uncertainty
+        .map(|uncertainty| uncertainty / sheet.velocity.with_uncertainty().value);
     let mut add = |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, valid: bool| {
         outcome.quantities.push(Quantity {
             name: name.to_owned(),

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use super::response::Problem;
 use super::response_solve::window;
 use crate::outcome::{LogEntry, Quantity, Setting};
-use crate::sheet::Stated;
+use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
 
 const DRAWS: usize = 1000;
@@ -46,7 +46,7 @@ pub(super) fn bands(
     let chosen = &problem.sheet.uncertainty;
     let draws = chosen.draws.unwrap_or(DRAWS);
     let seed = chosen.seed.unwrap_or(SEED);
-    let level = chosen.level.as_ref().map_or(LEVEL, Stated::si);
+    let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
     let mut say = |name: &str, value: String, by_default: bool| {
         outcome.settings.push(Setting {
             name: format!("problem.uncertainty.{name}"),

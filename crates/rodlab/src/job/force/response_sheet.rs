@@ -6,7 +6,7 @@ use super::impact_lines::UncertaintySheet;
 use crate::hits::{HitsSheet, Reading, Stretch};
 use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};
-use crate::sheet::{Frequency, Stated, Time};
+use crate::sheet::{Frequency, Exact, Time};
 
 /// A force that was not measured, from a response that was.
 #[derive(Debug, Clone, Deserialize)]
@@ -118,9 +118,9 @@ pub enum ParameterSheet {
 #[serde(deny_unknown_fields)]
 pub struct BandSheet {
     /// Lower end, as `"20 Hz"`.
-    pub from: Stated<Frequency>,
+    pub from: Exact<Frequency>,
     /// Upper end, as `"5 kHz"`.
-    pub to: Stated<Frequency>,
+    pub to: Exact<Frequency>,
 }
 
 /// A time span.
@@ -128,9 +128,9 @@ pub struct BandSheet {
 #[serde(deny_unknown_fields)]
 pub struct IntervalSheet {
     /// Begin, as `"3.5 ms"`.
-    pub from: Stated<Time>,
+    pub from: Exact<Time>,
     /// End, as `"5 ms"`.
-    pub to: Stated<Time>,
+    pub to: Exact<Time>,
 }
 
 impl RegularisationSheet {

@@ -191,12 +191,12 @@ pub(super) fn estimate(
         None => None,
         Some(weighed) => {
             let place = |error| RodlabError::step("weighed_mass", error);
-            let error = weighed.mass.standard_uncertainty().unwrap_or(0.0);
+            let mass = weighed.mass.with_uncertainty();
             let band = RigidBand {
                 from_hz: weighed.below.si(),
                 to_hz: weighed.fitted_to.si(),
             };
-            let body = RigidBody::new(weighed.mass.si(), error).map_err(place)?;
+            let body = RigidBody::new(mass.value, mass.uncertainty()).map_err(place)?;
             let completed = body.complete(&response, band).map_err(place)?;
             for objection in objections.iter_mut().take(completed.first_measured) {
                 *objection = None;

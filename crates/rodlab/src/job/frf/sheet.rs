@@ -8,7 +8,7 @@ use crate::job::About;
 use crate::RodlabError;
 use crate::hits::HitsSheet;
 use crate::records::Records;
-use crate::sheet::{Duration, Frequency, ImpactMass, Ratio, Stated, Time};
+use crate::sheet::{Duration, Exact, Frequency, ImpactMass, Ratio, Stated, Time};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -98,7 +98,7 @@ pub enum WindowSheet {
     /// Flat with half a Hann window at either end.
     Tukey {
         /// Tapered part of the samples, both ends together, as `"10 %"`.
-        taper: Stated<Ratio>,
+        taper: Exact<Ratio>,
     },
 }
 
@@ -121,11 +121,11 @@ impl WindowSheet {
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
     /// Begin of the flat part, as `"8 ms"`.
-    pub start: Stated<Time>,
+    pub start: Exact<Time>,
     /// End of the flat part, as `"14 ms"`.
-    pub end: Stated<Time>,
+    pub end: Exact<Time>,
     /// Length of either edge, as `"1 ms"`.
-    pub taper: Stated<Time>,
+    pub taper: Exact<Time>,
 }
 
 impl ForceWindowSheet {
@@ -142,12 +142,12 @@ pub enum ExponentialWindowSheet {
     /// By its weight on the last sample, 1 on the first.
     EndWeight {
         /// As `"1 %"`.
-        weight: Stated<Ratio>,
+        weight: Exact<Ratio>,
     },
     /// By the time in which it falls to 1/e.
     TimeConstant {
         /// As `"40 ms"`.
-        time: Stated<Duration>,
+        time: Exact<Duration>,
     },
 }
 
@@ -178,9 +178,9 @@ impl DetrendSheet {
 #[serde(deny_unknown_fields)]
 pub struct BandSheet {
     /// Lower end, as `"20 Hz"`.
-    pub from: Stated<Frequency>,
+    pub from: Exact<Frequency>,
     /// Upper end, as `"5 kHz"`.
-    pub to: Stated<Frequency>,
+    pub to: Exact<Frequency>,
 }
 
 /// Which response is wanted.
@@ -248,7 +248,7 @@ pub struct WeighedMassSheet {
     /// Its mass, as `"1.204 kg ± 1 gram"`.
     pub mass: Stated<ImpactMass>,
     /// Lines below this frequency are replaced, as `"30 Hz"`.
-    pub below: Stated<Frequency>,
+    pub below: Exact<Frequency>,
     /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
-    pub fitted_to: Stated<Frequency>,
+    pub fitted_to: Exact<Frequency>,
 }

@@ -8,7 +8,7 @@ use super::IdentifySheet;
 use crate::job::Surroundings;
 use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, expect_different_files, expect_quantity};
-use crate::sheet::{Length, Stated, Time, Velocity};
+use crate::sheet::{Exact, Length, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
 /// One test.
@@ -24,19 +24,19 @@ pub struct TestSheet {
     /// Channel of the free end, of the same quantity.
     pub response: String,
     /// Impact velocity, to which errors are referred.
-    pub impact_velocity: Stated<Velocity>,
+    pub impact_velocity: Exact<Velocity>,
     /// Time at which the part that is used begins; the rod must be at rest there.
     #[serde(default)]
-    pub from: Option<Stated<Time>>,
+    pub from: Option<Exact<Time>>,
     /// Time at which the comparison ends.
     #[serde(default)]
-    pub to: Option<Stated<Time>>,
+    pub to: Option<Exact<Time>>,
     /// Noise of the histories; from the time before the wave arrives, unless stated.
     #[serde(default)]
     pub noise: NoiseSheet,
     /// Range of displacement transducers: what has moved further is out of sight.
     #[serde(default)]
-    pub range: Option<Stated<Length>>,
+    pub range: Option<Exact<Length>>,
     /// For a virtual test the name of the solver that made it.
     #[serde(default)]
     pub generator: Option<String>,
@@ -52,16 +52,16 @@ pub enum NoiseSheet {
     /// Of velocities.
     Velocities {
         /// Of the excitation.
-        excitation: Stated<Velocity>,
+        excitation: Exact<Velocity>,
         /// Of the response.
-        response: Stated<Velocity>,
+        response: Exact<Velocity>,
     },
     /// Of displacements.
     Displacements {
         /// Of the excitation.
-        excitation: Stated<Length>,
+        excitation: Exact<Length>,
         /// Of the response.
-        response: Stated<Length>,
+        response: Exact<Length>,
     },
 }
 
@@ -146,8 +146,8 @@ fn one(
     };
     let data = RodTestData {
         name: test.name.clone(),
-        length: sheet.specimen.length.si(),
-        density: sheet.specimen.density.si(),
+        length: sheet.specimen.length.with_uncertainty().value,
+        density: sheet.specimen.density.with_uncertainty().value,
         impact_velocity: test.impact_velocity.si(),
         sampling_rate_hz: record.sampling_rate_hz(),
         excitation: samples(&test.excitation)?,
@@ -212,7 +212,7 @@ fn of_displacements(
         }
     };
     let transducers = DisplacementTransducers {
-        range: test.range.as_ref().map_or(f64::INFINITY, Stated::si),
+        range: test.range.as_ref().map_or(f64::INFINITY, Exact::si),
         noise,
         differentiator,
     };

@@ -58,9 +58,10 @@ pub(super) fn prepare(
     let mut objections: Vec<Option<String>> = vec![None; n_lines];
     judge_coherence(&response, &raw.coherences, &mut objections)?;
     if let Some(mass) = &sheet.head_mass {
-        let bare = without_head(&response, mass.si())?;
-        if let Some(error) = mass.standard_uncertainty() {
-            let heavier = without_head(&response, mass.si() + error)?;
+        let mass = mass.with_uncertainty();
+        let bare = without_head(&response, mass.value)?;
+        if let Some(error) = mass.standard_uncertainty {
+            let heavier = without_head(&response, mass.value + error)?;
             outcome.quantities.push(effect_of_head(&bare, &heavier));
         }
         response = bare;

@@ -13,7 +13,7 @@ use crate::outcome::{Setting, Verdict};
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::body::{BodySheet, ComputedBody};
-use crate::sheet::{Frequency, Stated};
+use crate::sheet::{Frequency, Exact};
 use crate::{Outcome, RodlabError};
 
 /// Where the mobility comes from.
@@ -40,7 +40,7 @@ pub enum SourceSheet {
         /// The body from its impact face on.
         body: BodySheet,
         /// Highest frequency, as `"10 kHz"`.
-        up_to: Stated<Frequency>,
+        up_to: Exact<Frequency>,
         /// Number of lines above 0 Hz, as 1024.
         lines: usize,
     },

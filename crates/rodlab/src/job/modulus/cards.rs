@@ -31,7 +31,7 @@ pub(super) fn attach(
     });
     let card = match MaterialCard::from_fit(
         &asked.name,
-        found.sheet.specimen.density.si(),
+        found.sheet.specimen.density.with_uncertainty().value,
         asked.poisson_ratio.si(),
         fit,
         &band,

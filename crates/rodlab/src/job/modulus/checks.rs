@@ -17,7 +17,7 @@ use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::outcome::{CHECK, LogEntry, Quantity};
 use crate::rounded::hertz;
-use crate::sheet::{Frequency, Ratio, Stated};
+use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
 /// The front of a wave is faster than every phase velocity of the band by what the loss factor makes of it up to the Nyquist frequency,
@@ -35,12 +35,12 @@ const SUFFIX: &str = ", p-value";
 #[serde(deny_unknown_fields, default)]
 pub struct ChecksSheet {
     /// Probability of a false alarm of each check; `"1 %"` by default.
-    pub level: Option<Stated<Ratio>>,
+    pub level: Option<Exact<Ratio>>,
     /// Checks that are left out, as `[KramersKronig]`.
     pub without: Vec<CheckSheet>,
     /// Frequency up to which the filter of the recorder keeps aliases away, as `"20 kHz"`: where the sheet states no band, the checks
     /// look no higher. By default half the Nyquist frequency.
-    pub alias_free_to: Option<Stated<Frequency>>,
+    pub alias_free_to: Option<Exact<Frequency>>,
 }
 
 /// A check.
@@ -70,7 +70,7 @@ impl ChecksSheet {
 
     /// Probability of a false alarm of each check.
     pub(super) fn level(&self) -> Result<f64, RodlabError> {
-        let level = self.level.as_ref().map_or(USUAL_LEVEL, Stated::si);
+        let level = self.level.as_ref().map_or(USUAL_LEVEL, Exact::si);
         if level < 1.0 {
             Ok(level)
         } else {

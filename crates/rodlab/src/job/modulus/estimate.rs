@@ -18,7 +18,7 @@ use super::measured::{Measured, Ratio, Spectra};
 use super::method::{GaugeSheet, MethodSheet, SectionSheet, SolverSheet};
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
-use crate::sheet::Stated;
+use crate::sheet::{Exact, Stated};
 
 pub(super) fn estimate(
     sheet: &ModulusSheet,
@@ -49,21 +49,22 @@ fn of_ratio(
         freedom: ratio.freedom.as_deref(),
         coherence: ratio.coherence.as_deref(),
     };
+    let (diameter, density) = (specimen.diameter.with_uncertainty(), specimen.density.with_uncertainty());
     match &sheet.method {
         MethodSheet::TwoPoint { solver, .. } => {
             let length = length(sheet)?;
             let method = TwoPoint::new(Specimen {
                 length,
-                diameter: specimen.diameter.si(),
-                density: specimen.density.si(),
+                diameter: diameter.value,
+                density: density.value,
                 accelerometer_mass: end_mass(sheet),
             })
             .and_then(|method| method.with_limits(limits))
             .and_then(|method| {
                 method.with_specimen_uncertainty(SpecimenUncertainty {
                     length: uncertainty(specimen.length.as_ref()),
-                    diameter: uncertainty(Some(&specimen.diameter)),
-                    density: uncertainty(Some(&specimen.density)),
+                    diameter: diameter.uncertainty(),
+                    density: density.uncertainty(),
                     accelerometer_mass: uncertainty(specimen.accelerometer_mass.as_ref()),
                 })
             })
@@ -108,9 +109,9 @@ fn of_ratio(
             wave_speed,
             ..
         } => SeparatePulses::new(PulsedRod {
-            distance: distance.si(),
-            diameter: specimen.diameter.si(),
-            density: specimen.density.si(),
+            distance: distance.with_uncertainty().value,
+            diameter: diameter.value,
+            density: density.value,
         })
         .and_then(|method| method.with_limits(limits))
         .and_then(|m| m.with_uncertainty(section_uncertainty(sheet, uncertainty(Some(distance)))))
@@ -207,13 +208,13 @@ pub(super) fn without_lateral_inertia(
     let Some(asked) = &sheet.lateral_inertia else {
         return Ok(None);
     };
-    let ratio = &asked.poisson_ratio;
+    let ratio = asked.poisson_ratio.with_uncertainty();
     LateralInertia::new(
-        sheet.specimen.diameter.si(),
-        sheet.specimen.density.si(),
-        ratio.si(),
+        sheet.specimen.diameter.with_uncertainty().value,
+        sheet.specimen.density.with_uncertainty().value,
+        ratio.value,
     )
-    .and_then(|inertia| inertia.with_poisson_ratio_uncertainty(uncertainty(Some(ratio))))
+    .and_then(|inertia| inertia.with_poisson_ratio_uncertainty(ratio.uncertainty()))
     .map(|inertia| match asked.theory {
         None => inertia,
         Some(TheorySheet::LoveRayleigh) => inertia.with_theory(Theory::LoveRayleigh),
@@ -229,10 +230,13 @@ pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     Ok(match &sheet.method {
         MethodSheet::TwoPoint { .. } | MethodSheet::Resonances { .. } => length(sheet)?,
         MethodSheet::FreeEnd { first, second, .. } => {
-            first.from_free_end.si().max(second.from_free_end.si())
+            let distance = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
+            distance(first).max(distance(second))
         }
-        MethodSheet::SeparatePulses { distance, .. } => distance.si(),
-        MethodSheet::OneGauge { section, .. } => 2.0 * section.from_free_end.si(),
+        MethodSheet::SeparatePulses { distance, .. } => distance.with_uncertainty().value,
+        MethodSheet::OneGauge { section, .. } => {
+            2.0 * section.from_free_end.with_uncertainty().value
+        }
         MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
             gauged_rod(sheet, gauges).least_distance()
         }
@@ -245,7 +249,7 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
         .specimen
         .length
         .as_ref()
-        .map(Stated::si)
+        .map(|length| length.with_uncertainty().value)
         .ok_or_else(|| {
             RodlabError::request(
                 "specimen.length",
@@ -257,8 +261,8 @@ pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
 
 pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
     RodWithFreeEnd {
-        diameter: sheet.specimen.diameter.si(),
-        density: sheet.specimen.density.si(),
+        diameter: sheet.specimen.diameter.with_uncertainty().value,
+        density: sheet.specimen.density.with_uncertainty().value,
         end_mass: end_mass(sheet),
     }
 }
@@ -266,15 +270,15 @@ pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
 fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedRod {
     GaugedRod {
         positions: gauges.iter().map(|gauge| gauge.at.si()).collect(),
-        diameter: sheet.specimen.diameter.si(),
-        density: sheet.specimen.density.si(),
+        diameter: sheet.specimen.diameter.with_uncertainty().value,
+        density: sheet.specimen.density.with_uncertainty().value,
     }
 }
 
 /// Mass on the free end \[kg\].
 fn end_mass(sheet: &ModulusSheet) -> f64 {
     let mass = sheet.specimen.accelerometer_mass.as_ref();
-    mass.map_or(0.0, Stated::si)
+    mass.map_or(0.0, |mass| mass.with_uncertainty().value)
 }
 
 /// A section of a rod with a free end; what is measured there is told by the sheet, or by the channel.
@@ -288,7 +292,7 @@ fn section(
         .map(Quantity::from)
         .or_else(|| measured.quantity_of(&section.channel));
     Ok(EndSection {
-        distance: section.from_free_end.si(),
+        distance: section.from_free_end.with_uncertainty().value,
         quantity: quantity.ok_or_else(|| {
             RodlabError::request(
                 format!("{field}.quantity"),
@@ -317,13 +321,13 @@ fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> SectionUncertaint
 }
 
 fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
-    stated.and_then(Stated::standard_uncertainty).unwrap_or(0.0)
+    stated.map_or(0.0, |stated| stated.with_uncertainty().uncertainty())
 }
 
 pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
     let default = AcceptanceLimits::default();
-    let or = |stated: &Option<Stated<crate::sheet::Ratio>>, default: f64| {
-        stated.as_ref().map_or(default, Stated::si)
+    let or = |stated: &Option<Exact<crate::sheet::Ratio>>, default: f64| {
+        stated.as_ref().map_or(default, Exact::si)
     };
     AcceptanceLimits {
         storage_modulus: or(&sheet.limits.storage_modulus, default.storage_modulus),

@@ -13,7 +13,7 @@ use crate::digits::significant;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 use crate::outcome::{Column, LogEntry, Quantity, Table};
-use crate::sheet::{Ratio, Stated};
+use crate::sheet::{Exact, NotFollowed, Ratio};
 use crate::{Outcome, RodlabError};
 
 /// Lines that are fitted by default at most.
@@ -32,7 +32,7 @@ pub struct LawsSheet {
     pub criterion: Option<CriterionSheet>,
     /// Confidence of the intervals, as `"95 %"`, which is the default.
     #[serde(default)]
-    pub confidence: Option<Stated<Ratio>>,
+    pub confidence: Option<Exact<Ratio>>,
     /// Lines that are fitted at most, evenly chosen among the valid ones; 400 by default.
     #[serde(default)]
     pub most_lines: Option<usize>,
@@ -74,7 +74,7 @@ pub struct CardsSheet {
     /// Name of the material, a letter followed by letters, digits, `-` or `_`.
     pub name: String,
     /// Instantaneous Poisson's ratio.
-    pub poisson_ratio: Stated<Ratio>,
+    pub poisson_ratio: NotFollowed<Ratio>,
     /// The programs, as `[Abaqus, Ansys, LsDyna]`.
     pub programs: Vec<ProgramSheet>,
 }
@@ -154,7 +154,7 @@ pub(super) fn fit(
     asked: &LawsSheet,
     around: &Surroundings<'_>,
 ) -> Result<(), RodlabError> {
-    let density = found.sheet.specimen.density.si();
+    let density = found.sheet.specimen.density.with_uncertainty().value;
     let laws: Vec<Law> = asked
         .laws
         .iter()

@@ -21,7 +21,7 @@ use crate::job::Surroundings;
 use crate::job::frf::BandSheet;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
-use crate::sheet::{Duration, Ratio as RatioKind, Stated};
+use crate::sheet::{Duration, Ratio as RatioKind, Exact};
 
 /// Where the spectra come from.
 #[derive(Debug, Clone, Deserialize)]
@@ -38,7 +38,7 @@ pub enum SourceSheet {
         /// How long each hit's record is silent before the blow, as `"2 ms"`: there the noise is read, which gauges need. By default
         /// the pre-trigger but for 0.2 ms, or for a fifth of it if that is less, where hits are cut by a trigger.
         #[serde(default)]
-        silent: Option<Stated<Duration>>,
+        silent: Option<Exact<Duration>>,
     },
     /// A ratio of spectra that another program has made.
     Ratio(RatioSheet),
@@ -93,7 +93,7 @@ pub enum RatioErrors {
     /// By a standard error that is the same part of the value on all lines, as `"0.1 %"`.
     Relative {
         /// That part.
-        of_value: Stated<RatioKind>,
+        of_value: Exact<RatioKind>,
     },
 }
 

@@ -4,7 +4,7 @@ use cmod::multi_point::Quantity;
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{Coordinate, Length, Stated, Time, Velocity};
+use crate::sheet::{Coordinate, Exact, Length, NotFollowed, Stated, Time, Velocity};
 
 /// A method with what it needs.
 #[derive(Debug, Clone, Deserialize)]
@@ -35,7 +35,7 @@ pub enum MethodSheet {
         second: SectionSheet,
         /// A guess of the wave speed, as `"1700 m/s"`, good to 30 %; searched by default.
         #[serde(default)]
-        wave_speed: Option<Stated<Velocity>>,
+        wave_speed: Option<Exact<Velocity>>,
     },
     /// One pulse at two sections, before anything comes back.
     SeparatePulses {
@@ -47,19 +47,19 @@ pub enum MethodSheet {
         distance: Stated<Length>,
         /// A guess of the wave speed.
         #[serde(default)]
-        wave_speed: Option<Stated<Velocity>>,
+        wave_speed: Option<Exact<Velocity>>,
     },
     /// The incident and the reflected pulse at one section of a rod with a free end.
     OneGauge {
         /// The section.
         section: SectionSheet,
         /// The incident pulse, from and to, counted from the beginning of a hit's record.
-        incident: (Stated<Time>, Stated<Time>),
+        incident: (Exact<Time>, Exact<Time>),
         /// The reflected pulse.
-        reflected: (Stated<Time>, Stated<Time>),
+        reflected: (Exact<Time>, Exact<Time>),
         /// A guess of the wave speed.
         #[serde(default)]
-        wave_speed: Option<Stated<Velocity>>,
+        wave_speed: Option<Exact<Velocity>>,
     },
     /// Three equidistant gauges, in closed form (paper B).
     ThreePoint {
@@ -72,10 +72,10 @@ pub enum MethodSheet {
         gauges: Vec<GaugeSheet>,
         /// A guess of the wave speed.
         #[serde(default)]
-        wave_speed: Option<Stated<Velocity>>,
+        wave_speed: Option<Exact<Velocity>>,
         /// Position of a free end, if the rod has one: then the gauges are checked against it.
         #[serde(default)]
-        free_end_at: Option<Stated<Coordinate>>,
+        free_end_at: Option<NotFollowed<Coordinate>>,
     },
 }
 
@@ -110,9 +110,9 @@ pub struct WindowSheet {
     /// Channel.
     pub channel: String,
     /// Beginning of the pulse, counted from the beginning of a hit's record, as `"1.2 ms"`.
-    pub from: Stated<Time>,
+    pub from: Exact<Time>,
     /// Its end.
-    pub to: Stated<Time>,
+    pub to: Exact<Time>,
 }
 
 /// A gauge.
@@ -122,7 +122,7 @@ pub struct GaugeSheet {
     /// Channel.
     pub channel: String,
     /// Position along the rod.
-    pub at: Stated<Coordinate>,
+    pub at: NotFollowed<Coordinate>,
 }
 
 /// What is measured at a section.

@@ -7,7 +7,7 @@ use ndarray::Array2;
 use super::measured::{Ratio, averaged_ratio};
 use super::method::WindowSheet;
 use crate::RodlabError;
-use crate::sheet::{Stated, Time};
+use crate::sheet::{Exact, Time};
 
 /// Names of the two pulses in the records that are made of them.
 const EARLIER: &str = "earlier pulse";
@@ -16,8 +16,8 @@ const LATER: &str = "later pulse";
 /// A stretch of a channel.
 struct Cut<'a> {
     channel: &'a str,
-    from: &'a Stated<Time>,
-    to: &'a Stated<Time>,
+    from: &'a Exact<Time>,
+    to: &'a Exact<Time>,
     field: &'static str,
 }
 
@@ -43,8 +43,8 @@ pub(super) fn separate<'a>(
 pub(super) fn reflected(
     hits: &[&Record],
     channel: &str,
-    incident: &(Stated<Time>, Stated<Time>),
-    reflected: &(Stated<Time>, Stated<Time>),
+    incident: &(Exact<Time>, Exact<Time>),
+    reflected: &(Exact<Time>, Exact<Time>),
 ) -> Result<Ratio, RodlabError> {
     let cut = |(from, to), field| Cut {
         channel,

@@ -184,7 +184,7 @@ fn at_frequencies<'a>(
     let asked = found.sheet.report_at.as_ref();
     let wanted: Vec<f64> = asked.map_or_else(
         || usual.to_vec(),
-        |texts| texts.iter().map(crate::sheet::Stated::si).collect(),
+        |texts| texts.iter().map(crate::sheet::Exact::si).collect(),
     );
     let mut valid = Vec::new();
     for f in wanted {
@@ -270,7 +270,7 @@ fn gauged(method: &MethodSheet) -> bool {
 
 fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     let specimen = &found.sheet.specimen;
-    if specimen.density.standard_uncertainty().is_none() {
+    if specimen.density.with_uncertainty().standard_uncertainty.is_none() {
         outcome.warnings.push(
             "The density is stated without an uncertainty: its relative error is that of every modulus, and not in the errors."
                 .to_owned(),

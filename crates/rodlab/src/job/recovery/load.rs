@@ -4,7 +4,7 @@ use cmod::recovery::{LoadHistory, LoadSegment};
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{Duration, Frequency, Stated, Stress};
+use crate::sheet::{Duration, Frequency, NotFollowed, Stress};
 
 /// A part of a load.
 #[derive(Debug, Clone, Deserialize)]
@@ -13,29 +13,29 @@ pub enum LoadSheet {
     /// A constant stress; `"0 MPa"` for a rest.
     Constant {
         /// Stress, as `"45 MPa"`.
-        stress: Stated<Stress>,
+        stress: NotFollowed<Stress>,
         /// Duration, as `"30 min"`.
-        duration: Stated<Duration>,
+        duration: NotFollowed<Duration>,
     },
     /// A stress that changes evenly.
     Ramp {
         /// Stress at the beginning.
-        from: Stated<Stress>,
+        from: NotFollowed<Stress>,
         /// Stress at the end.
-        to: Stated<Stress>,
+        to: NotFollowed<Stress>,
         /// Duration.
-        duration: Stated<Duration>,
+        duration: NotFollowed<Duration>,
     },
     /// A sine about a mean.
     Periodic {
         /// Mean stress.
-        mean: Stated<Stress>,
+        mean: NotFollowed<Stress>,
         /// Amplitude.
-        amplitude: Stated<Stress>,
+        amplitude: NotFollowed<Stress>,
         /// Frequency of the load, as `"4 Hz"`.
-        frequency: Stated<Frequency>,
+        frequency: NotFollowed<Frequency>,
         /// Duration.
-        duration: Stated<Duration>,
+        duration: NotFollowed<Duration>,
     },
 }
 

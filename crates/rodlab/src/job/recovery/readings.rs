@@ -10,7 +10,7 @@ use crate::job::Surroundings;
 use crate::number_file::NumberFile;
 use crate::outcome::InputFile;
 use crate::records::Selector;
-use crate::sheet::{Stated, Time};
+use crate::sheet::{Exact, NotFollowed, Time};
 
 /// What was read.
 #[derive(Debug, Clone, Deserialize)]
@@ -38,7 +38,7 @@ pub enum ReadingsSheet {
 #[serde(deny_unknown_fields)]
 pub struct Reading {
     /// Time after unloading, as `"1 min"`.
-    pub at: Stated<Time>,
+    pub at: NotFollowed<Time>,
     /// The loss factor, or its change; a pure number.
     pub value: f64,
     /// Its standard error, where it differs from that of the sheet.
@@ -73,8 +73,7 @@ pub(super) fn test(
     let virgin_standard_error = sheet
         .virgin_loss_factor
         .as_ref()
-        .and_then(Stated::standard_uncertainty)
-        .unwrap_or(0.0);
+        .map_or(0.0, |virgin| virgin.with_uncertainty().uncertainty());
     let frequency = test.frequency.as_ref().unwrap_or(&sheet.frequency);
     let readings = LossFactorReadings {
         time: &columns.time,
@@ -98,7 +97,7 @@ fn virgin(sheet: &RecoverySheet) -> Result<f64, RodlabError> {
     let are = sheet.readings_are.unwrap_or(ReadingsAre::LossFactors);
     match (are, &sheet.virgin_loss_factor) {
         (ReadingsAre::Changes, _) => Ok(0.0),
-        (ReadingsAre::LossFactors, Some(virgin)) => Ok(virgin.si()),
+        (ReadingsAre::LossFactors, Some(virgin)) => Ok(virgin.with_uncertainty().value),
         (ReadingsAre::LossFactors, None) => Err(RodlabError::request(
             "virgin_loss_factor",
             "missing",
@@ -113,7 +112,7 @@ fn columns(
     field: &str,
     around: &Surroundings<'_>,
 ) -> Result<(Columns, Option<NumberFile>), RodlabError> {
-    let common = sheet.standard_error.as_ref().map(Stated::si);
+    let common = sheet.standard_error.as_ref().map(Exact::si);
     let missing = |place: String| {
         RodlabError::request(
             place,

@@ -11,7 +11,7 @@ use super::instrument::{History, InstrumentSheet};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Attachment, LogEntry};
-use crate::sheet::{Duration, Force, Ratio, Stated};
+use crate::sheet::{Duration, Force, Ratio, Exact};
 
 /// The last of so many parts of a record shows whether everything has died out.
 const LATE_PART: usize = 16;
@@ -27,15 +27,15 @@ pub struct BlowsSheet {
     /// Number of hits, each a record.
     pub hits: usize,
     /// Largest force, as `"100 N"`.
-    pub peak: Stated<Force>,
+    pub peak: Exact<Force>,
     /// Duration of the contact, as `"80 us"`.
-    pub duration: Stated<Duration>,
+    pub duration: Exact<Duration>,
     /// Shape of the force: a raised cosine unless stated.
     #[serde(default)]
     pub shape: ShapeSheet,
     /// Largest part by which the strength of a hit differs from `peak`, evenly to either side; `"5 %"` by default.
     #[serde(default)]
-    pub scatter: Option<Stated<Ratio>>,
+    pub scatter: Option<Exact<Ratio>>,
 }
 
 /// Shape of the force of a blow.
@@ -50,7 +50,7 @@ pub enum ShapeSheet {
 
 impl BlowsSheet {
     fn scatter(&self) -> f64 {
-        self.scatter.as_ref().map_or(USUAL_SCATTER, Stated::si)
+        self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
     pub(super) fn check(&self, field: &str) -> Result<(), RodlabError> {

@@ -16,7 +16,7 @@ use crate::RodlabError;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
-use crate::sheet::{Duration, Frequency, Pressure, Ratio, Stated};
+use crate::sheet::{Duration, Frequency, Pressure, Ratio, Exact};
 
 const FIELD: &str = "experiment: CreepRecovery";
 /// The stress of the dashpot is integrated through the load; the recovery is its closed form (paper C, eq. 4). The evaluation has both
@@ -28,23 +28,23 @@ const GENERATOR: &str = "cmod::recovery, three-element model";
 #[serde(deny_unknown_fields)]
 pub struct CreepRecoverySheet {
     /// Modulus E1 of the virgin material, as `"3.1 GPa"`.
-    pub series_modulus: Stated<Pressure>,
+    pub series_modulus: Exact<Pressure>,
     /// Modulus E2 of the spring beside the dashpot, as `"13.1 kPa"`.
-    pub parallel_modulus: Stated<Pressure>,
+    pub parallel_modulus: Exact<Pressure>,
     /// Exponent m of the dashpot, as `"1.8"`.
-    pub exponent: Stated<Ratio>,
+    pub exponent: Exact<Ratio>,
     /// Coefficient B of the dashpot, in Pa^-(m+1) s^-1, as `4.55e-21`.
     pub coefficient: f64,
     /// Loss factor of the virgin material, as `"0.025"`.
-    pub virgin_loss_factor: Stated<Ratio>,
+    pub virgin_loss_factor: Exact<Ratio>,
     /// Frequency at which the loss factor is read, as `"10 kHz"`.
-    pub frequency: Stated<Frequency>,
+    pub frequency: Exact<Frequency>,
     /// Standard deviation of the error of a reading, as `"0.0004"`.
-    pub error: Stated<Ratio>,
+    pub error: Exact<Ratio>,
     /// Loads, one test each.
     pub loads: Vec<CreepLoadSheet>,
     /// Times after unloading at which the loss factor is read, as `["1 min", "5 min"]`.
-    pub read_at: Vec<Stated<Duration>>,
+    pub read_at: Vec<Exact<Duration>>,
 }
 
 /// A constant stress for a while.
@@ -52,9 +52,9 @@ pub struct CreepRecoverySheet {
 #[serde(deny_unknown_fields)]
 pub struct CreepLoadSheet {
     /// Stress, as `"45 MPa"`.
-    pub stress: Stated<Pressure>,
+    pub stress: Exact<Pressure>,
     /// Duration, as `"30 min"`.
-    pub duration: Stated<Duration>,
+    pub duration: Exact<Duration>,
 }
 
 /// Loss factors after a load.
@@ -158,7 +158,7 @@ impl CreepRecoverySheet {
     }
 
     fn table(&self, tests: &[Readings<'_>]) -> Table {
-        let times: Vec<f64> = self.read_at.iter().map(Stated::si).collect();
+        let times: Vec<f64> = self.read_at.iter().map(Exact::si).collect();
         let mut columns = vec![Column::numbers("time after unloading", "s", times)];
         for test in tests {
             let of = format!("{} for {}", test.load.stress, test.load.duration);

@@ -11,7 +11,7 @@ use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, analytic};
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::{AddedMass, Length, Stated};
+use crate::sheet::{AddedMass, Length, Exact};
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
@@ -24,12 +24,12 @@ pub struct EndAccelerationsSheet {
     /// Name of the material.
     pub material: String,
     /// Length, as `"799 mm"`.
-    pub length: Stated<Length>,
+    pub length: Exact<Length>,
     /// Diameter, as `"15.8 mm"`.
-    pub diameter: Stated<Length>,
+    pub diameter: Exact<Length>,
     /// Mass of each accelerometer, as `"2.9 gram"`; none by default.
     #[serde(default)]
-    pub accelerometer_mass: Option<Stated<AddedMass>>,
+    pub accelerometer_mass: Option<Exact<AddedMass>>,
     /// The blows on the struck end.
     pub blows: BlowsSheet,
 }
@@ -44,7 +44,7 @@ impl EndAccelerationsSheet {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"))?;
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
-        let mass = self.accelerometer_mass.as_ref().map_or(0.0, Stated::si);
+        let mass = self.accelerometer_mass.as_ref().map_or(0.0, Exact::si);
         let specimen = Specimen {
             section: Circle::of_diameter(self.diameter.si())
                 .map_err(refused)?

@@ -12,7 +12,7 @@ use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, analytic};
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::{AddedMass, Coordinate, Length, SpecificImpedance, Stated, Stiffness};
+use crate::sheet::{AddedMass, Coordinate, Length, SpecificImpedance, Exact, Stiffness};
 
 const FIELD: &str = "experiment: StrainsInFrame";
 /// Distances of gauges are equal if they differ by less than this part.
@@ -25,11 +25,11 @@ pub struct StrainsInFrameSheet {
     /// Name of the material.
     pub material: String,
     /// Length, as `"800 mm"`.
-    pub length: Stated<Length>,
+    pub length: Exact<Length>,
     /// Diameter, as `"16 mm"`.
-    pub diameter: Stated<Length>,
+    pub diameter: Exact<Length>,
     /// Positions of the gauges from the struck end, in order.
-    pub gauges: Vec<Stated<Coordinate>>,
+    pub gauges: Vec<Exact<Coordinate>>,
     /// What holds the struck end, beside the hammer; nothing by default.
     #[serde(default)]
     pub struck_end: SupportSheet,
@@ -45,11 +45,11 @@ pub struct StrainsInFrameSheet {
 #[serde(deny_unknown_fields, default)]
 pub struct SupportSheet {
     /// Spring, as `"70 N/m"`.
-    pub stiffness: Option<Stated<Stiffness>>,
+    pub stiffness: Option<Exact<Stiffness>>,
     /// Dashpot, as `"0.02 kg/s"`.
-    pub resistance: Option<Stated<SpecificImpedance>>,
+    pub resistance: Option<Exact<SpecificImpedance>>,
     /// Mass, as `"15 gram"`.
-    pub mass: Option<Stated<AddedMass>>,
+    pub mass: Option<Exact<AddedMass>>,
 }
 
 impl SupportSheet {
@@ -80,9 +80,9 @@ impl SupportSheet {
     /// `None` where there is nothing.
     fn support(&self) -> Option<EndSupport> {
         (!self.is_absent()).then(|| EndSupport {
-            stiffness: self.stiffness.as_ref().map_or(0.0, Stated::si),
-            resistance: self.resistance.as_ref().map_or(0.0, Stated::si),
-            mass: self.mass.as_ref().map_or(0.0, Stated::si),
+            stiffness: self.stiffness.as_ref().map_or(0.0, Exact::si),
+            resistance: self.resistance.as_ref().map_or(0.0, Exact::si),
+            mass: self.mass.as_ref().map_or(0.0, Exact::si),
         })
     }
 }
@@ -108,7 +108,7 @@ impl StrainsInFrameSheet {
             ));
         }
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
-        let positions: Vec<f64> = self.gauges.iter().map(Stated::si).collect();
+        let positions: Vec<f64> = self.gauges.iter().map(Exact::si).collect();
         let section = Circle::of_diameter(self.diameter.si()).map_err(refused)?;
         let right: Termination<LaplaceVariable> = self
             .other_end

@@ -21,7 +21,7 @@ use super::{Made, Request};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
-use crate::sheet::{Density, Frequency, Length, Pressure, Ratio, Stated, Velocity, Viscosity};
+use crate::sheet::{Density, Frequency, Length, Pressure, Ratio, Exact, Velocity, Viscosity};
 
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
@@ -39,27 +39,27 @@ const NOT_COMMUTING: &str = "the law is not linear, and the recorder filters wha
 #[serde(deny_unknown_fields)]
 pub struct ImpactedRodSheet {
     /// Length of the rod, as `"402 mm"`.
-    pub length: Stated<Length>,
+    pub length: Exact<Length>,
     /// Diameter, as `"16 mm"`.
-    pub diameter: Stated<Length>,
+    pub diameter: Exact<Length>,
     /// Density, as `"912 kg/m3"`.
-    pub density: Stated<Density>,
+    pub density: Exact<Density>,
     /// Young's modulus, as `"2.6 GPa"`.
-    pub modulus: Stated<Pressure>,
+    pub modulus: Exact<Pressure>,
     /// Law of the inelastic strain rate.
     pub law: InelasticLawSheet,
     /// Distance of the section near the struck end from the free end, as `"394 mm"`.
-    pub section_distance: Stated<Length>,
+    pub section_distance: Exact<Length>,
     /// The projectile.
     pub striker: StrikerSheet,
     /// Its velocities, one test each, as `["3 m/s", "10 m/s"]`.
-    pub velocities: Vec<Stated<Velocity>>,
+    pub velocities: Vec<Exact<Velocity>>,
     /// What the sensors feel: velocities unless stated.
     #[serde(default)]
     pub sensors: SensorsSheet,
     /// Longest cell of the chain, as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
     #[serde(default)]
-    pub cell: Option<Stated<Length>>,
+    pub cell: Option<Exact<Length>>,
 }
 
 /// A law of paper D.
@@ -71,21 +71,21 @@ pub enum InelasticLawSheet {
     /// Strain rate proportional to stress.
     Maxwell {
         /// Viscosity, as `"4 MPa s"`.
-        viscosity: Stated<Viscosity>,
+        viscosity: Exact<Viscosity>,
     },
     /// Strain rate as a power of the stress.
     Norton {
         /// Exponent, as `"1.8"`.
-        exponent: Stated<Ratio>,
+        exponent: Exact<Ratio>,
         /// Strain rate at 10 MPa, as `"8 1/s"`.
-        rate_at_10_mpa: Stated<Frequency>,
+        rate_at_10_mpa: Exact<Frequency>,
     },
     /// Strain rate that grows with an exponential of the stress.
     GurevichRabinovich {
         /// Viscosity at vanishing stress.
-        viscosity: Stated<Viscosity>,
+        viscosity: Exact<Viscosity>,
         /// Activation stress, as `"8 MPa"`.
-        activation_stress: Stated<Pressure>,
+        activation_stress: Exact<Pressure>,
     },
 }
 
@@ -94,13 +94,13 @@ pub enum InelasticLawSheet {
 #[serde(deny_unknown_fields)]
 pub struct StrikerSheet {
     /// Length, as `"30 mm"`.
-    pub length: Stated<Length>,
+    pub length: Exact<Length>,
     /// Diameter, as `"15.8 mm"`.
-    pub diameter: Stated<Length>,
+    pub diameter: Exact<Length>,
     /// Density, as `"2700 kg/m3"`.
-    pub density: Stated<Density>,
+    pub density: Exact<Density>,
     /// Young's modulus, as `"69 GPa"`.
-    pub modulus: Stated<Pressure>,
+    pub modulus: Exact<Pressure>,
 }
 
 /// What is measured at the two sections.
@@ -113,7 +113,7 @@ pub enum SensorsSheet {
     /// Displacements; what has moved further than the range stays there.
     Displacement {
         /// Range of the transducers, as `"20 mm"`.
-        range: Stated<Length>,
+        range: Exact<Length>,
     },
 }
 
@@ -228,7 +228,7 @@ impl ImpactedRodSheet {
             cell: self
                 .cell
                 .as_ref()
-                .map_or(shortest_wave / CELLS_PER_WAVE, Stated::si),
+                .map_or(shortest_wave / CELLS_PER_WAVE, Exact::si),
             rod,
             duration: instrument.duration(),
         };

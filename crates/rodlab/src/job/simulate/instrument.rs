@@ -13,7 +13,7 @@ use serde::Deserialize;
 use super::level::{Level, LevelText};
 use crate::RodlabError;
 use crate::outcome::Setting;
-use crate::sheet::{Duration, Frequency, Stated};
+use crate::sheet::{Duration, Frequency, Exact};
 
 /// Histories are this much finer than they are sampled.
 const FINER: usize = 8;
@@ -33,12 +33,12 @@ const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
 #[serde(deny_unknown_fields)]
 pub struct InstrumentSheet {
     /// Rate of the samples, as `"65.536 kHz"`.
-    pub sampling_rate: Stated<Frequency>,
+    pub sampling_rate: Exact<Frequency>,
     /// Length of a record, as `"60 ms"`.
-    pub length: Stated<Duration>,
+    pub length: Exact<Duration>,
     /// How long a record runs before the blow, as `"2 ms"`, which is the default.
     #[serde(default)]
-    pub before: Option<Stated<Duration>>,
+    pub before: Option<Exact<Duration>>,
     /// Filter before the samples; of linear phase, half at 0.3125 of the sampling rate, unless stated.
     #[serde(default)]
     pub anti_alias: Option<AntiAliasSheet>,
@@ -61,21 +61,21 @@ pub enum AntiAliasSheet {
     /// Without delay or phase, a sharp edge.
     LinearPhase {
         /// Frequency at which one half is left.
-        cutoff: Stated<Frequency>,
+        cutoff: Exact<Frequency>,
     },
     /// Butterworth's, with its phase.
     Butterworth {
         /// Number of poles.
         order: u32,
         /// Corner.
-        cutoff: Stated<Frequency>,
+        cutoff: Exact<Frequency>,
     },
     /// Bessel's, with its phase.
     Bessel {
         /// Number of poles.
         order: u32,
         /// Corner.
-        cutoff: Stated<Frequency>,
+        cutoff: Exact<Frequency>,
     },
 }
 
@@ -116,7 +116,7 @@ impl InstrumentSheet {
 
     /// How long a record runs before the blow \[s\].
     pub(super) fn before(&self) -> f64 {
-        self.before.as_ref().map_or(USUAL_BEFORE, Stated::si)
+        self.before.as_ref().map_or(USUAL_BEFORE, Exact::si)
     }
 
     /// Interval at which histories are wanted \[s\].
@@ -333,7 +333,7 @@ impl InstrumentSheet {
         let usual = || "2 ms".to_owned();
         say(
             "before",
-            before.map_or_else(usual, Stated::to_string),
+            before.map_or_else(usual, Exact::to_string),
             before.is_none(),
         );
         say(

@@ -4,7 +4,7 @@ use super::blows::BlowsSheet;
 use super::impacted_rod::{ImpactedRodSheet, SensorsSheet};
 use super::{ExperimentSheet, SimulateSheet, USUAL_OUTPUT, USUAL_SEED};
 use crate::outcome::Setting;
-use crate::sheet::Stated;
+use crate::sheet::Exact;
 
 /// One after the other, under the names of the sheet.
 struct Listed(Vec<Setting>);
@@ -22,8 +22,8 @@ impl Listed {
         });
     }
 
-    fn either<K>(&mut self, name: &str, stated: Option<&Stated<K>>, otherwise: &str) {
-        let value = stated.map_or_else(|| otherwise.to_owned(), Stated::to_string);
+    fn either<K>(&mut self, name: &str, stated: Option<&Exact<K>>, otherwise: &str) {
+        let value = stated.map_or_else(|| otherwise.to_owned(), Exact::to_string);
         self.put(name, value, stated.is_none());
     }
 

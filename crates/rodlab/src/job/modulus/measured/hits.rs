@@ -14,7 +14,7 @@ use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
 use crate::records::Records;
-use crate::sheet::{Duration, Stated};
+use crate::sheet::{Duration, Exact};
 
 /// Fewest hits of which a coherence can be formed. The spectra of gauges have their errors from the silence before a hit: of one hit,
 /// too.
@@ -22,7 +22,7 @@ const FEWEST_HITS: usize = 2;
 
 pub(super) fn of_hits(
     sheet: &ModulusSheet,
-    (records, hits, silent): (&Records, &HitsSheet, Option<&Stated<Duration>>),
+    (records, hits, silent): (&Records, &HitsSheet, Option<&Exact<Duration>>),
     around: &Surroundings<'_>,
     chosen: &mut Chosen,
 ) -> Result<Measured, RodlabError> {

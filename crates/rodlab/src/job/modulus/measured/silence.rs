@@ -6,7 +6,7 @@ use labio::hits::{Extent, Hit};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::hits::FoundHits;
-use crate::sheet::{Duration, Stated};
+use crate::sheet::{Duration, Exact};
 
 /// So long before the trigger a blow begins at most, unless the sheet says how long the silence is \[s\].
 const RISE: f64 = 0.2e-3;
@@ -14,7 +14,7 @@ const RISE: f64 = 0.2e-3;
 /// Number of samples before the blow, if it is known.
 pub(super) fn silent_samples(
     found: &FoundHits,
-    stated: Option<&Stated<Duration>>,
+    stated: Option<&Exact<Duration>>,
     chosen: &mut Chosen,
 ) -> Result<Option<usize>, RodlabError> {
     let name = "source.silent";

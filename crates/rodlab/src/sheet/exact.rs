@@ -1,0 +1,134 @@
+//! A quantity of a sheet that takes no uncertainty, with the reason why not.
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::str::FromStr;
+
+use serde::de::{Deserialize, Deserializer};
+
+use super::kind::Kind;
+use super::stated::{Written, from_text, parsed, value_and_uncertainty};
+
+/// The advice to a sheet that states an uncertainty which its job cannot follow.
+pub(super) const ADVICE: &str = "To see what the uncertainty does, run a second sheet with the value larger by one standard uncertainty: the results differ by the error that \
+                                 it causes";
+
+/// The reason why a field takes no uncertainty.
+pub trait Reason {
+    /// Completes "`10 kHz ± 1 %` has an uncertainty".
+    const PROBLEM: &'static str;
+    /// A sentence on what to do.
+    const ADVICE: &'static str;
+}
+
+/// The value is chosen, not measured: a limit, a band, a window, a threshold, a step, a level, a noise, the truth of a virtual test.
+#[derive(Debug, Clone, Copy)]
+pub enum ByDefinition {}
+
+impl Reason for ByDefinition {
+    const PROBLEM: &'static str = "has an uncertainty, and this field is exact by definition: it is chosen, not measured";
+    const ADVICE: &'static str = "";
+}
+
+/// The value is measured, and the job has no way yet from its uncertainty to the result.
+#[derive(Debug, Clone, Copy)]
+pub enum NoWay {}
+
+impl Reason for NoWay {
+    const PROBLEM: &'static str =
+        "has an uncertainty, which this job cannot follow to its result yet";
+    const ADVICE: &'static str = ADVICE;
+}
+
+/// A quantity of a sheet, in SI, that takes no uncertainty: a text with a `±` other than `± 0` is refused at its place in the sheet,
+/// for the reason `R`.
+///
+/// # Examples
+///
+/// ```
+/// use rodlab::sheet::{Exact, Frequency, NotFollowed, Pressure};
+///
+/// let limit: Exact<Frequency> = "10 kHz".parse()?;
+/// assert_eq!(limit.si(), 10e3);
+/// let error = "10 kHz ± 1 %".parse::<Exact<Frequency>>().unwrap_err();
+/// assert!(error.to_string().contains("exact by definition"), "{error}");
+/// let error = "2.6 GPa ± 1 %".parse::<NotFollowed<Pressure>>().unwrap_err();
+/// assert!(error.to_string().contains("cannot follow"), "{error}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Exact<K, R = ByDefinition> {
+    si: f64,
+    text: String,
+    kind: PhantomData<(K, R)>,
+}
+
+/// A measured quantity whose uncertainty a job cannot follow to its result yet, so that a sheet that states one is refused.
+pub type NotFollowed<K> = Exact<K, NoWay>;
+
+impl<K, R> Exact<K, R> {
+    /// Value in SI.
+    #[must_use]
+    pub fn si(&self) -> f64 {
+        self.si
+    }
+}
+
+impl<K, R> Clone for Exact<K, R> {
+    fn clone(&self) -> Self {
+        Self {
+            si: self.si,
+            text: self.text.clone(),
+            kind: PhantomData,
+        }
+    }
+}
+
+impl<K, R> fmt::Debug for Exact<K, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.text)
+    }
+}
+
+/// As it is written in the sheet.
+impl<K, R> fmt::Display for Exact<K, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
+    type Err = Written;
+
+    fn from_str(text: &str) -> Result<Self, Written> {
+        let wrong = |problem: String, advice: &str| {
+            let mut expected = format!("{}, as {}, without ±", K::NAME, K::EXAMPLE);
+            if !advice.is_empty() {
+                expected = format!("{expected}. {advice}");
+            }
+            Written {
+                text: text.to_owned(),
+                problem,
+                expected,
+            }
+        };
+        let (quantity, uncertainty) = value_and_uncertainty(text);
+        let si = parsed::<K>(quantity)
+            .map_err(|problem| wrong(problem, ""))?
+            .value;
+        if uncertainty.is_some() && !parsed::<K>(text).is_ok_and(|stated| stated.uncertainty() == 0.0)
+        {
+            return Err(wrong(R::PROBLEM.to_owned(), R::ADVICE));
+        }
+        Ok(Self {
+            si,
+            text: text.trim().to_owned(),
+            kind: PhantomData,
+        })
+    }
+}
+
+impl<'de, K: Kind, R: Reason> Deserialize<'de> for Exact<K, R> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        from_text::<Self, K, D>(deserializer)
+    }
+}
