@@ -24,9 +24,11 @@ mod projection;
 mod spectra;
 mod start;
 mod three_point;
+mod uncertainty;
 mod waves;
 
 pub use spectra::{GaugeSpectra, GaugedRod};
+pub use uncertainty::GaugeUncertainty;
 pub use three_point::{MOST_NOISE_AT_THE_MIDDLE, ThreePoint};
 pub use waves::{Quantity, WavesAtSection};
 
@@ -79,6 +81,7 @@ pub struct MultiPoint {
     wave_speed: Option<f64>,
     limits: AcceptanceLimits,
     noise_freedom: Option<VarianceFreedom>,
+    uncertainty: GaugeUncertainty,
 }
 
 impl MultiPoint {
@@ -94,6 +97,7 @@ impl MultiPoint {
             wave_speed: None,
             limits: AcceptanceLimits::default(),
             noise_freedom: None,
+            uncertainty: GaugeUncertainty::default(),
         })
     }
 
@@ -131,6 +135,16 @@ impl MultiPoint {
     /// coherence is not asked of gauges.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
+        Ok(self)
+    }
+
+    /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
+    /// each gauge.
+    pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
+        self.uncertainty = uncertainty.check(&self.rod)?;
         Ok(self)
     }
 
@@ -212,7 +226,7 @@ impl MultiPoint {
             let judged = match line {
                 Ok((line, fit, freedom)) => {
                     let acceptance = Acceptance::of_line(self.limits, freedom)?;
-                    let judged = line.into_modulus(&self.rod, &acceptance);
+                    let judged = line.into_modulus(&self.rod, &self.uncertainty, &acceptance);
                     judged.map(|line| (line, fit))
                 }
                 Err(reason) => Err(reason),
@@ -290,6 +304,13 @@ impl MultiPoint {
             expectation.update(omega, gamma, details.objective.information / excess);
         }
 
+        let by_position = if self.uncertainty.is_of_positions() {
+            projection
+                .by_position(gamma, white)
+                .ok_or(Refusal::Undetermined)?
+        } else {
+            Vec::new()
+        };
         let variance = white.variance / details.objective.information;
         let freedom = self.noise_freedom.map(|freedom| {
             let shares = projection.shares(gamma, white);
@@ -311,6 +332,7 @@ impl MultiPoint {
             frequency_hz,
             gamma,
             variance,
+            by_position,
             curvature: details.curvature,
             amplification: (white.mean_power() / details.objective.information).sqrt(),
             closed_form: None,

@@ -5,6 +5,7 @@
 use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
 use crate::model::RodModel;
+use crate::specimen::SpecimenSensitivity;
 
 /// Largest standard error, as a ratio or as a difference of an exponent, at which a parameter counts as identified: a
 /// parameter of three standard errors.
@@ -64,6 +65,10 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error: of ln(value) where `scale` is a ratio, of the value where it is a difference.
     pub standard_error: f64,
+    /// Part of it by an uncertain specimen, the same in all tests; 0 unless one was [stated](Estimate::with_specimen_uncertainty).
+    pub specimen_error: f64,
+    /// Sensitivity to length and density of the specimen.
+    pub sensitivity: SpecimenSensitivity,
     /// How the error is measured.
     pub scale: Scale,
     /// Coordinate of the identification, or derived from them.
@@ -191,10 +196,11 @@ pub(crate) fn assess(
         .iter()
         .map(|column| root_mean_square(column))
         .collect();
+    let specimen = model.specimen_sensitivities(at);
     let mut estimates: Vec<Estimate> = model
         .stated(at)
         .iter()
-        .map(|stated| estimate(stated, &covariance, &influences))
+        .map(|stated| estimate(stated, &covariance, &influences, &specimen))
         .collect();
     // where the damping is not seen, neither is the shape of what is not seen, whatever its linearised error at the point
     // where the iteration stopped
@@ -219,7 +225,12 @@ pub(crate) fn assess(
     })
 }
 
-fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], influences: &[f64]) -> Estimate {
+fn estimate(
+    parameter: &StatedParameter,
+    covariance: &[Vec<f64>],
+    influences: &[f64],
+    specimen: &[SpecimenSensitivity],
+) -> Estimate {
     let gradient = &parameter.gradient;
     let variance: f64 = gradient
         .iter()
@@ -240,6 +251,8 @@ fn estimate(parameter: &StatedParameter, covariance: &[Vec<f64>], influences: &[
         unit: parameter.unit,
         value: parameter.value,
         standard_error,
+        specimen_error: 0.0,
+        sensitivity: SpecimenSensitivity::through(gradient, specimen),
         scale: parameter.scale,
         role: parameter.role,
         // a comparison with NaN is false: what cannot be assessed is not identified

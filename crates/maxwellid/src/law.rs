@@ -1,5 +1,6 @@
 //! What an inelastic law needs beyond its physics to be identified: names, limits, and its printed parameters.
 
+use crate::specimen::SpecimenSensitivity;
 use rodwave::inelastic::{
     Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
@@ -22,6 +23,9 @@ pub trait IdentifiableLaw: InelasticLaw {
 
     /// The parameters as the literature states them, at the present values.
     fn stated(&self) -> Vec<StatedParameter>;
+
+    /// Sensitivity of each parameter to length and density of the specimen, at the present values.
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity>;
 
     /// The same form of law with the reference rate `rate` [1/s] and otherwise the present parameters: the starting
     /// values of a scan over rates. `None` for a law without rate.
@@ -101,6 +105,10 @@ impl IdentifiableLaw for Elastic {
         Vec::new()
     }
 
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        Vec::new()
+    }
+
     fn at_rate(&self, _rate: f64) -> Option<Self> {
         None
     }
@@ -129,6 +137,10 @@ impl IdentifiableLaw for Maxwell {
             gradient: vec![-1.0],
             role: Role::Coordinate,
         }]
+    }
+
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![SpecimenSensitivity::of_rate(1.0)]
     }
 
     fn at_rate(&self, rate: f64) -> Option<Self> {
@@ -175,6 +187,13 @@ impl IdentifiableLaw for MaxwellNorton {
                 gradient: vec![self.reference_stress().ln(), -1.0],
                 role: Role::Derived,
             },
+        ]
+    }
+
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![
+            SpecimenSensitivity::default(),
+            SpecimenSensitivity::of_rate(self.exponent()),
         ]
     }
 
@@ -227,6 +246,18 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
                 gradient: vec![1.0, -1.0],
                 role: Role::Derived,
             },
+        ]
+    }
+
+    /// ln F = ln r + ln(σ/σ_ref) + β (σ/σ_ref - 1) has the slope 1 + β at σ_ref, and β = σ_ref/m.
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        let sharpness = sharpness(self);
+        vec![
+            SpecimenSensitivity {
+                length: -sharpness,
+                density: -sharpness,
+            },
+            SpecimenSensitivity::of_rate(1.0 + sharpness),
         ]
     }
 

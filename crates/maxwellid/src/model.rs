@@ -9,6 +9,7 @@ use rodwave::{DirectProblem, InelasticRod};
 use crate::error::MaxwellidError;
 use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 use crate::special_case::{PronySeries, SpecialCase};
+use crate::specimen::SpecimenSensitivity;
 
 /// The question put to a model: a rod at rest, driven at x = -L by v_e, free at x = 0.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +76,9 @@ pub trait RodModel: Debug + Send + Sync {
 
     /// The parameters as the literature states them at θ, E first; gradients are by all of θ.
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
+
+    /// Sensitivity of each of θ to length and density of the specimen: of ln E it is [`SpecimenSensitivity::OF_MODULUS`].
+    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity>;
 
     /// v_r [m/s] at the times of `rod`; `None` where θ is outside the model.
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>>;
@@ -297,6 +301,16 @@ impl<L: IdentifiableLaw> RodModel for L {
             .collect()
     }
 
+    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
+        let law = parameters
+            .get(1..)
+            .and_then(|of_law| self.with_parameters(of_law).ok());
+        let of_law = law.map(|law| IdentifiableLaw::specimen_sensitivities(&law));
+        std::iter::once(SpecimenSensitivity::OF_MODULUS)
+            .chain(of_law.unwrap_or_default())
+            .collect()
+    }
+
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         direct_problem(self, rod, parameters)?
             .free_end_velocity(rod.excitation, rod.times)
@@ -383,6 +397,10 @@ impl RodModel for Arc<dyn RodModel> {
 
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
         self.as_ref().stated(parameters)
+    }
+
+    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
+        self.as_ref().specimen_sensitivities(parameters)
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {

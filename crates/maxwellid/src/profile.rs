@@ -20,11 +20,12 @@ use crate::least_squares::{
     LeastSquares, Linearisation, ScaledDecomposition, minimise, sum_of_squares,
 };
 use crate::model::check_cell;
+use crate::specimen::SpecimenSensitivity;
 use crate::selection::{Candidate, Contest, Ground, PosteriorProblem, Prior};
 use crate::test::RodTest;
 
 /// Quantile of chi-square of one degree of freedom at 95 %.
-const THRESHOLD: f64 = 3.841_458_820_694_124;
+pub(crate) const THRESHOLD: f64 = 3.841_458_820_694_124;
 
 /// The range that is looked at is that of the candidate, so many times as wide, within the bounds of the model.
 const WIDER: f64 = 3.0;
@@ -47,6 +48,8 @@ pub struct Profile {
     pub verdict: Verdict,
     /// Points (θ_j, PL - χ²_min) in ascending order.
     pub curve: Vec<(f64, f64)>,
+    /// Sensitivity to length and density of the specimen.
+    pub sensitivity: SpecimenSensitivity,
 }
 
 impl Profile {
@@ -124,6 +127,7 @@ pub fn profiles(
     let errors = standard_errors(&minimum.linearisation, &prior.deviation);
     let names = candidate.model().parameter_names();
     let bounds = candidate.model().bounds();
+    let specimen = candidate.model().specimen_sensitivities(at);
     (0..at.len())
         .map(|index| {
             let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
@@ -138,7 +142,11 @@ pub fn profiles(
                 ),
                 step: (2.0 * errors[index]).min(deviation),
             };
-            walk.profile(names[index])
+            let profile = walk.profile(names[index])?;
+            Ok(Profile {
+                sensitivity: specimen[index],
+                ..profile
+            })
         })
         .collect()
 }
@@ -245,6 +253,7 @@ impl Walk<'_> {
                 (None, None) => Verdict::NotIdentifiable,
             },
             curve,
+            sensitivity: SpecimenSensitivity::default(),
         })
     }
 

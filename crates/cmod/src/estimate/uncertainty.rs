@@ -119,6 +119,8 @@ pub enum ErrorSource {
     AccelerometerMass,
     /// Distance of a section, counted from 0 as the method takes them.
     Section(usize),
+    /// Position of a gauge, counted from 0.
+    GaugePosition(usize),
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
     /// Lateral inertia that the theory of the waves leaves in the modulus: all of it in one-dimensional theory.
@@ -129,6 +131,9 @@ impl fmt::Display for ErrorSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::Section(index) => return write!(formatter, "distance of section {index}"),
+            Self::GaugePosition(index) => {
+                return write!(formatter, "position of gauge {index}");
+            }
             Self::PoissonRatio => "poisson's ratio",
             Self::LateralInertia => "lateral inertia that was not taken out",
             Self::Length => "length",

@@ -1,8 +1,12 @@
 //! From a propagation coefficient and its variance to a line of the result.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
+use rodwave::medium::modulus_from_propagation;
 
 use super::spectra::GaugedRod;
+use super::uncertainty::GaugeUncertainty;
 use crate::branch::ResolvedRoot;
 use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
 use crate::validity::{Acceptance, Violation, conditions};
@@ -14,6 +18,8 @@ pub(super) struct SolvedLine {
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
+    /// ∂γ/∂x of each gauge [1/m²], where it is known where the gauges are to an uncertainty only; else empty.
+    pub(super) by_position: Vec<Complex64>,
     /// Second order of the error of γ by |δγ|² \[m\].
     pub(super) curvature: f64,
     /// |dγ| by the relative error of the gauges [1/m].
@@ -27,9 +33,13 @@ impl SolvedLine {
     pub(super) fn into_modulus(
         self,
         rod: &GaugedRod,
+        uncertainty: &GaugeUncertainty,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
+        let modulus = modulus_from_propagation(gamma, TAU * self.frequency_hz, rod.density)
+            .map_err(|_| Refusal::NoRoot)?;
+        let systematic = uncertainty.shifts(gamma, modulus, rod.density, &self.by_position);
         let mut violations = conditions(gamma, rod.diameter, rod.aperture());
         violations.extend(self.violations);
         Solution {
@@ -39,7 +49,7 @@ impl SolvedLine {
             density: rod.density,
             diameter: rod.diameter,
             random: ComplexCovariance::circular(self.variance),
-            systematic: Vec::new(),
+            systematic,
             error_amplification: 2.0 * self.amplification / gamma.norm(),
             second_order: self.curvature * self.variance.sqrt(),
             distance: rod.least_distance(),

@@ -291,6 +291,29 @@ impl Projection {
         Some(shares)
     }
 
+    /// ∂γ/∂x of each gauge [1/m²] at the solution `gamma`: what a gauge measures more where it is dx further on, q' dx, moves γ by
+    /// d^H q' dx/d^H d.
+    pub(super) fn by_position(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<Complex64>> {
+        let information = self.evaluate(gamma, line)?.information;
+        let mut by_position = vec![Complex64::ZERO; self.n_gauges()];
+        for values in line.values.chunks_exact(self.n_gauges()) {
+            let c = self.amplitudes(self.coefficients(values.iter().copied()));
+            let w = self.set_slope(c);
+            let [q1, q2] = &self.basis;
+            for ((((by, slope), (q1, q2)), forward), backward) in by_position
+                .iter_mut()
+                .zip(&self.slope)
+                .zip(q1.iter().zip(q2))
+                .zip(&self.forward)
+                .zip(&self.backward)
+            {
+                let d = slope - w[0] * q1 - w[1] * q2;
+                *by += d.conj() * gamma * (backward * c[1] - forward * c[0]) / information;
+            }
+        }
+        Some(by_position)
+    }
+
     /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the
     /// last evaluation was there, or nearer than matters.
     pub(super) fn details(

@@ -11,6 +11,7 @@ use num_complex::Complex64;
 
 use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
+use super::uncertainty::GaugeUncertainty;
 use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::CmodError;
 use crate::estimate::{
@@ -51,6 +52,7 @@ pub struct ThreePoint {
     distance: f64,
     limits: AcceptanceLimits,
     noise_freedom: Option<VarianceFreedom>,
+    uncertainty: GaugeUncertainty,
 }
 
 /// Ψ of one line.
@@ -64,6 +66,25 @@ struct Ratio {
     /// |Ψ| error by the relative error of the gauges.
     amplification: f64,
     noise_to_signal: f64,
+    /// Sums of q₁q₀*, |q₀|² and q₂q₀* over the tests.
+    sums: [Complex64; 3],
+}
+
+impl Ratio {
+    /// ∂γ/∂x of each gauge [1/m²]: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx. With q = q₀ cosh γx
+    /// + (q₂ - q₁) sinh γx/(2 sinh γa), counted from the middle.
+    fn by_position(&self, gamma: Complex64, a: f64) -> Vec<Complex64> {
+        let [first, middle, last] = self.sums;
+        let (sinh, cosh) = ((gamma * a).sinh(), (gamma * a).cosh());
+        let odd = (last - first) / (2.0 * sinh);
+        let slopes = [
+            odd * cosh - middle * sinh,
+            odd * (-2.0 * self.value),
+            odd * cosh + middle * sinh,
+        ];
+        let scale = gamma / (2.0 * middle * a * sinh);
+        slopes.iter().map(|slope| slope * scale).collect()
+    }
 }
 
 impl ThreePoint {
@@ -93,6 +114,7 @@ impl ThreePoint {
             rod,
             limits: AcceptanceLimits::default(),
             noise_freedom: None,
+            uncertainty: GaugeUncertainty::default(),
         })
     }
 
@@ -113,6 +135,16 @@ impl ThreePoint {
     /// coherence is not asked of gauges.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
+        Ok(self)
+    }
+
+    /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
+    /// each gauge.
+    pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
+        self.uncertainty = uncertainty.check(&self.rod)?;
         Ok(self)
     }
 
@@ -173,10 +205,8 @@ impl ThreePoint {
                 .noise_freedom
                 .map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
             let acceptance = Acceptance::of_line(self.limits, freedom)?;
-            match self
-                .solved(ratio, root)
-                .into_modulus(&self.rod, &acceptance)
-            {
+            let solved = self.solved(ratio, root);
+            match solved.into_modulus(&self.rod, &self.uncertainty, &acceptance) {
                 Ok(line) => lines.push(line),
                 Err(reason) => refused.push(RefusedLine {
                     index: ratio.index,
@@ -215,6 +245,7 @@ impl ThreePoint {
             frequency_hz: ratio.frequency_hz,
             gamma: gamma_a / a,
             variance: ratio.variance / (a * a * sinh.norm_sqr()),
+            by_position: ratio.by_position(gamma_a / a, a),
             // δΨ = a sinh γa δγ + a² cosh γa δγ²/2
             curvature: 0.5 * a * gamma_a.cosh().norm() / sinh.norm(),
             amplification: ratio.amplification / (a * sinh.norm()),
@@ -230,6 +261,7 @@ fn ratio(spectra: &GaugeSpectra<'_>, index: usize, frequency_hz: f64) -> Result<
         return Err(Refusal::ZeroFrequency);
     }
     let mut cross = Complex64::ZERO;
+    let mut sums = [Complex64::ZERO; 3];
     let mut auto = 0.0;
     let mut power = 0.0;
     let mut count = 0.0;
@@ -239,6 +271,9 @@ fn ratio(spectra: &GaugeSpectra<'_>, index: usize, frequency_hz: f64) -> Result<
             return Err(Refusal::SpectrumNotFinite);
         };
         cross += 0.5 * (first + last) * middle.conj();
+        for (sum, value) in sums.iter_mut().zip([first, middle, last]) {
+            *sum += value * middle.conj();
+        }
         auto += middle.norm_sqr();
         power += first.norm_sqr() + middle.norm_sqr() + last.norm_sqr();
         count += 1.0;
@@ -270,5 +305,6 @@ fn ratio(spectra: &GaugeSpectra<'_>, index: usize, frequency_hz: f64) -> Result<
             .sum::<f64>()
             .sqrt(),
         noise_to_signal: (middle * count / auto).sqrt(),
+        sums,
     })
 }

@@ -8,6 +8,7 @@ use super::laplace_line::{FINER, LaplaceLine};
 use crate::law::StatedParameter;
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
 use crate::special_case::{PronySeries, SpecialCase};
+use crate::specimen::SpecimenSensitivity;
 
 /// A rod of a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E, p).
 #[derive(Debug, Clone)]
@@ -83,6 +84,15 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
 
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
         self.law.special_case(series)
+    }
+
+    /// A law of a linear material has a shape over time beside E, which length and density do not move.
+    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
+        let mut all = vec![SpecimenSensitivity::default(); parameters.len()];
+        if let Some(modulus) = all.first_mut() {
+            *modulus = SpecimenSensitivity::OF_MODULUS;
+        }
+        all
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {

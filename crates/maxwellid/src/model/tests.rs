@@ -102,6 +102,10 @@ impl RodModel for Faulty {
         RodModel::stated(&self.law, parameters)
     }
 
+    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
+        RodModel::specimen_sensitivities(&self.law, parameters)
+    }
+
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         let response = self.law.response(rod, parameters)?;
         Some(self.spoil(Fault::ShorterResponse, Fault::LongerResponse, response))

@@ -10,7 +10,7 @@ pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
 use maxwellid::profile::{self, Profile};
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
-use maxwellid::{DEFAULT_CELL, RodTest};
+use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::{About, Surroundings};
@@ -61,10 +61,22 @@ impl IdentifySheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end.
+    /// Distance from the section of excitation to the free end, as `"394 mm ± 0.5 mm"`. Twice its relative error is one of E.
     pub length: Stated<Length>,
-    /// Density.
+    /// Density, as `"1140 kg/m3 ± 0.2 %"`. Its relative error is one of E.
     pub density: Stated<Density>,
+}
+
+impl SpecimenSheet {
+    /// Relative standard uncertainties, the same in all tests.
+    fn uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
+        let (length, density) = (
+            self.length.with_uncertainty(),
+            self.density.with_uncertainty(),
+        );
+        SpecimenUncertainty::relative(length.relative(), density.relative())
+            .map_err(|error| RodlabError::step("specimen", error))
+    }
 }
 
 /// An inelastic law of paper D.
@@ -115,13 +127,11 @@ pub(crate) fn run(
 
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     around.progress.begins("identification", steps);
+    let specimen = sheet.specimen.uncertainty()?;
     let mut laws = Vec::with_capacity(sheet.laws.len());
     for law in &sheet.laws {
-        laws.push(laws::fit(
-            *law,
-            sheet.cell.as_ref().map(Exact::si),
-            &tests,
-        )?);
+        let fitted = laws::fit(*law, sheet.cell.as_ref().map(Exact::si), &tests)?;
+        laws.push(fitted.with_specimen_uncertainty(&specimen));
         around.progress.one_more();
         around.go_on()?;
     }
@@ -138,7 +148,9 @@ pub(crate) fn run(
     around.go_on()?;
     let identified = laws.iter().any(FittedLaw::has_identified_damping);
     let profiles = if sheet.profiles && identified {
-        profiles(&laws, comparison.as_ref(), &tests, sheet.cell())?
+        let of_data = profiles(&laws, comparison.as_ref(), &tests, sheet.cell())?;
+        let with_specimen = |profile: &Profile| profile.with_specimen_uncertainty(&specimen);
+        of_data.iter().map(with_specimen).collect()
     } else {
         Vec::new()
     };
@@ -151,6 +163,7 @@ pub(crate) fn run(
         profiles,
     };
     answer(&found, &mut outcome);
+    specimen_in_words(&sheet.specimen, &found, &mut outcome);
     for law in &found.laws {
         law.tell(&mut outcome);
     }
@@ -270,6 +283,33 @@ fn answer(found: &Found, outcome: &mut Outcome) {
         outcome.verdict = Verdict::NotAllowed {
             reason: "no law has a damping that these data determine: within their noise the rod may be elastic".to_owned(),
         };
+    }
+}
+
+/// How much of the errors is the specimen's; or that nothing of it is in them.
+fn specimen_in_words(specimen: &SpecimenSheet, found: &Found, outcome: &mut Outcome) {
+    let missing: Vec<&str> = [
+        ("length", specimen.length.with_uncertainty()),
+        ("density", specimen.density.with_uncertainty()),
+    ]
+    .iter()
+    .filter(|(_, stated)| stated.standard_uncertainty.is_none())
+    .map(|(name, _)| *name)
+    .collect();
+    if !missing.is_empty() {
+        outcome.warnings.push(format!(
+            "no uncertainty is stated of the {} of the specimen: the errors do not contain it; a relative error of the length is doubled in \
+             E, one of the density is the same in E",
+            missing.join(" and of the ")
+        ));
+    }
+    let modulus = found.laws.iter().find_map(|law| law.estimates.first());
+    if let Some(modulus) = modulus.filter(|modulus| modulus.specimen_error > 0.0) {
+        outcome.summary.push(format!(
+            "Length and density of the specimen contribute {:.2} % to the standard error of E, and to those of the other parameters as they \
+             go with E; that part is the same for all tests, and more tests do not lessen it.",
+            100.0 * modulus.specimen_error
+        ));
     }
 }
 

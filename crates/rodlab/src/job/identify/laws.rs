@@ -1,6 +1,9 @@
 //! A law fitted to all tests: its parameters with errors and verdicts.
 
-use maxwellid::{Estimate, Fit, FitFlag, IdentifiableLaw, Noise, RodTest, Role, Scale, Verdict};
+use maxwellid::{
+    Estimate, Fit, FitFlag, IdentifiableLaw, Noise, RodTest, Role, Scale, SpecimenUncertainty,
+    Verdict,
+};
 use rodwave::inelastic::{
     DEFAULT_REFERENCE_STRESS, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
@@ -76,6 +79,13 @@ fn of<L: IdentifiableLaw + 'static>(
 }
 
 impl FittedLaw {
+    /// The law with the errors by an uncertain specimen in those of its parameters.
+    pub(super) fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
+        let with_specimen = |estimate: Estimate| estimate.with_specimen_uncertainty(specimen);
+        self.estimates = self.estimates.into_iter().map(with_specimen).collect();
+        self
+    }
+
     /// Whether the data determine more than the modulus.
     pub(super) fn has_identified_damping(&self) -> bool {
         self.estimates

@@ -149,7 +149,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let distances = gauges
         .iter()
-        .map(|gauge| (free_end.si() - gauge.at.si()).abs());
+        .map(|gauge| (free_end.si() - gauge.at.with_uncertainty().value).abs());
     let mut gamma = vec![Complex64::new(f64::NAN, 0.0); spectra.frequency_hz.len()];
     for line in found.estimate.valid() {
         gamma[line.index] = line.propagation_coefficient;

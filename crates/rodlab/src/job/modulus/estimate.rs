@@ -6,7 +6,7 @@ use cmod::section_ratio::RatioLines;
 use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
-    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, LateralInertia, ModulusEstimate,
+    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugeUncertainty, GaugedRod, LateralInertia, ModulusEstimate,
     MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd, SectionUncertainty,
     SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
 };
@@ -162,15 +162,24 @@ fn of_gauges(
 ) -> Result<ModulusEstimate, RodlabError> {
     let limits = limits(sheet);
     let noise = gauges.noise_freedom();
+    let uncertain = |gauges: &[GaugeSheet]| GaugeUncertainty {
+        density: uncertainty(Some(&sheet.specimen.density)),
+        positions: gauges
+            .iter()
+            .map(|gauge| uncertainty(Some(&gauge.at)))
+            .collect(),
+    };
     with_gauge_spectra(gauges, |spectra| match &sheet.method {
         MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))
             .and_then(|method| method.with_limits(limits))
             .and_then(|method| method.with_noise_freedom(noise?))
+            .and_then(|method| method.with_uncertainty(uncertain(gauges)))
             .and_then(|method| method.estimate(spectra)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
         } => MultiPoint::new(gauged_rod(sheet, gauges))
             .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.with_uncertainty(uncertain(gauges)))
             .and_then(|method| match wave_speed {
                 Some(speed) => method.with_wave_speed(speed.si()),
                 None => Ok(method),
@@ -269,7 +278,7 @@ pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
 
 fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedRod {
     GaugedRod {
-        positions: gauges.iter().map(|gauge| gauge.at.si()).collect(),
+        positions: gauges.iter().map(|gauge| gauge.at.with_uncertainty().value).collect(),
         diameter: sheet.specimen.diameter.with_uncertainty().value,
         density: sheet.specimen.density.with_uncertainty().value,
     }

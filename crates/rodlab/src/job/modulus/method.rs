@@ -121,8 +121,8 @@ pub struct WindowSheet {
 pub struct GaugeSheet {
     /// Channel.
     pub channel: String,
-    /// Position along the rod.
-    pub at: NotFollowed<Coordinate>,
+    /// Position along the rod, as `"250 mm ± 0.5 mm"`.
+    pub at: Stated<Coordinate>,
 }
 
 /// What is measured at a section.

@@ -260,14 +260,6 @@ fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
     }
 }
 
-/// Whether the method takes the spectra of gauges, and knows no errors of the specimen.
-fn gauged(method: &MethodSheet) -> bool {
-    matches!(
-        method,
-        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
-    )
-}
-
 fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     let specimen = &found.sheet.specimen;
     if specimen.density.with_uncertainty().standard_uncertainty.is_none() {
@@ -276,9 +268,14 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 .to_owned(),
         );
     }
-    if gauged(&found.sheet.method) {
+    if let MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } =
+        &found.sheet.method
+        && gauges
+            .iter()
+            .any(|gauge| gauge.at.with_uncertainty().standard_uncertainty.is_none())
+    {
         outcome.warnings.push(
-            "The errors are those of noise: what is uncertain of the density and of the positions of the gauges is not in them."
+            "The position of a gauge is stated without an uncertainty: what is uncertain of it is not in the errors."
                 .to_owned(),
         );
     }
