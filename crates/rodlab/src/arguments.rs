@@ -38,7 +38,6 @@ pub struct Arguments {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-#[non_exhaustive]
 pub enum Command {
     /// What is in a recording: channels, units, rates, and what looks wrong.
     #[command(after_help = "Example:\n  rodlab inspect hits.uff")]
@@ -47,7 +46,9 @@ pub enum Command {
         file: PathBuf,
     },
     /// Another format for a recording; the name of the new file says which.
-    #[command(after_help = "Example:\n  rodlab convert hits.tdms hits.csv")]
+    #[command(after_help = "Examples:
+  rodlab convert hits.tdms hits.csv
+  rodlab convert hits.tdms hits.csv --force     replaces a file that is there")]
     Convert {
         /// The file to read.
         input: PathBuf,
@@ -57,29 +58,9 @@ pub enum Command {
         #[command(flatten)]
         options: ConvertArguments,
     },
-    /// Frequency responses of hits, with coherence and errors.
-    #[command(after_help = "Example:\n  rodlab frf hammer.ron --out hammer-frf")]
-    Frf(SheetCommand),
-    /// Complex modulus of a rod from the motion of its sections.
-    #[command(after_help = "Example:\n  rodlab modulus rod.ron")]
-    Modulus(SheetCommand),
-    /// Loss factor from creep recovery.
-    #[command(after_help = "Example:\n  rodlab recovery creep.ron")]
-    Recovery(SheetCommand),
-    /// Constitutive law from two histories of an impacted rod.
-    #[command(after_help = "Example:\n  rodlab identify shots.ron")]
-    Identify(SheetCommand),
-    /// Mobility of an impact face, screened and completed.
-    #[command(after_help = "Example:\n  rodlab mobility cone.ron")]
-    Mobility(SheetCommand),
-    /// Force between two bodies that meet, or from a measured response.
-    #[command(after_help = "Example:\n  rodlab force cone-on-rod.ron")]
-    Force(SheetCommand),
-    /// A virtual test, for planning and for trying the other commands.
-    #[command(
-        after_help = "Example:\n  rodlab simulate plan.ron && rodlab modulus plan-result/modulus.ron"
-    )]
-    Simulate(SheetCommand),
+    /// The job of a sheet.
+    #[command(flatten)]
+    Job(JobCommand),
     /// Write a commented sheet to begin with.
     #[command(after_help = "Example:\n  rodlab init modulus rod.ron")]
     Init {
@@ -107,7 +88,7 @@ pub enum Command {
         /// Folder that receives a folder of each test, and the summary.
         #[arg(long, value_name = "FOLDER")]
         out: PathBuf,
-        /// Leave out the tests that have a result of the same sheet, files and software.
+        /// Leave out the tests that have a whole result of the same sheet, files and software.
         #[arg(long)]
         resume: bool,
         /// Do only part I of N, and write no summary.
@@ -155,6 +136,9 @@ pub struct ConvertArguments {
     /// Write a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
     #[arg(long)]
     pub binary: bool,
+    /// Replace the new file if it is there; never the file that is read.
+    #[arg(long)]
+    pub force: bool,
 }
 
 impl ConvertArguments {
@@ -165,6 +149,7 @@ impl ConvertArguments {
             tolerant: self.tolerant,
             lossless: self.lossless,
             binary: self.binary,
+            force: self.force,
         }
     }
 }
@@ -179,19 +164,46 @@ pub struct SheetCommand {
     pub out: Option<PathBuf>,
 }
 
-impl Command {
-    /// The job and the sheet of a command that has one.
+/// The commands with a sheet.
+#[derive(Debug, Subcommand)]
+pub enum JobCommand {
+    /// Frequency responses of hits, with coherence and errors.
+    #[command(after_help = "Example:\n  rodlab frf hammer.ron --out hammer-frf")]
+    Frf(SheetCommand),
+    /// Complex modulus of a rod from the motion of its sections.
+    #[command(after_help = "Example:\n  rodlab modulus rod.ron")]
+    Modulus(SheetCommand),
+    /// Loss factor from creep recovery.
+    #[command(after_help = "Example:\n  rodlab recovery creep.ron")]
+    Recovery(SheetCommand),
+    /// Constitutive law from two histories of an impacted rod.
+    #[command(after_help = "Example:\n  rodlab identify shots.ron")]
+    Identify(SheetCommand),
+    /// Mobility of an impact face, screened and completed.
+    #[command(after_help = "Example:\n  rodlab mobility cone.ron")]
+    Mobility(SheetCommand),
+    /// Force between two bodies that meet, or from a measured response.
+    #[command(after_help = "Example:\n  rodlab force cone-on-rod.ron")]
+    Force(SheetCommand),
+    /// A virtual test, for planning and for trying the other commands.
+    #[command(
+        after_help = "Example:\n  rodlab simulate plan.ron && rodlab modulus plan-result/modulus.ron"
+    )]
+    Simulate(SheetCommand),
+}
+
+impl JobCommand {
+    /// The job and the sheet.
     #[must_use]
-    pub fn sheet(&self) -> Option<(JobName, &SheetCommand)> {
+    pub fn sheet(&self) -> (JobName, &SheetCommand) {
         match self {
-            Self::Frf(sheet) => Some((JobName::Frf, sheet)),
-            Self::Modulus(sheet) => Some((JobName::Modulus, sheet)),
-            Self::Recovery(sheet) => Some((JobName::Recovery, sheet)),
-            Self::Identify(sheet) => Some((JobName::Identify, sheet)),
-            Self::Mobility(sheet) => Some((JobName::Mobility, sheet)),
-            Self::Force(sheet) => Some((JobName::Force, sheet)),
-            Self::Simulate(sheet) => Some((JobName::Simulate, sheet)),
-            _ => None,
+            Self::Frf(sheet) => (JobName::Frf, sheet),
+            Self::Modulus(sheet) => (JobName::Modulus, sheet),
+            Self::Recovery(sheet) => (JobName::Recovery, sheet),
+            Self::Identify(sheet) => (JobName::Identify, sheet),
+            Self::Mobility(sheet) => (JobName::Mobility, sheet),
+            Self::Force(sheet) => (JobName::Force, sheet),
+            Self::Simulate(sheet) => (JobName::Simulate, sheet),
         }
     }
 }

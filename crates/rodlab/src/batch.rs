@@ -5,6 +5,7 @@ mod sheets;
 mod summary;
 
 pub use row::Row;
+pub(crate) use row::remember_failure;
 pub use sheets::{Test, tests_of};
 pub use summary::{Summary, collect};
 
@@ -52,7 +53,7 @@ pub struct Batch {
     pub tests: Vec<Test>,
     /// Folder that receives a folder of each test.
     pub out: PathBuf,
-    /// Leaves out what has a result of the same sheet, the same files and the same software.
+    /// Leaves out what has a whole result of the same sheet, the same files and the same software.
     pub resume: bool,
     /// Only this part.
     pub shard: Option<Shard>,
@@ -115,7 +116,7 @@ impl Batch {
                 let row = Row::wrong_input(&test.name, &in_one_line(&error));
                 // where not even this can be written the line on the terminal has to do, and an older result stays what it is
                 if !error.is_of_output() {
-                    let _ = row::remember_failure(&row, &folder);
+                    let _ = remember_failure(&row, &folder);
                 }
                 Some(row)
             }
@@ -138,20 +139,23 @@ pub fn in_one_line(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// Writes summary, quantities and the combined report of `summary` to `out`.
+/// The file of a summary that names the program that has written it.
+const SIGNED: &str = "summary.json";
+
+/// Writes summary, quantities and the combined report of `summary` to `out`, in place of those of an earlier summary.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`].
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that is of no earlier summary.
 pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     let files = [
         ("summary.csv", summary.to_csv()?),
         ("quantities.csv", summary.quantities_to_csv()?),
-        ("summary.json", summary.to_json()?),
+        (SIGNED, summary.to_json()?),
         ("index.html", summary.to_html()?),
     ];
     let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
-    output::replace_files(out, &files)
+    output::replace_summary(out, &files, SIGNED)
 }
 
 #[cfg(test)]

@@ -26,6 +26,8 @@ pub struct ConvertOptions {
     pub lossless: bool,
     /// Writes a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
     pub binary: bool,
+    /// Replaces the output if it is there.
+    pub force: bool,
 }
 
 /// A file that was written.
@@ -94,12 +96,12 @@ const ENDINGS: [(&str, &str); 8] = [
 ];
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its ending: `csv`, `txt`, `npy`, `npz`, `uff`, `unv`,
-/// `uf` or `wav`. The new file appears whole or not at all.
+/// `uf` or `wav`. The new file appears whole or not at all. A file that is there is replaced only if this is asked for, and the input never.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot hold its
-/// values; [`RodlabError::Request`] for an ending that is not known, an output that is the input, or a loss that is not wanted.
+/// values; [`RodlabError::Request`] for an output that is there, an ending that is not known, an output that is the input, or a loss that is not wanted.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -114,6 +116,9 @@ pub fn convert(
             format!("{}, which is the input", output.display()),
             "another file",
         ));
+    }
+    if !options.force && output.symlink_metadata().is_ok() {
+        return Err(is_there(output));
     }
     let bytes = input::read(input)?;
     let strictness = if options.tolerant {
@@ -138,7 +143,14 @@ pub fn convert(
             "another format, or the loss",
         ));
     }
-    output::write_whole(output, &written)?;
+    if options.force {
+        output::write_whole(output, &written)?;
+    } else {
+        output::write_new(output, &written).map_err(|error| match error {
+            RodlabError::Exists { path } => is_there(&path),
+            error => error,
+        })?;
+    }
     Ok(Conversion {
         from: contents.format.to_owned(),
         to: format.to_owned(),
@@ -150,6 +162,15 @@ pub fn convert(
         not_read: contents.defects.iter().map(ToString::to_string).collect(),
         lost,
     })
+}
+
+/// The refusal to replace a file that nobody has asked to replace.
+fn is_there(output: &Path) -> RodlabError {
+    RodlabError::request(
+        "the output",
+        format!("{}, which is there", output.display()),
+        "a new file, or --force to replace it",
+    )
 }
 
 fn format_of(output: &Path) -> Result<&'static str, RodlabError> {

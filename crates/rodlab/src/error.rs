@@ -25,6 +25,28 @@ pub enum RodlabError {
         /// The job asked for.
         expected: &'static str,
     },
+    /// A recording was given where a sheet is read.
+    #[error("{} is a recording ({format}), expected a test sheet in RON; `rodlab init {job}` writes one", path.display())]
+    NoSheet {
+        /// The file.
+        path: PathBuf,
+        /// Its format, as `NPY`.
+        format: String,
+        /// The job of the sheet that is expected.
+        job: &'static str,
+    },
+    /// A sheet is a text in another encoding than UTF-8.
+    #[error("{}:{line}:{column}: found {found}, expected a text in UTF-8: save the sheet as UTF-8", path.display())]
+    Encoding {
+        /// The sheet.
+        path: PathBuf,
+        /// Line of the first character that is not UTF-8, from 1.
+        line: usize,
+        /// Its column, from 1, in characters.
+        column: usize,
+        /// What stands there.
+        found: String,
+    },
     /// A pattern of the sheet finds no file.
     #[error("no file matches `{pattern}` in {}", folder.display())]
     NoFile {
@@ -68,6 +90,12 @@ pub enum RodlabError {
     /// A file of the result would replace one that is not of a result.
     #[error("cannot write {}: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away", path.display())]
     Taken {
+        /// The file that is there.
+        path: PathBuf,
+    },
+    /// A new file would replace one that is there.
+    #[error("cannot write {}: it is there, expected another name, or that it is moved away", path.display())]
+    Exists {
         /// The file that is there.
         path: PathBuf,
     },
@@ -146,7 +174,11 @@ impl RodlabError {
     pub fn is_of_output(&self) -> bool {
         matches!(
             self,
-            Self::Write { .. } | Self::Busy { .. } | Self::Taken { .. } | Self::OverInput { .. }
+            Self::Write { .. }
+                | Self::Busy { .. }
+                | Self::Taken { .. }
+                | Self::Exists { .. }
+                | Self::OverInput { .. }
         )
     }
 

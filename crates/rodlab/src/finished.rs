@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use labio::ContentHash;
 
 use crate::job::{self, Progress};
-use crate::output::{self, SheetIdentity};
+use crate::output::{ResultFiles, SheetIdentity};
 use crate::sheet::Sheet;
 use crate::{Outcome, RodlabError};
 
@@ -19,6 +19,8 @@ pub struct Finished {
     pub sheet: SheetIdentity,
     /// Files that were written, in order; `result.json` is the last.
     pub files: Vec<PathBuf>,
+    /// Text of `result.json`.
+    pub json: String,
 }
 
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
@@ -36,7 +38,12 @@ pub fn finish(
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Finished, RodlabError> {
-    let sheet = Sheet::read(path)?;
+    let sheet = Sheet::read(path).map_err(|error| match (error, expected) {
+        (RodlabError::NoSheet { path, format, .. }, Some(job)) => {
+            RodlabError::NoSheet { path, format, job }
+        }
+        (error, _) => error,
+    })?;
     let found = sheet.job.name();
     if let Some(expected) = expected.filter(|expected| *expected != found) {
         return Err(RodlabError::OtherJob {
@@ -50,11 +57,13 @@ pub fn finish(
     let mut reads = vec![path.to_path_buf()];
     let inputs = outcome.inputs.iter();
     reads.extend(inputs.map(|input| sheet.folder().join(&input.path)));
-    let files = output::write(&outcome, &identity, folder, &reads)?;
+    let result = ResultFiles::dated(&outcome, &identity, &reads)?;
+    let files = result.put(folder, &reads)?;
     Ok(Finished {
         outcome,
         sheet: identity,
         files,
+        json: result.json,
     })
 }
 

@@ -38,6 +38,7 @@ impl NumberFile {
             format: contents.format.to_owned(),
             bytes: bytes.len() as u64,
             sha256: labio::ContentHash::of(&bytes).to_string(),
+            pattern: None,
         };
         let warning = cut_short::warning(&bytes, contents.format, path).map(|text| text + ".");
         Ok(Self {

@@ -209,6 +209,9 @@ pub struct InputFile {
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
+    /// The name or pattern of the sheet that found it, as `hits-*.npy`; absent where the sheet names one file and no pattern.
+    #[serde(default)]
+    pub pattern: Option<String>,
 }
 
 /// Something that was chosen.

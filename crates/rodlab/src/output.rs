@@ -1,15 +1,21 @@
 //! The files that are written of an outcome, each whole or not at all.
 
+mod date;
+mod gate;
 mod layout;
 mod lock;
+mod ours;
 mod together;
 
-pub(crate) use together::{replace_by_failure, replace_files};
+pub use gate::stop_writing;
+pub(crate) use ours::holds_result;
+pub(crate) use together::{replace_by_failure, replace_summary};
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
@@ -20,6 +26,9 @@ use crate::report::html_of;
 
 /// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
 pub const RESULT_VERSION: u32 = 2;
+
+/// Name of the program.
+const PROGRAM: &str = "rodlab";
 
 /// Name and version of what has made a result.
 pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
@@ -52,8 +61,20 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
 /// Name of the page that is read.
 pub const REPORT: &str = "report.html";
 
+/// Name of the report of an earlier result whose sheet has failed since.
+const EARLIER_REPORT: &str = "earlier-report.html";
+
+/// A file of a result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct OutputFile {
+    /// Its name in the folder of the result.
+    pub(crate) file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub(crate) sha256: String,
+}
+
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths. `reads` are the
-/// files that the run has read; none of them is ever replaced.
+/// files that the run has read; none of them is ever replaced, and the newest of them dates the report.
 ///
 /// Each file appears whole. The `result.json` of an earlier run goes first, with the files that it lists and the new one has not, and
 /// the new one comes last: where it is, all files are of one run. Runs that write to one folder do so one after the other.
@@ -68,6 +89,64 @@ pub fn write(
     folder: &Path,
     reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
+    let date = date::of(reads)?;
+    ResultFiles::of(outcome, sheet, date.as_deref())?.put(folder, reads)
+}
+
+/// The files of a result that is not written yet.
+pub(crate) struct ResultFiles {
+    /// Names and bytes of all but `result.json`, in the order in which they are written.
+    others: Vec<(String, Vec<u8>)>,
+    /// Text of `result.json`.
+    pub(crate) json: String,
+}
+
+impl ResultFiles {
+    /// The files of `outcome`; `date` is that of the report.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if a file cannot be put together.
+    fn of(
+        outcome: &Outcome,
+        sheet: &SheetIdentity,
+        date: Option<&str>,
+    ) -> Result<Self, RodlabError> {
+        let others = all_but_result(outcome, sheet, date)?;
+        let json = result_of(outcome, sheet, date, &others)?;
+        Ok(Self { others, json })
+    }
+
+    /// The files of `outcome`, whose report has the date of the newest of the files that the run has read.
+    ///
+    /// # Errors
+    ///
+    /// As [`write`].
+    pub(crate) fn dated(
+        outcome: &Outcome,
+        sheet: &SheetIdentity,
+        reads: &[PathBuf],
+    ) -> Result<Self, RodlabError> {
+        Self::of(outcome, sheet, date::of(reads)?.as_deref())
+    }
+
+    /// Puts them into `folder`, as [`write`] does.
+    pub(crate) fn put(
+        &self,
+        folder: &Path,
+        reads: &[PathBuf],
+    ) -> Result<Vec<PathBuf>, RodlabError> {
+        let mut files = self.others.clone();
+        files.push((RESULT.to_owned(), self.json.clone().into_bytes()));
+        together::replace_result(folder, &files, reads)
+    }
+}
+
+fn all_but_result(
+    outcome: &Outcome,
+    sheet: &SheetIdentity,
+    date: Option<&str>,
+) -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
         files.push((table_file(table), csv_of(table)?));
@@ -80,9 +159,10 @@ pub fn write(
         let name = figure_file(&drawn.figure);
         files.push((name, drawn.svg.clone().into_bytes()));
     }
-    files.push((REPORT.to_owned(), html_of(outcome, &drawn)?.into_bytes()));
-    files.push((RESULT.to_owned(), json_of(outcome, sheet)?.into_bytes()));
-    let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let page = html_of(outcome, &drawn, sheet, date)?;
+    files.push((REPORT.to_owned(), page.into_bytes()));
+    let names = files.iter().map(|(name, _)| name.as_str());
+    let mut names: Vec<&str> = names.chain([RESULT]).collect();
     names.sort_unstable();
     let twice = names.windows(2).find_map(|pair| match pair {
         [name, next] if name == next => Some(*name),
@@ -92,7 +172,7 @@ pub fn write(
         let error = io::Error::other(format!("two of them are called {twice}"));
         return Err(RodlabError::step("writing the files of the result", error));
     }
-    together::replace_result(folder, &files, reads)
+    Ok(files)
 }
 
 fn table_file(table: &Table) -> String {
@@ -103,37 +183,37 @@ fn figure_file(figure: &Figure) -> String {
     format!("{}.svg", figure.name)
 }
 
-/// The names of all files of a result, in the order in which they are written.
-fn files_of(outcome: &Outcome) -> Vec<String> {
-    let tables = outcome.tables.iter().map(table_file);
-    let attachments = outcome.attachments.iter().map(|file| file.name.clone());
-    let figures = outcome.figures.iter().map(figure_file);
-    let pages = [REPORT, RESULT].map(str::to_owned);
-    tables
-        .chain(attachments)
-        .chain(figures)
-        .chain(pages)
-        .collect()
-}
-
 /// Whether `name` is that of a file in a folder and leads nowhere else.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && Path::new(name).file_name() == Some(name.as_ref())
 }
 
-/// Writes `bytes` through a temporary file in the same folder, so that `path` is never half written.
+/// Writes `bytes` through a temporary file in the same folder, so that `path` is never half written. What was there is replaced,
+/// unless it is read-only.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Write`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
+    let _passage = gate::pass()?;
+    together::may_change(path, &[])?;
     named(staged(path, bytes, ".rodlab-")?, path)
 }
 
 /// As [`write_whole`], where nothing may be yet.
+///
+/// # Errors
+///
+/// [`RodlabError::Write`]; [`RodlabError::Exists`] if something is there.
 pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
+    let _passage = gate::pass()?;
     match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
         Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
+            Err(RodlabError::Exists {
+                path: path.to_path_buf(),
+            })
+        }
         Err(error) => Err(refusal(path, error.error)),
     }
 }
@@ -202,18 +282,31 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
     }
 }
 
-/// `result.json`: version of its structure and of the software, the sheet, the files, and the outcome; `docs/result.schema.json` describes it.
+/// `result.json` without a date: version of its structure and of the software, the sheet, the files, and the outcome;
+/// `docs/result.schema.json` describes it.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] if a number of the outcome cannot be written.
+/// [`RodlabError::Step`] if a file of the result cannot be put together.
 pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
-    #[derive(serde::Serialize)]
+    Ok(ResultFiles::of(outcome, sheet, None)?.json)
+}
+
+/// `result.json` of a result whose other files are `files`.
+fn result_of(
+    outcome: &Outcome,
+    sheet: &SheetIdentity,
+    date: Option<&str>,
+    files: &[(String, Vec<u8>)],
+) -> Result<String, RodlabError> {
+    #[derive(Serialize)]
     struct Result<'a> {
         result_version: u32,
         software: &'static str,
         sheet: &'a SheetIdentity,
-        files: Vec<String>,
+        date: Option<&'a str>,
+        files: Vec<&'a str>,
+        outputs: Vec<OutputFile>,
         #[serde(flatten)]
         outcome: &'a Outcome,
     }
@@ -221,7 +314,19 @@ pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, Rodla
         result_version: RESULT_VERSION,
         software: SOFTWARE,
         sheet,
-        files: files_of(outcome),
+        date,
+        files: files
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .chain([RESULT])
+            .collect(),
+        outputs: files
+            .iter()
+            .map(|(name, bytes)| OutputFile {
+                file: name.clone(),
+                sha256: ContentHash::of(bytes).to_string(),
+            })
+            .collect(),
         outcome,
     };
     let mut bytes = Vec::new();

@@ -19,6 +19,9 @@ use crate::sheet::Sheet;
 use crate::templates::{self, JobName};
 use crate::{RodlabError, Standing, output};
 
+/// What is said of an interruption.
+pub const INTERRUPTED: &str = "interrupted: files that are there are whole";
+
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
@@ -54,7 +57,7 @@ pub fn run(
     match dispatch(arguments, interrupted, &mut UntilClosed::new(out), err) {
         Ok(ending) => ending,
         Err(RodlabError::Interrupted) => {
-            let _ = writeln!(err, "interrupted: files that are there are whole");
+            let _ = writeln!(err, "{INTERRUPTED}");
             Ending::Interrupted
         }
         Err(error) => {
@@ -78,10 +81,11 @@ fn dispatch(
     out: &mut (dyn Write + Send),
     err: &mut dyn Write,
 ) -> Result<Ending, RodlabError> {
-    if let Some((job, command)) = arguments.command.sheet() {
-        return one_sheet(job, command, arguments, interrupted, out, err);
-    }
     match &arguments.command {
+        Command::Job(job) => {
+            let (job, command) = job.sheet();
+            one_sheet(job, command, arguments, interrupted, out, err)
+        }
         Command::Inspect { file } => {
             let found = inspect(file)?;
             if arguments.json {
@@ -162,8 +166,6 @@ fn dispatch(
             }
             Ok(Ending::DONE)
         }
-        // the commands with a sheet, above
-        _ => Ok(Ending::DONE),
     }
 }
 
@@ -188,11 +190,10 @@ fn one_sheet(
     let bar = Bar::new(arguments.quiet || arguments.json);
     let done = finish(&command.sheet, Some(job.name()), &folder, &bar, interrupted);
     drop(bar);
-    let done = done?;
+    let done = done.inspect_err(|error| retract(&command.sheet, &folder, error, err))?;
     let standing = done.outcome.verdict.standing();
     if arguments.json {
-        let json = output::json_of(&done.outcome, &done.sheet)?;
-        out.write_all(json.as_bytes()).map_err(to_terminal)?;
+        out.write_all(done.json.as_bytes()).map_err(to_terminal)?;
     } else if !arguments.quiet {
         for sentence in &done.outcome.summary {
             say(out, sentence)?;
@@ -209,6 +210,33 @@ fn one_sheet(
         let _ = writeln!(err, "{standing}: {why}");
     }
     Ok(Ending::With(standing))
+}
+
+/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could be taken for that of this run.
+fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write) {
+    // where nothing can be written the earlier result stays what it is, and a command of another job says nothing of the sheet
+    let says_nothing = error.is_of_output()
+        || matches!(
+            error,
+            RodlabError::Interrupted | RodlabError::OtherJob { .. }
+        );
+    if says_nothing || !sheet.is_file() || !output::holds_result(folder) {
+        return;
+    }
+    let name = sheet.file_stem().unwrap_or_default().to_string_lossy();
+    let row = Row::wrong_input(&name, &in_one_line(error));
+    let place = folder.display();
+    let _ = match batch::remember_failure(&row, folder) {
+        Ok(()) => writeln!(
+            err,
+            "{place} is of an earlier run; its result.json has gone, failure.json says why"
+        ),
+        Err(error) => writeln!(
+            err,
+            "warning: {place} is of an earlier run, and this cannot be noted there: {}",
+            in_one_line(&error)
+        ),
+    };
 }
 
 /// Reads every sheet and its files; the first that is wrong does not hide the others.

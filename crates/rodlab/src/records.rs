@@ -67,6 +67,14 @@ pub struct NamedRecord {
     pub record: Record,
 }
 
+/// The files that a name or pattern of a sheet in `folder` finds, as a result lists them.
+pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, RodlabError> {
+    let patterns = [pattern.to_owned()];
+    let found = files::paths(&patterns, folder, "files")?;
+    let relative = |found: &files::FoundFile<'_>| files::relative(&found.path, folder);
+    Ok(found.iter().map(relative).collect())
+}
+
 impl Records {
     /// Reads and calibrates everything; `field` is the place of these records in the sheet.
     ///
@@ -83,10 +91,14 @@ impl Records {
             left_out: Vec::new(),
         };
         let mut lost = None;
-        for path in files::paths(&self.files, folder, &format!("{field}.files"))? {
-            let shown = files::relative(&path, folder);
-            let bytes = input::read(&path)?;
+        for found in files::paths(&self.files, folder, &format!("{field}.files"))? {
+            let shown = files::relative(&found.path, folder);
+            let bytes = input::read(&found.path)?;
+            let n_inputs = loaded.inputs.len();
             lost = lost.or(self.load_bytes(&bytes, shown, field, &mut loaded)?);
+            for input in loaded.inputs.iter_mut().skip(n_inputs) {
+                input.pattern = Some(found.pattern.to_owned());
+            }
         }
         expect_different_files(&loaded.inputs)?;
         match lost {
@@ -119,6 +131,7 @@ impl Records {
                 .hash()
                 .map(|hash| hash.to_string())
                 .unwrap_or_default(),
+            pattern: None,
         });
         loaded
             .warnings

@@ -1,8 +1,8 @@
 //! The report: one page that a person reads, prints and files, with nothing to load from anywhere.
 //!
 //! The page has what an [`Outcome`] has, the answer first. Its figures are drawn twice: by a short script that reads values, zooms
-//! and changes scales, and, for a reader without scripts, as they are in the files. It holds no date and no path that the sheet does
-//! not have: the same outcome gives the same bytes.
+//! and changes scales, and, for a reader without scripts, as they are in the files. It holds no path that the sheet does not have, and no
+//! date of the clock: the same outcome, sheet and date give the same bytes.
 
 mod compact;
 mod number;
@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::RodlabError;
 use crate::figure::{Drawn, Figure, Mark};
 use crate::outcome::{Outcome, Verdict};
+use crate::output::SheetIdentity;
 use rows::{QuantityRow, TableRows};
 
 const TEMPLATE: &str = include_str!("report/template.html");
@@ -27,6 +28,8 @@ struct Page<'a> {
     software: &'a str,
     job: &'a str,
     title: &'a str,
+    sheet: &'a SheetIdentity,
+    date: Option<&'a str>,
     standing: &'static str,
     class: String,
     reasons: &'a [String],
@@ -56,12 +59,17 @@ struct FigurePart<'a> {
     panels: usize,
 }
 
-/// The page for `outcome`, whose figures are `drawn`, in their order.
+/// The page for `outcome` of `sheet`, whose figures are `drawn`, in their order. `date` is that of the newest input, if it is known.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] if the page cannot be put together.
-pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError> {
+pub fn html_of(
+    outcome: &Outcome,
+    drawn: &[Drawn],
+    sheet: &SheetIdentity,
+    date: Option<&str>,
+) -> Result<String, RodlabError> {
     let refused = |error| RodlabError::step("writing report.html", error);
     let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
     let standing = outcome.verdict.standing();
@@ -69,6 +77,8 @@ pub fn html_of(outcome: &Outcome, drawn: &[Drawn]) -> Result<String, RodlabError
         software: crate::output::SOFTWARE,
         job: outcome.job,
         title: &outcome.title,
+        sheet,
+        date,
         standing: standing.word(),
         class: standing.word().replace(' ', "-"),
         reasons: match &outcome.verdict {

@@ -17,6 +17,7 @@
 
 pub mod body;
 mod diagnostic;
+mod encoding;
 mod exact;
 mod kind;
 pub mod material;
@@ -43,7 +44,7 @@ use crate::{RodlabError, input, job};
 pub struct Sheet {
     /// Path as it was given.
     pub path: PathBuf,
-    /// Text of the file.
+    /// Text of the file, with a byte-order mark if it has one.
     pub text: String,
     /// What it asks for.
     pub job: Job,
@@ -94,10 +95,12 @@ impl Sheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Read`], or [`RodlabError::Sheet`] with the place in the text.
+    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`] for a text that is not UTF-8;
+    /// [`RodlabError::Sheet`] with the place in the text.
     pub fn read(path: &Path) -> Result<Self, RodlabError> {
-        let text = input::read_text(path)?;
-        let job = parse(path, &text)?;
+        let bytes = input::read(path)?;
+        let text = encoding::text_of(path, &bytes)?;
+        let job = parse(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
         Ok(Self {
             path: path.to_path_buf(),
             text,
@@ -115,13 +118,14 @@ impl Sheet {
     }
 }
 
-/// The job that the text of a sheet asks for; `path` is only named in errors.
+/// The job that the text of a sheet asks for; `path` is only named in errors. A byte-order mark ahead of the text is passed over.
 ///
 /// # Errors
 ///
 /// [`SheetError`] with the place, the field, what was found and what was expected.
 pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
     use ron::extensions::Extensions;
+    let text = text.strip_prefix(encoding::MARK).unwrap_or(text);
     // optional fields without Some(..), and Modulus(..) instead of Modulus((..))
     let options = ron::Options::default().with_default_extension(
         Extensions::IMPLICIT_SOME

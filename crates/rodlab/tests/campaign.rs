@@ -305,3 +305,276 @@ fn what_is_no_campaign_is_named() {
         "{shard}"
     );
 }
+
+/// Names and statuses of the tests in a summary.
+fn tests_in(folder: &Path) -> Vec<String> {
+    let summary = fs::read_to_string(folder.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let tests = summary["tests"].as_array().unwrap().iter();
+    tests
+        .map(|test| test["test"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+#[test]
+fn r19_results_stay_in_their_folder() {
+    let folder = TempDir::new().unwrap();
+    let put = |name: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, sheet("1 m/s", "4 ms")).unwrap();
+    };
+    for name in ["a/x.ron", "here/b/y.ron", "here/b/c/z.ron"] {
+        put(name);
+    }
+    let here = folder.path().join("here");
+    let absolute = here.join("b/c").display().to_string();
+    let cases: [(&[&str], &[&str]); 3] = [
+        (&["../a", "b"], &["a/x", "here/b/c/z", "here/b/y"]),
+        (&["../here/b/y.ron", "b/../../a/x.ron"], &["a/x", "here/b/y"]),
+        (&["b", &absolute, "./b/*.ron"], &["c/z", "y"]),
+    ];
+    let sheets = files_below(folder.path());
+    for (number, (places, names)) in cases.into_iter().enumerate() {
+        let out = format!("out-{number}");
+        let run = rodlab(&here, &[&["batch", "--out", &out], places].concat());
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        assert_eq!(tests_in(&here.join(&out)), names);
+        for name in names {
+            assert!(here.join(&out).join(name).join("result.json").is_file());
+        }
+        fs::rename(here.join(&out), folder.path().join("done")).unwrap();
+        fs::remove_dir_all(folder.path().join("done")).unwrap();
+        assert_eq!(files_below(folder.path()), sheets, "nothing elsewhere");
+    }
+    // names that are none without the extension, and two that are one
+    put("here/odd/...ron");
+    put("here/two/x.ron");
+    put("here/two/x.txt");
+    let refused: [(&[&str], &str); 2] = [
+        (&["odd"], "odd/...ron"),
+        (&["two/x.ron", "two/x.txt"], "two/x.ron and two/x.txt"),
+    ];
+    for (places, named) in refused {
+        let run = rodlab(&here, &[&["batch", "--out", "out"], places].concat());
+        assert_eq!(run.status.code(), Some(2));
+        assert!(text(&run.stderr).contains(named), "{}", text(&run.stderr));
+        assert!(!here.join("out").exists());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn r19_a_folder_behind_links_is_looked_into_once() {
+    use std::os::unix::fs::symlink;
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["campaign/m/1.ron", "elsewhere/2.ron"] {
+        fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+        fs::write(at(name), sheet("1 m/s", "4 ms")).unwrap();
+    }
+    // to itself, to a folder that is there too, to one outside by two names
+    symlink(".", at("campaign/m/again")).unwrap();
+    symlink("..", at("campaign/m/up")).unwrap();
+    symlink("m", at("campaign/a")).unwrap();
+    symlink("../elsewhere", at("campaign/first")).unwrap();
+    symlink("../elsewhere", at("campaign/second")).unwrap();
+    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    assert_eq!(tests_in(&at("results")), ["first/2", "m/1"]);
+    // by the name of a link the tests are the same
+    symlink("campaign", at("link")).unwrap();
+    rodlab(folder.path(), &["batch", "link", "campaign", "--out", "by-link"]);
+    assert_same_files(&at("results"), &at("by-link"));
+}
+
+#[test]
+fn r19_resume_does_again_what_has_new_recordings_or_is_spoilt() {
+    let folder = TempDir::new().unwrap();
+    let frame = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
+    let test = folder.path().join("campaign");
+    fs::create_dir(&test).unwrap();
+    let copy = |name: &str| fs::copy(frame.join(name), test.join(name)).unwrap();
+    copy("modulus.ron");
+    for hit in 1..=4 {
+        copy(&format!("strains-{hit}.npy"));
+    }
+    let result = folder.path().join("results/modulus");
+    let resumed = || {
+        rodlab(
+            folder.path(),
+            &["batch", "campaign", "--out", "results", "--resume"],
+        );
+        let json = fs::read_to_string(result.join("result.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let written = fs::metadata(result.join("result.json")).unwrap();
+        (json["inputs"].as_array().unwrap().len(), written.modified().unwrap())
+    };
+    let first = resumed();
+    assert_eq!(first.0, 4);
+    assert_eq!(resumed(), first, "nothing has changed");
+    copy("strains-5.npy");
+    let second = resumed();
+    assert_eq!(second.0, 5);
+    assert_eq!(resumed(), second);
+
+    let whole = files_below(&result);
+    let table = result.join("modulus.csv");
+    let spoilt: [&dyn Fn(); 2] = [
+        &|| {
+            let shorter = fs::read_to_string(&table).unwrap().replacen('1', "2", 1);
+            fs::write(&table, shorter).unwrap();
+        },
+        &|| fs::remove_file(result.join("report.html")).unwrap(),
+    ];
+    for spoil in spoilt {
+        spoil();
+        assert_ne!(files_below(&result), whole);
+        resumed();
+        assert_eq!(files_below(&result), whole);
+    }
+}
+
+#[test]
+fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("hit.ron");
+    let good = sheet("2 m/s", "4 ms");
+    let wrong = good.replace("0.5 kg", "0.5 m");
+    let single = ["force", "hit.ron", "--out", "results/hit"];
+    let many = ["batch", "hit.ron", "--out", "results"];
+    let result = folder.path().join("results/hit");
+    for command in [&single[..], &many] {
+        fs::write(&path, &good).unwrap();
+        assert_eq!(rodlab(folder.path(), command).status.code(), Some(0));
+        let whole = files_below(&result);
+        let report = whole[Path::new("report.html")].clone();
+        fs::write(&path, &wrong).unwrap();
+        assert_eq!(rodlab(folder.path(), command).status.code(), Some(2));
+        let now = files_below(&result);
+        let has = |name: &str| now.contains_key(Path::new(name));
+        assert!(!has("report.html") && !has("result.json"), "{:?}", now.keys());
+        assert!(now[Path::new("failure.json")].contains("0.5 m"));
+        assert_eq!(now[Path::new("earlier-report.html")], report);
+        // it fails again, and is mended
+        assert_eq!(rodlab(folder.path(), command).status.code(), Some(2));
+        assert_eq!(files_below(&result), now);
+        fs::write(&path, &good).unwrap();
+        assert_eq!(rodlab(folder.path(), command).status.code(), Some(0));
+        assert!(files_below(&result).keys().eq(whole.keys()));
+    }
+    // a sheet that is not there has not failed, nor has one that was given to another command
+    for command in [["force", "hti.ron", "--out", "results/hit"], ["frf", "hit.ron", "--out", "results/hit"]] {
+        assert_eq!(rodlab(folder.path(), &command).status.code(), Some(2));
+        assert!(result.join("result.json").is_file());
+    }
+    // nor is a folder made, or a result of another program taken away
+    fs::write(&path, &wrong).unwrap();
+    fs::create_dir(folder.path().join("mine")).unwrap();
+    fs::write(folder.path().join("mine/result.json"), "{}").unwrap();
+    for out in ["new", "mine"] {
+        let run = rodlab(folder.path(), &["force", "hit.ron", "--out", out]);
+        assert_eq!(run.status.code(), Some(2));
+    }
+    rodlab(folder.path(), &["batch", "hit.ron", "--out", "."]);
+    assert!(!folder.path().join("new").exists());
+    let mine = fs::read_to_string(folder.path().join("mine/result.json")).unwrap();
+    assert_eq!(mine, "{}");
+}
+
+#[test]
+fn r19_a_summary_replaces_no_file_of_somebody_else() {
+    let folder = campaign();
+    fs::create_dir(folder.path().join("results")).unwrap();
+    let page = folder.path().join("results/index.html");
+    fs::write(&page, "a page of mine").unwrap();
+    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    assert_eq!(run.status.code(), Some(2));
+    assert!(text(&run.stderr).contains("index.html"), "{}", text(&run.stderr));
+    assert_eq!(fs::read_to_string(&page).unwrap(), "a page of mine");
+    fs::remove_file(&page).unwrap();
+    for _ in 0..2 {
+        rodlab(folder.path(), &["merge", "results"]);
+        assert!(page.is_file());
+    }
+}
+
+#[test]
+fn r19_a_report_is_dated_by_its_inputs_and_is_the_same_again() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("hit.ron");
+    fs::write(&path, sheet("2 m/s", "4 ms")).unwrap();
+    let seconds = |n| std::time::UNIX_EPOCH + Duration::from_secs(n);
+    let changed = |n| {
+        let file = fs::File::options().write(true).open(&path).unwrap();
+        file.set_modified(seconds(n)).unwrap();
+    };
+    let result = folder.path().join("hit-result");
+    let run = |epoch: Option<&str>| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
+        command.current_dir(folder.path()).args(["force", "hit.ron"]);
+        match epoch {
+            Some(epoch) => command.env("SOURCE_DATE_EPOCH", epoch),
+            None => command.env_remove("SOURCE_DATE_EPOCH"),
+        };
+        assert_eq!(command.output().unwrap().status.code(), Some(0));
+        files_below(&result)
+    };
+    changed(1_709_251_199);
+    let first = run(None);
+    assert!(first[Path::new("report.html")].contains("inputs of 2024-02-29 23:59:59 UTC"));
+    assert_eq!(run(None), first);
+    changed(1_709_251_200);
+    assert_ne!(run(None), first);
+    assert_eq!(run(Some("1709251199")), first);
+}
+
+/// Interrupts `command` while it computes, and returns how long it takes to end.
+#[cfg(unix)]
+fn time_to_end(folder: &Path, arguments: &[&str]) -> Duration {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(700));
+    assert!(child.try_wait().unwrap().is_none(), "it should still compute");
+    let id = child.id().to_string();
+    let told = Instant::now();
+    Command::new("kill").args(["-INT", &id]).status().unwrap();
+    let ended = child.wait_with_output().unwrap();
+    let took = told.elapsed();
+    assert_eq!(ended.status.code(), Some(130));
+    assert!(text(&ended.stderr).contains("interrupted"));
+    took
+}
+
+#[cfg(unix)]
+#[test]
+fn r20_a_computation_in_a_library_hears_an_interruption() {
+    let folder = TempDir::new().unwrap();
+    // a march of millions of steps, in one call of a library
+    let bodies = r#"first: Chain(elements: [Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")]),
+        second: LongRod(material: "nylon", diameter: "10 mm")"#;
+    let long = format!(
+        r#"Force(title: "long", materials: {{"nylon": (density: "1150 kg/m3",
+        law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.094", at: "3 kHz"))}},
+        problem: Impact({bodies}, velocity: "1 m/s", duration: "4 ms", time_step: "1 ns"))"#
+    );
+    fs::create_dir(folder.path().join("tests")).unwrap();
+    for name in ["1", "2", "3"] {
+        fs::write(folder.path().join(format!("tests/{name}.ron")), &long).unwrap();
+    }
+    for arguments in [
+        &["force", "tests/1.ron", "--out", "out/1"][..],
+        &["batch", "tests", "--out", "out", "--jobs", "2"],
+    ] {
+        let took = time_to_end(folder.path(), arguments);
+        // half a second, and what a busy machine adds
+        assert!(took < Duration::from_secs(2), "{took:?}");
+    }
+    let out = folder.path().join("out");
+    assert!(!out.exists() || files_below(&out).is_empty());
+}

@@ -53,6 +53,7 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
     tolerant: false,
     lossless: true,
     binary: true,
+    force: false,
 };
 
 proptest! {
@@ -68,9 +69,8 @@ proptest! {
         let contents = two_channels(force, acceleration);
         let mut path = source(folder.path(), &contents);
         // a binary universal file keeps 8 digits of the step, and comes last
-        for ending in ["csv", "npz", "csv"] {
-            let next = folder.path().join(format!("next_{ending}.{ending}"));
-            let next = if next == path { folder.path().join(format!("other.{ending}")) } else { next };
+        for (number, ending) in ["csv", "npz", "csv"].into_iter().enumerate() {
+            let next = folder.path().join(format!("{number}.{ending}"));
             convert(&path, &next, LOSSLESS).unwrap();
             path = next;
         }
@@ -223,6 +223,44 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
         ConvertOptions::default(),
     );
     assert!(missing.unwrap_err().to_string().starts_with("cannot read "));
+}
+
+#[test]
+fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
+    let folder = tempfile::tempdir().unwrap();
+    let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
+    let path = source(folder.path(), &contents);
+    let before = fs::read(&path).unwrap();
+    let target = folder.path().join("recording.csv");
+    fs::write(&target, "a recording of another day").unwrap();
+    let said = convert(&path, &target, ConvertOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        said.ends_with("which is there, expected a new file, or --force to replace it"),
+        "{said}"
+    );
+    assert_eq!(fs::read(&target).unwrap(), b"a recording of another day");
+    let force = ConvertOptions {
+        force: true,
+        ..ConvertOptions::default()
+    };
+    convert(&path, &target, force).unwrap();
+    let back = format::read(&target).unwrap();
+    assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
+    // by whatever name
+    let mut names = vec![path.clone(), folder.path().join("./source.npz")];
+    #[cfg(unix)]
+    {
+        let link = folder.path().join("link.npz");
+        std::os::unix::fs::symlink("source.npz", &link).unwrap();
+        names.push(link);
+    }
+    for name in names {
+        let said = convert(&path, &name, force).unwrap_err().to_string();
+        assert!(said.contains("which is the input"), "{said}");
+    }
+    assert_eq!(fs::read(&path).unwrap(), before);
 }
 
 #[test]

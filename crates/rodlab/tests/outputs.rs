@@ -116,6 +116,49 @@ fn a_file_of_somebody_else_is_not_replaced() {
 }
 
 #[test]
+fn r19_a_result_of_another_program_opens_no_folder() {
+    let listing = r#"{"result_version": 1, "files": ["hits.npy", "modulus.ron", "report.html", "modulus.csv"]"#;
+    for result in [
+        "{}".to_owned(),
+        format!("{listing}}}"),
+        format!("{listing}, \"software\": \"other 0.1.0\"}}"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["result.json", "report.html", "hits.npy", "modulus.ron"];
+        let contents = |name: &str| match name {
+            "result.json" => result.clone(),
+            name => format!("{name} of a laboratory"),
+        };
+        for name in names {
+            fs::write(folder.path().join(name), contents(name)).unwrap();
+        }
+        let error = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]);
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("no earlier result lists it"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), names.len());
+        for name in names {
+            let there = fs::read_to_string(folder.path().join(name)).unwrap();
+            assert_eq!(there, contents(name), "{name}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn r19_a_link_to_a_result_opens_no_folder() {
+    let other = tempfile::tempdir().unwrap();
+    output::write(&rich::outcome(), &rich::sheet(), other.path(), &[]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let result = other.path().join(output::RESULT);
+    std::os::unix::fs::symlink(result, folder.path().join(output::RESULT)).unwrap();
+    fs::write(folder.path().join("modulus.csv"), "measured").unwrap();
+    let error = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap_err();
+    assert!(matches!(error, rodlab::RodlabError::Taken { .. }), "{error}");
+    let kept = fs::read_to_string(folder.path().join("modulus.csv")).unwrap();
+    assert_eq!(kept, "measured");
+}
+
+#[test]
 fn what_was_made_read_only_stays() {
     let folder = tempfile::tempdir().unwrap();
     let files = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap();

@@ -1,5 +1,6 @@
 //! What a campaign remembers of one test, in memory and on disk.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use labio::ContentHash;
@@ -8,8 +9,10 @@ use serde::{Deserialize, Serialize};
 use super::Test;
 use crate::input;
 use crate::outcome::{InputFile, Quantity, Verdict};
-use crate::output::{self, FAILURE, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
-use crate::{RodlabError, Standing};
+use crate::output::{
+    self, FAILURE, OutputFile, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity,
+};
+use crate::{RodlabError, Standing, records};
 
 /// One test in a summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,7 +35,7 @@ pub struct Row {
 }
 
 impl Row {
-    pub(super) fn wrong_input(test: &str, error: &str) -> Self {
+    pub(crate) fn wrong_input(test: &str, error: &str) -> Self {
         Self {
             test: test.to_owned(),
             job: String::new(),
@@ -69,6 +72,7 @@ struct StoredResult {
     summary: Vec<String>,
     warnings: Vec<String>,
     inputs: Vec<InputFile>,
+    outputs: Option<Vec<OutputFile>>,
     quantities: Vec<Quantity>,
 }
 
@@ -91,11 +95,13 @@ fn result_in(folder: &Path) -> Option<StoredResult> {
     serde_json::from_str(&text).ok()
 }
 
-/// The row of a result in `folder` that is the one that would come out again: same software, sheet and files.
+/// The row of a result in `folder` that is the one that would come out again: same software, sheet and files, which are still all that
+/// its patterns find. All files of the result are as they were written.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
     let base = test.sheet.parent()?;
+    let outputs = stored.outputs.as_ref()?;
     let same = output::is_settled(folder)
         && stored.result_version == RESULT_VERSION
         && stored.software == SOFTWARE
@@ -103,21 +109,48 @@ pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
         && stored
             .inputs
             .iter()
-            .all(|input| hash(&base.join(&input.path)).as_ref() == Some(&input.sha256));
+            .all(|input| hash(&base.join(&input.path)).as_ref() == Some(&input.sha256))
+        && finds_the_same(&stored.inputs, base)
+        && outputs
+            .iter()
+            .all(|output| hash(&folder.join(&output.file)).as_ref() == Some(&output.sha256));
     same.then(|| stored.row(&test.name))
 }
 
+/// Whether the patterns of a sheet in the folder `base` still find those of `inputs` that they have found, and no others.
+fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
+    let found = inputs
+        .iter()
+        .filter_map(|input| Some((input.pattern.as_deref()?, input.path.as_str())));
+    let (patterns, found): (BTreeSet<&str>, BTreeSet<&str>) = found.unzip();
+    let mut now = BTreeSet::new();
+    for pattern in patterns {
+        let Ok(paths) = records::found_by(pattern, base) else {
+            return false;
+        };
+        now.extend(paths);
+    }
+    now.iter().map(String::as_str).eq(found)
+}
+
 /// Writes the failure in place of an older result: that of a sheet which has become wrong is none any longer.
-pub(super) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
+pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
     #[derive(Serialize)]
     struct Failure<'a> {
+        result_version: u32,
+        software: &'static str,
         #[serde(flatten)]
         row: &'a Row,
         /// Files of an older result that are still there.
         files: Vec<String>,
     }
     output::replace_by_failure(folder, |files| {
-        let mut text = serde_json::to_vec_pretty(&Failure { row, files })
+        let mut text = serde_json::to_vec_pretty(&Failure {
+            result_version: RESULT_VERSION,
+            software: SOFTWARE,
+            row,
+            files,
+        })
             .map_err(|error| RodlabError::step("writing failure.json", error))?;
         text.push(b'\n');
         Ok(text)

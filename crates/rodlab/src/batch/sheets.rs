@@ -1,17 +1,17 @@
 //! Which sheets a campaign has.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::RodlabError;
-use crate::output::RESULT;
+use crate::output;
 
 /// A test of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Test {
     /// Path of the sheet from the folder that all have in common, without extension and with slashes; the folder of its
-    /// result has this name.
+    /// result has this name. No part of it is `..`, so that a result stays in the folder of the campaign.
     pub name: String,
     /// Path of the sheet.
     pub sheet: PathBuf,
@@ -19,77 +19,168 @@ pub struct Test {
 
 /// The tests that `places` name: sheets, folders with sheets in them or in their folders, and patterns; in order of their names.
 ///
-/// Folders that hold a result are not looked into.
+/// Folders that hold a result of this program are not looked into. Links to folders are followed, and no folder is looked into twice:
+/// where a folder is found by several names, the one without links counts.
 ///
 /// # Errors
 ///
 /// [`RodlabError::NoFile`] for a place without a sheet, [`RodlabError::Read`] for a folder that cannot be read, and
-/// [`RodlabError::Request`] if two sheets differ in nothing but the extension.
+/// [`RodlabError::Request`] if two sheets differ in nothing but the extension, or the name of one is no name without it.
 pub fn tests_of(places: &[String]) -> Result<Vec<Test>, RodlabError> {
-    let mut sheets = Vec::new();
+    let mut search = Search::default();
+    let mut roots = Vec::new();
     for place in places {
-        let path = Path::new(place);
-        let before = sheets.len();
+        let found = found_at(place)?;
+        for path in &found {
+            roots.push((place, search.place(path)?));
+        }
+        if found.is_empty() {
+            return Err(no_sheet(place));
+        }
+    }
+    search.follow_links()?;
+    match roots.iter().find(|(_, root)| !search.has_below(root)) {
+        Some((place, _)) => Err(no_sheet(place)),
+        None => named(search.sheets),
+    }
+}
+
+fn no_sheet(place: &str) -> RodlabError {
+    RodlabError::NoFile {
+        pattern: place.to_owned(),
+        folder: PathBuf::from("."),
+    }
+}
+
+/// The paths that a place means: itself, or what its pattern finds.
+fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
+    let path = PathBuf::from(place);
+    if path.exists() {
+        return Ok(vec![path]);
+    }
+    let listed = glob::glob(place).map_err(|error| {
+        RodlabError::request(
+            "sheets",
+            format!("`{place}`, {error}"),
+            "a sheet, a folder or a pattern",
+        )
+    })?;
+    let unreadable = |error: glob::GlobError| RodlabError::Read {
+        path: error.path().to_path_buf(),
+        source: error.into(),
+    };
+    listed.map(|found| found.map_err(unreadable)).collect()
+}
+
+/// A folder or a sheet: as it was asked for, and in full, without `..` and without links but those that were followed to it.
+#[derive(Debug, Clone)]
+struct Place {
+    shown: PathBuf,
+    full: PathBuf,
+}
+
+impl Place {
+    fn child(&self, name: &std::ffi::OsStr) -> Self {
+        Self {
+            shown: self.shown.join(name),
+            full: self.full.join(name),
+        }
+    }
+}
+
+/// Sheets that were found so far.
+#[derive(Debug, Default)]
+struct Search {
+    /// Paths as they were asked for, by their full paths.
+    sheets: BTreeMap<PathBuf, PathBuf>,
+    /// Folders that were looked into, without any links.
+    folders: BTreeSet<PathBuf>,
+    /// Links to folders, by their full paths, with the path as it was asked for.
+    links: BTreeMap<PathBuf, PathBuf>,
+    /// Links that were followed.
+    followed: BTreeSet<PathBuf>,
+}
+
+impl Search {
+    /// Takes the sheet at `path`, or those in the folder at `path`, and returns its full path.
+    fn place(&mut self, path: &Path) -> Result<PathBuf, RodlabError> {
+        let shown = path.to_path_buf();
         if path.is_dir() {
-            in_folder(path, &mut sheets)?;
-        } else if path.exists() {
-            sheets.push(path.to_path_buf());
-        } else {
-            let listed = glob::glob(place).map_err(|error| {
-                RodlabError::request(
-                    "sheets",
-                    format!("`{place}`, {error}"),
-                    "a sheet, a folder or a pattern",
-                )
+            let full = real(path)?;
+            self.folder(&Place {
+                shown,
+                full: full.clone(),
             })?;
-            for found in listed {
-                let found = found.map_err(|error| RodlabError::Read {
-                    path: error.path().to_path_buf(),
-                    source: error.into(),
-                })?;
-                if found.is_dir() {
-                    in_folder(&found, &mut sheets)?;
-                } else {
-                    sheets.push(found);
+            return Ok(full);
+        }
+        let parent = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let full = real(parent)?.join(path.file_name().unwrap_or_default());
+        self.sheets.entry(full.clone()).or_insert(shown);
+        Ok(full)
+    }
+
+    /// Takes all files `*.ron` in the folder and below; links are kept for later.
+    fn folder(&mut self, folder: &Place) -> Result<(), RodlabError> {
+        if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
+            return Ok(());
+        }
+        let fail = |source| unreadable(&folder.shown, source);
+        let entries: Result<Vec<_>, _> = fs::read_dir(&folder.shown).map_err(fail)?.collect();
+        let mut entries = entries.map_err(fail)?;
+        entries.sort_by_key(fs::DirEntry::file_name);
+        for entry in entries {
+            let place = folder.child(&entry.file_name());
+            if !place.shown.is_dir() {
+                if place.shown.extension().is_some_and(|ending| ending == "ron") {
+                    self.sheets.entry(place.full).or_insert(place.shown);
                 }
+            } else if entry.file_type().map_err(fail)?.is_symlink() {
+                self.links.entry(place.full).or_insert(place.shown);
+            } else {
+                self.folder(&place)?;
             }
         }
-        if sheets.len() == before {
-            return Err(RodlabError::NoFile {
-                pattern: place.clone(),
-                folder: PathBuf::from("."),
-            });
-        }
+        Ok(())
     }
-    sheets.sort();
-    sheets.dedup();
-    named(sheets)
+
+    /// Looks into the folders behind links, in order of the names of the links.
+    fn follow_links(&mut self) -> Result<(), RodlabError> {
+        while let Some((full, shown)) = self.links.pop_first() {
+            self.followed.insert(full.clone());
+            self.folder(&Place { shown, full })?;
+        }
+        Ok(())
+    }
+
+    /// Whether a sheet or a link to a folder, whose sheets may have other names, was found at `root` or below.
+    fn has_below(&self, root: &Path) -> bool {
+        let mut found = self.sheets.keys().chain(&self.followed);
+        found.any(|path| path.starts_with(root))
+    }
 }
 
-/// All files `*.ron` in `folder` and below.
-fn in_folder(folder: &Path, sheets: &mut Vec<PathBuf>) -> Result<(), RodlabError> {
-    if folder.join(RESULT).exists() {
-        return Ok(());
-    }
-    let fail = |source| RodlabError::Read {
-        path: folder.to_path_buf(),
+/// The path of a folder in full, without links.
+fn real(folder: &Path) -> Result<PathBuf, RodlabError> {
+    folder
+        .canonicalize()
+        .map_err(|source| unreadable(folder, source))
+}
+
+fn unreadable(path: &Path, source: std::io::Error) -> RodlabError {
+    RodlabError::Read {
+        path: path.to_path_buf(),
         source,
-    };
-    for entry in fs::read_dir(folder).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        if path.is_dir() {
-            in_folder(&path, sheets)?;
-        } else if path.extension().is_some_and(|extension| extension == "ron") {
-            sheets.push(path);
-        }
     }
-    Ok(())
 }
 
-fn named(sheets: Vec<PathBuf>) -> Result<Vec<Test>, RodlabError> {
-    let common = sheets
-        .iter()
-        .map(|sheet| sheet.parent().unwrap_or(Path::new("")).to_path_buf())
+/// Names for sheets that are given by their full paths.
+fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
+    let common: PathBuf = sheets
+        .keys()
+        .filter_map(|sheet| Some(sheet.parent()?.to_path_buf()))
         .reduce(|common, folder| {
             common
                 .components()
@@ -100,16 +191,18 @@ fn named(sheets: Vec<PathBuf>) -> Result<Vec<Test>, RodlabError> {
         })
         .unwrap_or_default();
     let mut tests: BTreeMap<String, PathBuf> = BTreeMap::new();
-    for sheet in sheets {
-        let short = sheet.strip_prefix(&common).unwrap_or(&sheet);
-        let name = short
-            .with_extension("")
-            .to_string_lossy()
-            .replace('\\', "/");
-        if let Some(other) = tests.insert(name.clone(), sheet.clone()) {
+    for (full, shown) in sheets {
+        let name = name_of(&full, &common).ok_or_else(|| {
+            RodlabError::request(
+                "sheets",
+                shown.display().to_string(),
+                "a sheet whose name without the extension is that of a folder: its result has this name",
+            )
+        })?;
+        if let Some(other) = tests.insert(name, shown.clone()) {
             return Err(RodlabError::request(
                 "sheets",
-                format!("{} and {}", other.display(), sheet.display()),
+                format!("{} and {}", other.display(), shown.display()),
                 "names that differ without the extension: a result has the name of its sheet",
             ));
         }
@@ -118,4 +211,19 @@ fn named(sheets: Vec<PathBuf>) -> Result<Vec<Test>, RodlabError> {
         .into_iter()
         .map(|(name, sheet)| Test { name, sheet })
         .collect())
+}
+
+/// The path of `sheet` below `common` without extension; `None` if what is left of a name leads elsewhere, as of `...ron`.
+fn name_of(sheet: &Path, common: &Path) -> Option<String> {
+    let stem = sheet.file_stem()?;
+    if stem == "." || stem == ".." {
+        return None;
+    }
+    let folders = sheet.parent()?.strip_prefix(common).ok()?;
+    let parts = folders.components().map(std::path::Component::as_os_str);
+    let parts: Vec<_> = parts
+        .chain([stem])
+        .map(|part| part.to_string_lossy())
+        .collect();
+    Some(parts.join("/"))
 }

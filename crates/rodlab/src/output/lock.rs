@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::gate::{self, Passage};
 use crate::RodlabError;
 
 /// Name of the file that is locked.
@@ -27,6 +28,8 @@ pub(super) struct FolderLock {
     file: File,
     /// Whether the list is still needed.
     unfinished: bool,
+    /// Given back after the lock, when the file is gone.
+    _passage: Passage<'static>,
 }
 
 impl FolderLock {
@@ -34,7 +37,7 @@ impl FolderLock {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Busy`], [`RodlabError::Write`].
+    /// [`RodlabError::Busy`], [`RodlabError::Write`], [`RodlabError::Interrupted`] if the program is ending.
     pub(super) fn of(folder: &Path) -> Result<Self, RodlabError> {
         Self::within(PATIENCE, folder)
     }
@@ -44,6 +47,7 @@ impl FolderLock {
         let fail = |source| super::refusal(&path, source);
         let began = Instant::now();
         loop {
+            let passage = gate::pass()?;
             let file = OpenOptions::new()
                 .read(true)
                 .write(true)
@@ -52,7 +56,7 @@ impl FolderLock {
                 .open(&path)
                 .map_err(fail)?;
             match file.try_lock() {
-                Ok(()) if is_at(&file, &path) => return Self::taken(path, file),
+                Ok(()) if is_at(&file, &path) => return Self::taken(path, file, passage),
                 // the one before has removed the file after we had opened it
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
@@ -62,22 +66,28 @@ impl FolderLock {
                             owner: owner(&path),
                         });
                     }
+                    drop(passage);
                     thread::sleep(PAUSE);
                 }
                 // a file system without locks: files are whole there too, but two runs at a time may mix
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
-                    return Self::taken(path, file);
+                    return Self::taken(path, file, passage);
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(error)),
             }
         }
     }
 
-    fn taken(path: PathBuf, file: File) -> Result<Self, RodlabError> {
+    fn taken(
+        path: PathBuf,
+        file: File,
+        passage: Passage<'static>,
+    ) -> Result<Self, RodlabError> {
         let mut lock = Self {
             path,
             file,
             unfinished: true,
+            _passage: passage,
         };
         lock.unfinished = !lock.listed()?.is_empty();
         lock.sign()?;

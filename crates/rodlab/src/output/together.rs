@@ -4,14 +4,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::thread;
 
-use rayon::prelude::*;
-use serde::Deserialize;
 use tempfile::NamedTempFile;
 
 use super::lock::FolderLock;
-use super::{FAILURE, PART, RESULT, is_plain, named, on_disk, refusal, written};
-use crate::{RodlabError, input};
+use super::{
+    EARLIER_REPORT, FAILURE, PART, REPORT, RESULT, named, on_disk, ours, refusal, written,
+};
+use crate::RodlabError;
+
+/// Files that the disk is asked for at a time.
+const AT_A_TIME: usize = 4;
 
 /// Puts the files of a result into `folder`; `reads` are those that the run has read.
 ///
@@ -23,7 +27,7 @@ pub(crate) fn replace_result(
     reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let mut lock = locked(folder)?;
-    let earlier = Earlier::of(folder, lock.listed()?);
+    let earlier = Earlier::result(folder, lock.listed()?);
     let new: BTreeSet<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let stale: Vec<&str> = earlier
         .files
@@ -31,12 +35,8 @@ pub(crate) fn replace_result(
         .map(String::as_str)
         .filter(|name| !new.contains(name) && folder.join(name).is_file())
         .collect();
-    for name in new.iter().chain(&stale) {
-        let path = folder.join(name);
-        may_change(&path, reads)?;
-        if !earlier.has(name) && path.symlink_metadata().is_ok() {
-            return Err(RodlabError::Taken { path });
-        }
+    for name in new.iter().chain(&stale).chain(&[FAILURE]) {
+        earlier.may_change(&folder.join(name), name, reads)?;
     }
     let staged = stage(folder, files)?;
     lock.list(new.iter().chain(&stale).copied())?;
@@ -49,42 +49,70 @@ pub(crate) fn replace_result(
     Ok(paths)
 }
 
-/// Puts a `failure.json` into `folder` in place of a `result.json`. The other files of the earlier result stay, and `text` is told their
-/// names: where a disk with recordings was away, the report of last week is all there is.
+/// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier result gets a name that says so; its other
+/// files stay as they are, and `text` is told all their names: where a disk with recordings was away, the report of last week is all there
+/// is.
 pub(crate) fn replace_by_failure(
     folder: &Path,
     text: impl FnOnce(Vec<String>) -> Result<Vec<u8>, RodlabError>,
 ) -> Result<(), RodlabError> {
     let mut lock = locked(folder)?;
-    let earlier = Earlier::of(folder, lock.listed()?);
-    let others: Vec<String> = earlier
+    let earlier = Earlier::result(folder, lock.listed()?);
+    let mut others: BTreeSet<String> = earlier
         .files
-        .into_iter()
+        .iter()
         .filter(|name| ![RESULT, FAILURE].contains(&name.as_str()) && folder.join(name).is_file())
+        .cloned()
         .collect();
-    let failure = [(FAILURE.to_owned(), text(others.clone())?)];
-    for name in [RESULT, FAILURE] {
-        may_change(&folder.join(name), &[])?;
+    let renamed = others.remove(REPORT);
+    if renamed {
+        others.insert(EARLIER_REPORT.to_owned());
     }
+    let changed = [REPORT, EARLIER_REPORT];
+    let changed = changed.into_iter().filter(|_| renamed);
+    for name in [RESULT, FAILURE].into_iter().chain(changed) {
+        earlier.may_change(&folder.join(name), name, &[])?;
+    }
+    let failure = [(
+        FAILURE.to_owned(),
+        text(others.iter().cloned().collect())?,
+    )];
     let staged = stage(folder, &failure)?;
-    lock.list(others.iter().map(String::as_str))?;
+    let listed = others.iter().map(String::as_str).chain([REPORT, FAILURE]);
+    lock.list(listed.filter(|name| renamed || *name != REPORT))?;
     remove(&folder.join(RESULT))?;
+    if renamed {
+        let new = folder.join(EARLIER_REPORT);
+        fs::rename(folder.join(REPORT), &new).map_err(|source| refusal(&new, source))?;
+    }
     name_all(folder, &failure, staged)?;
     lock.done();
     Ok(())
 }
 
-/// Puts `files` into `folder` in place of those of the same names.
-pub(crate) fn replace_files(
+/// Puts the `files` of a summary, one of which is called `signed` and names this program, into `folder` in place of those of an earlier
+/// summary.
+pub(crate) fn replace_summary(
     folder: &Path,
     files: &[(String, Vec<u8>)],
+    signed: &str,
 ) -> Result<Vec<PathBuf>, RodlabError> {
-    let _lock = locked(folder)?;
-    for (name, _) in files {
-        may_change(&folder.join(name), &[])?;
+    let mut lock = locked(folder)?;
+    let mut earlier = Earlier {
+        files: lock.listed()?,
+    };
+    let names = || files.iter().map(|(name, _)| name.as_str());
+    if ours::is_summary(&folder.join(signed)) {
+        earlier.files.extend(names().map(str::to_owned));
+    }
+    for name in names() {
+        earlier.may_change(&folder.join(name), name, &[])?;
     }
     let staged = stage(folder, files)?;
-    name_all(folder, files, staged)
+    lock.list(names())?;
+    let paths = name_all(folder, files, staged)?;
+    lock.done();
+    Ok(paths)
 }
 
 fn remove(path: &Path) -> Result<(), RodlabError> {
@@ -117,13 +145,28 @@ fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile
         .iter()
         .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
         .collect::<Result<_, _>>()?;
-    // a disk that is asked for two at a time writes its journal once for both
-    let on_disk: Vec<Result<(), RodlabError>> = files
-        .par_iter()
-        .zip(&staged)
-        .map(|((name, _), file)| on_disk(file, &folder.join(name)))
-        .collect();
-    on_disk.into_iter().collect::<Result<(), _>>()?;
+    // A disk that is asked for several at a time writes its journal once for all. Threads of a pool would take up other tests while
+    // they wait, and keep this folder locked meanwhile.
+    let share = files.len().div_ceil(AT_A_TIME).max(1);
+    thread::scope(|scope| {
+        let waiting: Vec<_> = files
+            .chunks(share)
+            .zip(staged.chunks(share))
+            .map(|(files, staged)| {
+                scope.spawn(move || {
+                    files
+                        .iter()
+                        .zip(staged)
+                        .try_for_each(|((name, _), file)| on_disk(file, &folder.join(name)))
+                })
+            })
+            .collect();
+        waiting.into_iter().try_for_each(|thread| {
+            thread
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    })?;
     Ok(staged)
 }
 
@@ -145,7 +188,7 @@ fn name_all(
 }
 
 /// Refuses to touch what the run has read, and what somebody has protected.
-fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabError> {
+pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabError> {
     let Ok(found) = path.symlink_metadata() else {
         return Ok(());
     };
@@ -165,37 +208,29 @@ fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// What an earlier run has left in a folder.
+/// Files in a folder that may be replaced, because an earlier run has made them.
 struct Earlier {
     files: BTreeSet<String>,
-    /// Whether there is a result that does not list its files, so that any file may be one of them.
-    unlisted: bool,
 }
 
 impl Earlier {
-    /// By its `result.json` or `failure.json`, and by the list of a run that was ended.
-    fn of(folder: &Path, listed: BTreeSet<String>) -> Self {
-        #[derive(Deserialize)]
-        struct Listing {
-            files: Option<Vec<String>>,
-        }
+    /// The files of the result in `folder`: by its `result.json` or `failure.json`, and by the list of a run that was ended.
+    fn result(folder: &Path, listed: BTreeSet<String>) -> Self {
         let mut files = listed;
-        let mut unlisted = false;
         for name in [RESULT, FAILURE] {
-            let Ok(text) = input::read(&folder.join(name)) else {
-                continue;
-            };
-            let listing: Option<Listing> = serde_json::from_slice(&text).ok();
-            match listing.and_then(|listing| listing.files) {
-                Some(names) => files.extend(names.into_iter().filter(|name| is_plain(name))),
-                None => unlisted = true,
-            }
+            files.extend(ours::listed(&folder.join(name)).into_iter().flatten());
         }
-        files.extend([RESULT, FAILURE].map(str::to_owned));
-        Self { files, unlisted }
+        Self { files }
     }
 
-    fn has(&self, name: &str) -> bool {
-        self.unlisted || self.files.contains(name)
+    /// Refuses to touch the file `name` at `path` if it is of somebody else, is read-only or was read by the run.
+    fn may_change(&self, path: &Path, name: &str, reads: &[PathBuf]) -> Result<(), RodlabError> {
+        may_change(path, reads)?;
+        if !self.files.contains(name) && path.symlink_metadata().is_ok() {
+            return Err(RodlabError::Taken {
+                path: path.to_path_buf(),
+            });
+        }
+        Ok(())
     }
 }

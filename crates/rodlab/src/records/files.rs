@@ -5,12 +5,18 @@ use std::path::{Path, PathBuf};
 
 use crate::RodlabError;
 
+/// A file, and the first of the names or patterns that finds it.
+pub(super) struct FoundFile<'a> {
+    pub(super) path: PathBuf,
+    pub(super) pattern: &'a str,
+}
+
 /// The files of all patterns, each once; `field` is the place of the patterns in the sheet.
-pub(super) fn paths(
-    patterns: &[String],
+pub(super) fn paths<'a>(
+    patterns: &'a [String],
     folder: &Path,
     field: &str,
-) -> Result<Vec<PathBuf>, RodlabError> {
+) -> Result<Vec<FoundFile<'a>>, RodlabError> {
     if patterns.is_empty() {
         return Err(RodlabError::request(
             field,
@@ -60,7 +66,8 @@ pub(super) fn paths(
                 folder: folder.to_path_buf(),
             });
         }
-        paths.extend(found.into_iter().filter(|path| seen.insert(path.clone())));
+        let new = found.into_iter().filter(|path| seen.insert(path.clone()));
+        paths.extend(new.map(|path| FoundFile { path, pattern }));
     }
     Ok(paths)
 }

@@ -2,7 +2,11 @@ use super::*;
 
 fn page(outcome: &Outcome) -> String {
     let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
-    html_of(outcome, &drawn).unwrap()
+    let sheet = SheetIdentity {
+        file: "rod.ron".into(),
+        sha256: "0123456789abcdef".repeat(4),
+    };
+    html_of(outcome, &drawn, &sheet, Some("2026-11-22 12:24:59 UTC")).unwrap()
 }
 
 #[test]
@@ -98,4 +102,12 @@ fn a_long_table_is_folded_and_says_what_it_leaves_to_the_file() {
         "{page}"
     );
     assert!(page.contains("600 are not shown here"), "{page}");
+}
+
+#[test]
+fn r19_the_page_names_its_sheet_with_the_hash_and_the_date_of_its_inputs() {
+    let page = page(&Outcome::of("force", "no files but the sheet"));
+    let hash = "0123456789abcdef".repeat(4);
+    assert!(page.contains(&format!("<code>rod.ron</code>, SHA-256 <code class=\"hash\">{hash}</code>")));
+    assert!(page.contains("inputs of 2026-11-22 12:24:59 UTC"));
 }

@@ -85,6 +85,7 @@ impl ResponseFile {
                 .hash()
                 .map(|hash| hash.to_string())
                 .unwrap_or_default(),
+            pattern: None,
         });
         outcome
             .warnings

@@ -33,6 +33,8 @@ fn at(command: &mut Command, folder: &Path) {
         .current_dir(folder)
         .env("NO_COLOR", "1")
         .env("RUST_BACKTRACE", "0")
+        // copies of a folder are of other times
+        .env("SOURCE_DATE_EPOCH", "0")
         .stdin(Stdio::null());
 }
 

@@ -39,12 +39,14 @@ pub(crate) fn outcome() -> Outcome {
             format: "NPY".into(),
             bytes: 1_048_704,
             sha256: "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08".into(),
+            pattern: Some("records/*.npy".into()),
         },
         InputFile {
             path: "records/a very long name of a file & its <folder>/hit_0002_channel_acceleration.uff".into(),
             format: "UFF 58".into(),
             bytes: 524_288,
             sha256: "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752".into(),
+            pattern: None,
         },
     ];
     outcome.settings = vec![

@@ -1,0 +1,146 @@
+//! The text of a sheet, and what is said of a file that is none: another encoding, or a recording.
+
+use std::path::Path;
+
+use labio::format;
+
+use super::SheetError;
+use crate::RodlabError;
+
+/// Byte-order mark, which some editors write ahead of a text.
+pub(super) const MARK: char = '\u{feff}';
+
+/// The format that has no signature: a table in text.
+const TABLE: &str = "csv";
+
+/// The text of the sheet at `path`, which is UTF-8.
+///
+/// # Errors
+///
+/// [`RodlabError::NoSheet`] for a recording in a binary format, [`RodlabError::Encoding`] for a text in another encoding.
+pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> {
+    if let Some(reader) = format::recognise(bytes).filter(|reader| reader.name() != TABLE) {
+        return Err(no_sheet(path, reader.name()));
+    }
+    if let Some(found) = wide(bytes) {
+        return Err(RodlabError::Encoding {
+            path: path.to_path_buf(),
+            line: 1,
+            column: 1,
+            found: found.to_owned(),
+        });
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok(text.to_owned()),
+        Err(error) => Err(not_utf8(path, bytes, error.valid_up_to())),
+    }
+}
+
+/// What is said of a text that is no sheet: that it is a recording if it holds a table of numbers, which no sheet does.
+pub(super) fn or_recording(path: &Path, bytes: &[u8], error: Box<SheetError>) -> RodlabError {
+    match format::recognise(bytes) {
+        Some(reader) => no_sheet(path, reader.name()),
+        None => error.into(),
+    }
+}
+
+fn no_sheet(path: &Path, format: &str) -> RodlabError {
+    RodlabError::NoSheet {
+        path: path.to_path_buf(),
+        format: format.to_uppercase(),
+        job: "JOB",
+    }
+}
+
+/// The name of an encoding whose characters have several bytes each, by its mark or by the zeros among Latin letters.
+fn wide(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, by its byte-order mark"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16, by its byte-order mark"),
+        [letter, 0, ..] | [0, letter, ..] if letter.is_ascii_graphic() => {
+            Some("UTF-16, by a zero beside the first letter")
+        }
+        _ => None,
+    }
+}
+
+/// Names the first character that is not UTF-8, and what it is in Latin-1, where every byte is a character.
+fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
+    let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+    let found = bytes.get(at).map_or_else(String::new, |&byte| {
+        // 0x80 to 0x9f are control characters of Latin-1, and signs of Windows-1252
+        let meant = if byte >= 0xa0 {
+            format!(", `{}` in Latin-1 (ISO 8859-1, Windows-1252)", char::from(byte))
+        } else {
+            " of no character".to_owned()
+        };
+        format!("the byte {byte:#04x}{meant}")
+    });
+    RodlabError::Encoding {
+        path: path.to_path_buf(),
+        line,
+        column,
+        found,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sheet::parse;
+    use crate::templates::JobName;
+
+    fn said(name: &str, bytes: &[u8]) -> String {
+        let path = Path::new(name);
+        let text = text_of(path, bytes);
+        let parsed = text.and_then(|text| {
+            parse(path, &text).map_err(|error| or_recording(path, bytes, error))
+        });
+        parsed.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn r20_what_is_no_sheet_is_named() {
+        let sheet = "// length 799 mm\nForce(title: \"\u{e5}\u{b1}\")";
+        let latin: Vec<u8> = sheet.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+        let wide = |mark: bool| -> Vec<u8> {
+            let mark = mark.then_some(MARK).into_iter();
+            let text: String = mark.chain(sheet.chars()).collect();
+            text.encode_utf16().flat_map(u16::to_le_bytes).collect()
+        };
+        let mut npy = b"\x93NUMPY\x01\0\x76\0".to_vec();
+        npy.extend(b"{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }");
+        let all = [
+            said("latin.ron", &latin),
+            said("marked.ron", &wide(true)),
+            said("unmarked.ron", &wide(false)),
+            said("hits.npy", &npy),
+            said("hits.csv", b"time [s],force [N]\n0,1\n1,2\n2,3\n"),
+            said("empty.ron", b""),
+            said("text.ron", b"Dear all"),
+        ];
+        insta::assert_snapshot!(all.join("\n"), @r"
+        latin.ron:2:15: found the byte 0xe5, `å` in Latin-1 (ISO 8859-1, Windows-1252), expected a text in UTF-8: save the sheet as UTF-8
+        marked.ron:1:1: found UTF-16, by its byte-order mark, expected a text in UTF-8: save the sheet as UTF-8
+        unmarked.ron:1:1: found UTF-16, by a zero beside the first letter, expected a text in UTF-8: save the sheet as UTF-8
+        hits.npy is a recording (NPY), expected a test sheet in RON; `rodlab init JOB` writes one
+        hits.csv is a recording (CSV), expected a test sheet in RON; `rodlab init JOB` writes one
+        empty.ron:1:1: unexpected end of RON
+        text.ron:1:1: found `Dear`, expected one of `Frf`, `Modulus`, `Recovery`, `Identify`, `Mobility`, `Force`, `Simulate`
+        ");
+    }
+
+    #[test]
+    fn r20_a_byte_order_mark_is_passed_over() {
+        let path = Path::new("sheet.ron");
+        for job in JobName::ALL {
+            let marked = format!("{MARK}{}", job.template());
+            let text = text_of(path, marked.as_bytes()).unwrap();
+            assert_eq!(parse(path, &text).unwrap().name(), job.name());
+            // nor does a sheet look like a recording, so that a mistake in it is shown
+            assert!(format::recognise(marked.as_bytes()).is_none());
+        }
+    }
+}
