@@ -123,6 +123,7 @@ impl ModulusEstimate {
         let refused = self.refused.iter();
         Self {
             method: self.method.clone(),
+            limits: self.limits,
             lines: lines
                 .filter(|line| band.contains(&line.frequency_hz))
                 .cloned()

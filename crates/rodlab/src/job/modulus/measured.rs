@@ -110,6 +110,8 @@ pub(super) struct Ratio {
     /// E|δΨ|².
     pub(super) variance: Vec<f64>,
     pub(super) coherence: Option<Vec<f64>>,
+    /// Number of averages behind the coherence.
+    pub(super) averages: Option<f64>,
     /// Degrees of freedom of the variances, where they are from hits or a coherence.
     pub(super) freedom: Option<Vec<VarianceFreedom>>,
     /// Lines by lines whose noise is independent.

@@ -304,13 +304,13 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             ));
             let stated = found.sheet.lateral_inertia.as_ref();
             if let Some(ratio) = stated.map(|asked| &asked.poisson_ratio)
-                && ratio.standard_uncertainty().is_none()
+                && ratio.with_uncertainty().standard_uncertainty.is_none()
             {
                 // the correction goes with the square of Poisson's ratio
                 outcome.warnings.push(format!(
                     "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which is not in \
                      the errors.",
-                    percent(most * 0.02 / ratio.si()),
+                    percent(most * 0.02 / ratio.with_uncertainty().value),
                     hertz(f)
                 ));
             }

@@ -93,6 +93,10 @@ pub(super) fn of_file(
             values,
             variance,
             coherence,
+            averages: match source.errors {
+                RatioErrors::Coherence { averages, .. } => Some(averages),
+                RatioErrors::StandardError { .. } | RatioErrors::Relative { .. } => None,
+            },
             freedom,
             lines_per_independent_line: 1.0,
             delay: None,

@@ -170,6 +170,7 @@ pub(in crate::job::modulus) fn averaged_ratio<'a>(
         values: response.values,
         variance: pooled.variance,
         coherence: Some(coherence),
+        averages: Some(response.effective_averages),
         freedom: Some(pooled.freedom),
         lines_per_independent_line,
         delay: None,
