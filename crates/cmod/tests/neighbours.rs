@@ -12,6 +12,8 @@ mod comparison;
 mod errors;
 #[path = "neighbours/exactness.rs"]
 mod exactness;
+#[path = "neighbours/few_hits.rs"]
+mod few_hits;
 #[path = "neighbours/rod.rs"]
 mod rod;
 #[path = "neighbours/systematic.rs"]

@@ -231,8 +231,10 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
 fn verdict(misfit: f64, chi_square: Option<f64>, smoothed: Smoothed) -> Verdict {
     Verdict {
         courses: vec![(1.0, vec![smoothed])],
-        misfit: vec![misfit],
-        chi_square: vec![chi_square],
+        misfits: vec![Misfit {
+            around: misfit,
+            own: chi_square,
+        }],
         determined: true,
         crowded_out: 0.0,
         least_confidence: 0.99,
@@ -253,11 +255,35 @@ fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() 
     let expected = noise + slope.norm_sqr() * 0.02 + 0.5 * curvature.norm_sqr() * 0.02_f64.powi(2);
     let strange = |deviations: f64, chi_square: Option<f64>| {
         let observed = value + deviations * expected.sqrt() * gamma(0.6, 0.8);
-        verdict(1.0, chi_square, smoothed).is_strange(0, &line_at(observed, noise), &phase)
+        let misfit = Misfit {
+            around: 1.0,
+            own: chi_square,
+        };
+        is_strange(&misfit, &line_at(observed, noise), &phase)
     };
     assert!(strange(4.001, Some(9.0)) && !strange(3.999, Some(9.0)));
     // asked only where it surprised the filter
     assert!(!strange(5.0, Some(3.999)) && strange(5.0, Some(4.0)) && !strange(5.0, None));
+}
+
+/// A line of which no misfit is known is not trusted, however well its root fits.
+#[test]
+fn r21_a_line_without_a_misfit_is_undetermined() {
+    let at = gamma(0.2, 2.0);
+    let smoothed = Smoothed {
+        gamma: at,
+        variance: 2e-4,
+    };
+    let line = line_at(FreeEnd.expand(at)[0], 1e-6);
+    let known = verdict(1.0, Some(1.0), smoothed).line(0, &line);
+    assert!(known.doubt.is_none() && known.confidence > 0.99);
+    let missing = Verdict {
+        misfits: Vec::new(),
+        ..verdict(1.0, Some(1.0), smoothed)
+    };
+    let tracked = missing.line(0, &line);
+    assert_eq!(tracked.doubt, Some(BranchDoubt::Undetermined));
+    assert!(tracked.root.is_none() && tracked.confidence.abs() < 1e-300);
 }
 
 #[test]
@@ -275,7 +301,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             variance: 2e-4,
         };
         let best = Phase::of(&smoothed, 1.0);
-        let doubt = verdict.doubt(0, &line, &best, &mut confidence, roots, rivals);
+        let misfit = &verdict.misfits[0];
+        let doubt = verdict.doubt(misfit, &line, &best, &mut confidence, roots, rivals);
         (doubt, confidence)
     };
     let clear = verdict(1.0, Some(1.0), smoothed);

@@ -1,0 +1,167 @@
+use super::*;
+use crate::two_point::variance_from_coherence;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const LINES: usize = 300;
+
+/// |Ψ| of a rod of low loss: between 0.15 and 1.2, a resonance every 60 lines.
+fn ratio_of(line: usize) -> Complex64 {
+    let x = Complex64::new(0.15 + 1e-3 * line as f64, 0.052 * line as f64);
+    x.cosh()
+}
+
+/// Ψ, its variance by the coherence, and G₂₂, of hits that are drawn directly: spectra of unit power, and noise of a given power in
+/// both on every line.
+struct Hits {
+    ratio: Vec<Complex64>,
+    variance: Vec<f64>,
+    power: Vec<f64>,
+    averages: f64,
+}
+
+impl Hits {
+    fn drawn(seed: u64, count: usize, noise: impl Fn(usize) -> [f64; 2]) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut circular = |power: f64| -> Complex64 {
+            let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+            Complex64::new(normal(), normal()) * (0.5 * power).sqrt()
+        };
+        let (mut ratio, mut coherence, mut power) = (Vec::new(), Vec::new(), Vec::new());
+        for line in 0..LINES {
+            let (mut cross, mut first, mut second) = (Complex64::ZERO, 0.0, 0.0);
+            for _ in 0..count {
+                let force = circular(1.0) + 2.0;
+                let [of_first, of_second] = noise(line).map(&mut circular);
+                let (a, b) = (ratio_of(line) * force + of_first, force + of_second);
+                cross += a * b.conj();
+                first += a.norm_sqr();
+                second += b.norm_sqr();
+            }
+            ratio.push(cross / second);
+            coherence.push(cross.norm_sqr() / (first * second));
+            power.push(second / count as f64);
+        }
+        let averages = count as f64;
+        let variance = variance_from_coherence(&ratio, &coherence, averages).unwrap();
+        Self {
+            ratio,
+            variance,
+            power,
+            averages,
+        }
+    }
+
+    fn pooled(&self) -> PooledVariance {
+        self.by_lines(1.0)
+    }
+
+    fn by_lines(&self, lines_per_independent_line: f64) -> PooledVariance {
+        AveragedVariance {
+            ratio: &self.ratio,
+            variance: &self.variance,
+            denominator_power: &self.power,
+            averages: self.averages,
+            lines_per_independent_line,
+        }
+        .pooled()
+        .unwrap()
+    }
+
+    /// Stated by true variance of a line.
+    fn quotient(&self, pooled: &PooledVariance, line: usize, noise: [f64; 2]) -> f64 {
+        let power = noise[0] + ratio_of(line).norm_sqr() * noise[1];
+        pooled.variance[line] * self.averages * self.power[line] / power
+    }
+}
+
+/// Means over lines and records: a quotient of 1, with the scatter 2/ν of the degrees of freedom that are said.
+#[test]
+fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
+    for (count, records) in [(2, 40), (3, 40), (4, 30), (10, 20)] {
+        let (mut mean, mut scatter, mut said, mut n) = (0.0, 0.0, 0.0, 0.0);
+        for seed in 0..records {
+            let noise = [4e-6, 1e-6];
+            let hits = Hits::drawn(seed, count, |_| noise);
+            let pooled = hits.pooled();
+            for line in 0..LINES {
+                let quotient = hits.quotient(&pooled, line, noise);
+                // lines that keep their own are few
+                if pooled.freedom[line].line > 2.5 * hits.averages {
+                    mean += quotient;
+                    scatter += (quotient - 1.0).powi(2);
+                    said += 2.0 / pooled.freedom[line].line;
+                    n += 1.0;
+                }
+            }
+        }
+        let all = f64::from(u32::try_from(records).unwrap()) * LINES as f64;
+        assert!(n > 0.95 * all, "{count}: {n} of {all}");
+        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; 2 % is what a non-negative fit is biased
+        assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
+        assert!((scatter / said - 1.0).abs() < 0.25, "{count}: {scatter} {said}");
+        // two coefficients to 80 degrees of freedom
+        assert!((2.0 * n / said - 40.0).abs() < 8.0, "{count}: {}", 2.0 * n / said);
+    }
+}
+
+/// The mains: one line with a hundred times the noise keeps its own variance, and its neighbours keep theirs.
+#[test]
+fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
+    let noise = |line: usize| if line == 100 { [1e-3, 0.0] } else { [1e-5, 0.0] };
+    for seed in 0..20 {
+        let hits = Hits::drawn(seed, 4, noise);
+        let pooled = hits.pooled();
+        if hits.variance[100] * hits.power[100] < 20.0 * 1e-5 / 4.0 {
+            continue; // by chance no larger than that of others
+        }
+        assert!((pooled.variance[100] / hits.variance[100] - 1.0).abs() < 1e-12);
+        assert!((pooled.freedom[100].line - 6.0).abs() < 1e-12);
+        let beside = hits.quotient(&pooled, 102, noise(102));
+        assert!((0.3..2.5).contains(&beside), "{beside}");
+        // what a line adds to all stays its own
+        assert!(pooled.freedom.iter().all(|freedom| (freedom.own - 6.0).abs() < 1e-12));
+    }
+}
+
+/// Noise with a structure as fine as the lines says nothing of the next line.
+#[test]
+fn r14_lines_with_rough_noise_keep_their_own() {
+    let hits = Hits::drawn(1, 10, |line| [if line % 4 < 2 { 1e-5 } else { 5e-5 }, 0.0]);
+    let pooled = hits.pooled();
+    let kept = pooled.freedom.iter().filter(|f| f.line < 18.5).count();
+    assert!(kept > LINES / 4, "{kept}");
+    // many averages need no neighbours
+    let many = Hits::drawn(2, 30, |_| [1e-5, 0.0]);
+    assert_eq!(many.pooled().variance, many.variance);
+    // lines that say the same thing add up to less
+    let few = Hits::drawn(3, 3, |_| [1e-5, 0.0]);
+    assert!((few.by_lines(4.0).freedom[50].own - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn lines_without_noise_and_wrong_arrays_are_told() {
+    let ratio = [Complex64::ONE; 6];
+    let given = AveragedVariance {
+        ratio: &ratio,
+        variance: &[0.0, f64::INFINITY, 0.0, 0.0, 0.0, 0.0],
+        denominator_power: &[1.0; 6],
+        averages: 3.0,
+        lines_per_independent_line: 1.0,
+    };
+    assert_eq!(given.pooled().unwrap().variance, given.variance);
+    let text = |given: AveragedVariance<'_>| given.pooled().unwrap_err().to_string();
+    assert_eq!(
+        text(AveragedVariance { averages: 1.0, ..given }),
+        "1 averages, expected at least 2: the coherence of one is 1 whatever was measured"
+    );
+    assert_eq!(
+        text(AveragedVariance { denominator_power: &[1.0; 5], ..given }),
+        "power of the denominator has 5 lines, expected 6 as the frequencies have"
+    );
+    assert_eq!(
+        text(AveragedVariance { lines_per_independent_line: 0.5, ..given }),
+        "lines per independent line is 0.5, expected 1 or more"
+    );
+}
