@@ -307,7 +307,9 @@ pub enum CmodError {
         name: String,
     },
     /// A card was asked of a fitted law that is no Prony series.
-    #[error("the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series")]
+    #[error(
+        "the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series"
+    )]
     CardLaw {
         /// The law that was fitted.
         law: String,

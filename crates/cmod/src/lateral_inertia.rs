@@ -246,9 +246,9 @@ impl LateralInertia {
             (Theory::LoveRayleigh, Section::Round { .. }) => {
                 Some(Box::new(LoveRayleigh::round(round).map_err(out_of_range)?))
             }
-            (_, Section::Round { .. }) => Some(Box::new(
-                PochhammerChree::new(round).map_err(out_of_range)?,
-            )),
+            (_, Section::Round { .. }) => {
+                Some(Box::new(PochhammerChree::new(round).map_err(out_of_range)?))
+            }
             (_, Section::Rectangular { .. }) => {
                 return Err(CmodError::TheoryOfRoundRods {
                     theory: "the theory of Pochhammer and Chree",

@@ -98,7 +98,8 @@
 //!
 //! # What this does not do
 //! - No transforms, averages or coherence: it starts at Ψ(ω) and its variance, or at the spectra of gauges and their noise.
-//! - The methods know no lateral inertia: lines with λ <= 5D are marked. [`lateral_inertia`] corrects an estimate afterwards.
+//! - The methods know no lateral inertia: a bound on it is part of the common errors and judges lines. [`lateral_inertia`] takes it out
+//!   of an estimate afterwards.
 //! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and at low frequency, the
 //!   line is marked, not corrected.
 //! - Calibration is not part of the errors, and positions are not with three gauges and more.

@@ -10,12 +10,23 @@ use std::f64::consts::TAU;
 
 use cmod::branch::BranchDoubt;
 use cmod::estimate::Termination;
-use cmod::validity::Violation;
+use cmod::validity::{
+    AcceptanceLimits, GREATEST_ERROR_AMPLIFICATION, GREATEST_LOSS_FACTOR_ERROR,
+    GREATEST_STORAGE_MODULUS_ERROR, Violation,
+};
 use cmod::{ModulusLine, Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rodwave::medium::{Medium, PropagationLaw};
 use rodwave::modulus::{ComplexModulus, PowerLawPropagation};
 use rodwave::transition::{State, TransitionMatrix};
+
+/// The usual limits, for waves without lateral inertia.
+const ONE_DIMENSIONAL: AcceptanceLimits = AcceptanceLimits {
+    storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
+    loss_factor: GREATEST_LOSS_FACTOR_ERROR,
+    error_amplification: GREATEST_ERROR_AMPLIFICATION,
+    ..AcceptanceLimits::NONE
+};
 
 /// Mass of the accelerometers of paper A with their connectors [kg].
 const ACCELEROMETER: f64 = 2.9e-3;
@@ -118,6 +129,8 @@ impl Record {
 
     fn estimate(&self, specimen: Specimen, solver: Solver) -> Vec<ModulusLine> {
         let estimate = TwoPoint::new(specimen)
+            .unwrap()
+            .with_limits(ONE_DIMENSIONAL)
             .unwrap()
             .with_solver(solver)
             .estimate(
@@ -335,6 +348,7 @@ fn standard_errors_are_those_of_a_monte_carlo_experiment() {
         .map(|r| r.norm_sqr() * deviation * deviation)
         .collect();
     let method = TwoPoint::new(specimen).unwrap();
+    let method = method.with_limits(ONE_DIMENSIONAL).unwrap();
     let clean = method
         .estimate(&frequency_hz, &record.ratio, &variance)
         .unwrap();

@@ -56,6 +56,7 @@ fn sheet(method: &str, rest: &str) -> String {
             cut: Trigger(level: "2000 m/s2", length: "{SAMPLES} samples", pre_trigger: "1 ms"),
         ),
     ),
+    lateral_inertia: (poisson_ratio: "0"),
     {rest}
 )"#
     )

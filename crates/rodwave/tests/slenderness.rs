@@ -496,7 +496,10 @@ fn unphysical_input_is_refused() {
             }
         ));
         assert!(MindlinHerrmann::new(rod(nu)).is_err() && LoveRayleigh::round(rod(nu)).is_err());
-        assert!(Theory::Elementary.error_left(5.0, nu).is_err() && elementary_theory_error(5.0, nu).is_err());
+        assert!(
+            Theory::Elementary.error_left(5.0, nu).is_err()
+                && elementary_theory_error(5.0, nu).is_err()
+        );
         assert!(rayleigh_to_shear_speed(nu).is_err());
     }
     let thin = RoundRod {

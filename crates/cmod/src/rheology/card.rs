@@ -86,7 +86,8 @@ impl<'a> MaterialCard<'a> {
             law: fit.law.law().to_string(),
         })?;
         let mut card = Self::new(name, density, poisson_ratio, series)?;
-        card.comments.push("modulus with its standard uncertainty".to_owned());
+        card.comments
+            .push("modulus with its standard uncertainty".to_owned());
         for f in frequency_hz {
             let predicted = fit.prediction(std::f64::consts::TAU * f)?;
             let size = predicted.modulus.norm();

@@ -2,8 +2,12 @@
 
 use num_complex::Complex64;
 
+use super::least_squares::count;
 use crate::error::{CmodError, check_length, check_positive};
 use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
+
+/// A variance estimated with no more degrees of freedom than this makes a weight of infinite variance.
+const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 
 /// A measured complex modulus at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +53,47 @@ pub struct ModulusData {
     pub(super) modulus: Vec<Complex64>,
     pub(super) whitening: Vec<Whitening>,
     pub(super) common: Vec<CommonError>,
+    pub(super) scatter: Scatter,
+}
+
+/// What the scatter of estimated variances does to a fit that weighs by them, as means over the lines; 1 if they are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scatter {
+    /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
+    pub(super) of_covariance: f64,
+    /// Factor of the variance of χ², ν/(ν - 4).
+    pub(super) of_chi_squared: f64,
+}
+
+impl Scatter {
+    const NONE: Self = Self {
+        of_covariance: 1.0,
+        of_chi_squared: 1.0,
+    };
+
+    /// Of variances with so many `degrees_of_freedom` ν, more than 4.
+    fn of(degrees_of_freedom: Option<f64>) -> Self {
+        degrees_of_freedom
+            .filter(|freedom| freedom.is_finite())
+            .map_or(Self::NONE, |freedom| Self {
+                of_covariance: (freedom - 2.0) / (freedom - 4.0),
+                of_chi_squared: freedom / (freedom - 4.0),
+            })
+    }
+
+    /// The mean over parts with their numbers of lines.
+    fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
+        let (mut sum, mut lines) = ([0.0; 2], 0.0);
+        for (own, own_lines) in parts {
+            sum[0] += own.of_covariance * count(own_lines);
+            sum[1] += own.of_chi_squared * count(own_lines);
+            lines += count(own_lines);
+        }
+        Self {
+            of_covariance: sum[0] / lines,
+            of_chi_squared: sum[1] / lines,
+        }
+    }
 }
 
 /// Lower triangular W of one point.
@@ -125,6 +170,7 @@ impl ModulusData {
             modulus: points.iter().map(|point| point.modulus).collect(),
             whitening: points.iter().map(Whitening::of).collect(),
             common: Vec::new(),
+            scatter: Scatter::NONE,
         })
     }
 
@@ -171,33 +217,60 @@ impl ModulusData {
     /// Lines of an estimate, with the covariance of their random errors and their common errors. A density that is wrong by 1 %
     /// makes every line wrong by 1 %: it is no weight of a line, but an error of the law.
     ///
+    /// A variance that was estimated with ν degrees of freedom scatters, and with it the weight of its line. The mean of 1/s² is
+    /// ν/(ν - 2) of 1/σ²: the variances are multiplied by that, so that χ² has the mean of known ones. What the scatter of
+    /// the weights costs is in the errors of the parameters and in the distribution of χ²
+    /// ([`RheologicalFit`](super::RheologicalFit)).
+    ///
     /// # Errors
     /// As [`Self::new`]. Lines without a random error would have infinite weight and are refused.
+    /// [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as from three hits: weighted sums have no
+    /// variance then.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
         let lines: Vec<&ModulusLine> = lines.into_iter().collect();
         let points: Vec<_> = lines
             .iter()
-            .map(|line| ModulusPoint {
-                frequency_hz: line.frequency_hz,
-                modulus: line.modulus,
-                covariance: line.uncertainty.random.modulus,
+            .map(|line| {
+                let covariance = line.uncertainty.random.modulus;
+                let inflation = match line.uncertainty.degrees_of_freedom {
+                    Some(freedom) if freedom.is_finite() => {
+                        if freedom <= FEWEST_DEGREES_OF_FREEDOM {
+                            return Err(CmodError::NonPhysical {
+                                quantity: "degrees of freedom of the variance of a line",
+                                value: freedom,
+                                expected: "more than 4, as four hits or more give: a fit weighs lines by their variances",
+                            });
+                        }
+                        freedom / (freedom - 2.0)
+                    }
+                    _ => 1.0,
+                };
+                Ok(ModulusPoint {
+                    frequency_hz: line.frequency_hz,
+                    modulus: line.modulus,
+                    covariance: ComplexCovariance {
+                        real: inflation * covariance.real,
+                        imaginary: inflation * covariance.imaginary,
+                        mixed: inflation * covariance.mixed,
+                    },
+                })
             })
-            .collect();
+            .collect::<Result<_, _>>()?;
         let mut common: Vec<CommonError> = Vec::new();
         for (index, line) in lines.iter().enumerate() {
             for shift in &line.uncertainty.systematic {
-                add_shift(
-                    &mut common,
-                    shift.source,
-                    lines.len(),
-                    index,
-                    shift.modulus,
-                );
+                add_shift(&mut common, shift.source, lines.len(), index, shift.modulus);
             }
         }
-        Self::new(&points)?.with_common_errors(common)
+        let mut data = Self::new(&points)?;
+        data.scatter = Scatter::mean(
+            lines
+                .iter()
+                .map(|line| (Scatter::of(line.uncertainty.degrees_of_freedom), 1)),
+        );
+        data.with_common_errors(common)
     }
 
     /// The errors that the points share.
@@ -244,8 +317,10 @@ impl ModulusData {
             modulus: Vec::new(),
             whitening: Vec::new(),
             common: Vec::new(),
+            scatter: Scatter::NONE,
         };
         let parts: Vec<(&Self, f64)> = parts.collect();
+        all.scatter = Scatter::mean(parts.iter().map(|(part, _)| (part.scatter, part.len())));
         let lines = parts.iter().map(|(part, _)| part.len()).sum();
         for (part, factor) in parts {
             let first = all.len();

@@ -185,7 +185,8 @@ pub struct RheologicalFit {
     pub degrees_of_freedom: usize,
     /// What the standard errors rest on.
     pub error_scale: ErrorScale,
-    /// By what the variances of the random errors are multiplied: 1, or χ²/ν for errors from the residual.
+    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν - 4) where the variances of the lines
+    /// are estimates with ν degrees of freedom, for the scatter of the weights.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant of the data.
     pub aicc: f64,
@@ -197,6 +198,8 @@ pub struct RheologicalFit {
     pub whiteness: Whiteness,
     /// Why the iteration ended.
     pub ending: Ending,
+    /// Variance of χ² by that of known errors.
+    pub(super) dispersion: f64,
     pub(super) information: Information,
     pub(super) coordinates: Vec<f64>,
 }
@@ -334,11 +337,14 @@ impl RheologicalFit {
         self.parameters.iter().find(|p| p.name == name)
     }
 
-    /// Probability of no smaller χ², if the law is true and the stated errors are right.
+    /// Probability of no smaller χ², if the law is true and the stated errors are right. Where the variances are estimates, χ² has a
+    /// wider distribution, of the same mean; it is that of a multiple of a χ² with the same mean and variance.
     #[must_use]
     pub fn p_value(&self) -> f64 {
-        ChiSquared::new(count(self.degrees_of_freedom))
-            .map_or(f64::NAN, |distribution| distribution.sf(self.chi_squared))
+        ChiSquared::new(count(self.degrees_of_freedom) / self.dispersion)
+            .map_or(f64::NAN, |distribution| {
+                distribution.sf(self.chi_squared / self.dispersion)
+            })
     }
 
     /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters, random and common.

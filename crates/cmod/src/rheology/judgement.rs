@@ -48,7 +48,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             let variance_factor = match self.options.error_scale {
                 ErrorScale::FromResidual => minimum.chi_squared / count(degrees_of_freedom.max(1)),
                 _ => 1.0,
-            };
+            } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
             let judged = self.parameters(
                 &minimum,
@@ -85,6 +85,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         whiteness: Whiteness::of(&minimum.linearised.residual, self.sequences),
                         residuals: minimum.linearised.residual,
                         ending: minimum.ending,
+                        dispersion: self.data.scatter.of_chi_squared,
                         information,
                         coordinates: minimum.at,
                     });

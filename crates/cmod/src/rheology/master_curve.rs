@@ -246,7 +246,8 @@ impl MasterCurve {
                 };
                 let entry = |b: &Vec<f64>| {
                     let common = self.fit.common_errors.iter();
-                    let common = common.map(|error| along(a, &error.shift) * along(b, &error.shift));
+                    let common =
+                        common.map(|error| along(a, &error.shift) * along(b, &error.shift));
                     self.fit.variance_factor * information.covariance(a, b) + common.sum::<f64>()
                 };
                 units.iter().map(entry).collect()

@@ -103,10 +103,7 @@ impl AcceptanceLimits {
         let above_zero = [
             ("greatest error of E'", self.storage_modulus),
             ("greatest error of the loss factor", self.loss_factor),
-            (
-                "greatest common error of E'",
-                self.common_storage_modulus,
-            ),
+            ("greatest common error of E'", self.common_storage_modulus),
             ("greatest error amplification", self.error_amplification),
         ];
         for (quantity, value) in above_zero {
@@ -223,8 +220,8 @@ impl Acceptance {
                 });
             }
         }
-        let common = COMMON_STANDARD_ERRORS_WITHIN * line.systematic_error().storage_modulus
-            / storage;
+        let common =
+            COMMON_STANDARD_ERRORS_WITHIN * line.systematic_error().storage_modulus / storage;
         let largest = line
             .uncertainty
             .systematic

@@ -179,12 +179,16 @@ fn pulses_have_two_sources_and_both_in_closed_form() {
             .iter()
             .map(|shift| (shift.source, shift.modulus / line.modulus))
             .collect();
-        let [(first, by_distance), (second, by_density)] = shifts[..] else {
+        let [(first, by_distance), (second, by_density), (third, _)] = shifts[..] else {
             panic!("{shifts:?}");
         };
         assert_eq!(
-            (first, second),
-            (ErrorSource::Section(0), ErrorSource::Density)
+            (first, second, third),
+            (
+                ErrorSource::Section(0),
+                ErrorSource::Density,
+                ErrorSource::LateralInertia
+            )
         );
         // Central difference over 5e-4 of 0.4: its remainder is (γ δL)²/6, below 1e-4 here.
         assert!((by_distance / (2.0 * UNCERTAINTY.distance / 0.4) - 1.0).norm() < 1e-4);

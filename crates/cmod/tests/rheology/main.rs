@@ -13,6 +13,7 @@
 )]
 
 mod cards;
+mod common_errors;
 mod comparison;
 mod laws;
 mod measured;

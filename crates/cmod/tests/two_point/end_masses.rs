@@ -6,7 +6,7 @@ use cmod::{Specimen, TwoPoint};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use crate::rod::acceleration_ratio;
+use crate::rod::{ONE_DIMENSIONAL, acceleration_ratio};
 
 const SPECIMEN: Specimen = Specimen {
     length: 0.4,
@@ -30,6 +30,8 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
     for impacted_mass in [0.0, 2.9e-3, 58e-3] {
         let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, impacted_mass, &frequency_hz);
         let estimate = TwoPoint::new(SPECIMEN)
+            .unwrap()
+            .with_limits(ONE_DIMENSIONAL)
             .unwrap()
             .estimate(&frequency_hz, &ratio, &[0.0; 400])
             .unwrap();

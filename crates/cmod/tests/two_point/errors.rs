@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use crate::rod::{acceleration_ratio, circular};
+use crate::rod::{ONE_DIMENSIONAL, acceleration_ratio, circular};
 
 /// Test 2 of paper A.
 const SPECIMEN: Specimen = Specimen {
@@ -107,6 +107,8 @@ fn linear_propagation_is_that_of_monte_carlo() {
             accelerometer_mass: part * UNCERTAINTY.accelerometer_mass,
         };
         let clean = TwoPoint::new(SPECIMEN)
+            .unwrap()
+            .with_limits(AcceptanceLimits::NONE)
             .unwrap()
             .with_specimen_uncertainty(uncertainty)
             .unwrap()
@@ -387,4 +389,58 @@ fn coherence_is_asked_if_wished() {
     let by_variance = known.lines()[0].standard_error.storage_modulus;
     assert!((line.standard_error.storage_modulus / by_variance - 1.0).abs() < 1e-10);
     assert!(averaged(&[1.0; 3], 1.0).is_err());
+}
+
+/// A density known to 1 % shifts all lines alike: it makes none invalid, is part of the stated error, and is named where a limit on
+/// common errors asks for it. Noise still judges lines.
+#[test]
+fn r15_common_errors_stand_beside_and_judge_no_line() {
+    let frequency_hz: Vec<f64> = (1..=60).map(|j| 100.0 * f64::from(j)).collect();
+    let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
+    let estimate = |density: f64, variance: f64, limits: AcceptanceLimits| {
+        TwoPoint::new(SPECIMEN)
+            .and_then(|method| method.with_limits(limits))
+            .and_then(|method| {
+                method.with_specimen_uncertainty(SpecimenUncertainty {
+                    density,
+                    ..SpecimenUncertainty::default()
+                })
+            })
+            .and_then(|method| method.estimate(&frequency_hz, &ratio, &[variance; 60]))
+            .unwrap()
+    };
+    let usual = ONE_DIMENSIONAL;
+    let (without, with) = (
+        estimate(0.0, 1e-8, usual),
+        estimate(0.01 * SPECIMEN.density, 1e-8, usual),
+    );
+    let count = without.valid().count();
+    assert!(count > 40, "{count}");
+    assert_eq!(with.valid().count(), count);
+    for line in with.valid() {
+        let random = line.random_error().storage_modulus / line.modulus.re;
+        assert!(random < 0.002, "{random}");
+        // dE/E = dρ/ρ, and what the mass of the accelerometer is relative to the rod
+        let common = line.systematic_error().storage_modulus / line.modulus.re;
+        assert!((0.006..0.0125).contains(&common), "{common}");
+        let total = line.standard_error.storage_modulus / line.modulus.re;
+        assert!((total / random.hypot(common) - 1.0).abs() < 1e-12);
+    }
+    // five standard errors of noise above 1 %
+    assert_eq!(estimate(0.0, 1e-2, usual).valid().count(), 0);
+
+    let asked = AcceptanceLimits {
+        common_storage_modulus: 0.01,
+        ..usual
+    };
+    let judged = estimate(0.01 * SPECIMEN.density, 1e-8, asked);
+    assert_eq!(judged.valid().count(), 0);
+    for line in judged.lines() {
+        let by_density = |violation: &Violation| {
+            violation
+                .to_string()
+                .ends_with("expected at most 1.0e-2; most of it by: density")
+        };
+        assert!(line.validity.violations().iter().any(by_density));
+    }
 }

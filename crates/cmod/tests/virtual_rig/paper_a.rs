@@ -211,7 +211,12 @@ impl VirtualTest {
 /// at least `least_valid` lines are valid on average.
 fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     let test = VirtualTest::new(label, bits);
-    let coverage = test.coverage(seeds, AcceptanceLimits::default());
+    // the waves of the rig have no lateral inertia
+    let limits = AcceptanceLimits {
+        greatest_poisson_ratio: 0.0,
+        ..AcceptanceLimits::default()
+    };
+    let coverage = test.coverage(seeds, limits);
     let lines = coverage.lines;
     let least = least_valid * usize::try_from(seeds).unwrap();
     assert!(

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use cmod::estimate::coverage_factor;
+use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, ModulusEstimate, ModulusLine, MultiPoint, ThreePoint};
 use labio::{Quantity, Window};
 use num_complex::Complex64;
@@ -123,8 +124,15 @@ impl Structure {
                 noise: &gauges.iter().map(of_gauge).collect::<Vec<_>>(),
             })
         };
+        // the waves of the rig have no lateral inertia
+        let limits = AcceptanceLimits {
+            greatest_poisson_ratio: 0.0,
+            ..AcceptanceLimits::default()
+        };
         let three = ThreePoint::new(rod(&THREE)).unwrap();
+        let three = three.with_limits(limits).unwrap();
         let five = MultiPoint::new(rod(&FIVE)).unwrap();
+        let five = five.with_limits(limits).unwrap();
         [
             estimate(&THREE, &|spectra| three.estimate(spectra).unwrap()),
             estimate(&FIVE, &|spectra| {

@@ -31,7 +31,7 @@ use super::About;
 use super::Surroundings;
 use super::frf::BandSheet;
 use crate::outcome::Verdict;
-use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, Ratio, Stated};
+use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated};
 use crate::{Outcome, RodlabError};
 use measured::{Measured, Spectra};
 
@@ -111,7 +111,7 @@ pub struct LimitsSheet {
 #[serde(deny_unknown_fields)]
 pub struct LateralInertiaSheet {
     /// Poisson's ratio, as `"0.40 ± 0.02"`; `"0"` for simulated waves in one dimension.
-    pub poisson_ratio: Stated<Ratio>,
+    pub poisson_ratio: Stated<PoissonRatio>,
     /// The theory; by default that of Pochhammer and Chree at all wavelengths.
     #[serde(default)]
     pub theory: Option<TheorySheet>,

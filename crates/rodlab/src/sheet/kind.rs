@@ -74,4 +74,6 @@ kinds! {
     Temperature: "a temperature", "\"23 degC\" or \"296 K\"", dimension(0, 0, 0, 1), true;
     /// A pure number above 0.
     Ratio: "a pure number", "\"0.094\" or \"9.4 %\"", Dimension::NONE, true;
+    /// A Poisson's ratio, 0 or above.
+    PoissonRatio: "Poisson's ratio", "\"0.40\" or \"0.40 ± 0.02\"", Dimension::NONE, false;
 }

@@ -1,10 +1,10 @@
 //! Laws fitted to the valid lines, and cards for programs that compute with a material.
 
+use cmod::ModulusLine;
 use cmod::rheology::{
     Comparison, Criterion, ErrorScale, FitOptions, Law, ModulusData, Parameter, RheologicalFit,
     Scale,
 };
-use cmod::ModulusLine;
 use serde::Deserialize;
 
 use super::{Found, cards};

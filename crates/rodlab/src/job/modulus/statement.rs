@@ -292,20 +292,17 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 line.modulus.re / correction.apparent_modulus.re - 1.0,
             ))
         };
-        if let Some((f, most)) = valid
-            .last()
-            .and_then(|line| relative(line))
-            .filter(|(_, most)| *most > 0.0)
+        let stated = found.sheet.lateral_inertia.as_ref();
+        let ratio = stated.map(|asked| &asked.poisson_ratio);
+        if let Some(ratio) = ratio.filter(|ratio| ratio.with_uncertainty().value > 0.0)
+            && let Some((f, most)) = valid.last().and_then(|line| relative(line))
         {
             outcome.summary.push(format!(
                 "Lateral inertia was taken out: it raises E' by {} at {}.",
                 percent(most),
                 hertz(f)
             ));
-            let stated = found.sheet.lateral_inertia.as_ref();
-            if let Some(ratio) = stated.map(|asked| &asked.poisson_ratio)
-                && ratio.with_uncertainty().standard_uncertainty.is_none()
-            {
+            if ratio.with_uncertainty().standard_uncertainty.is_none() {
                 // the correction goes with the square of Poisson's ratio
                 outcome.warnings.push(format!(
                     "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which is not in \

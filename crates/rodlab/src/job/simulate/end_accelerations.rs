@@ -134,6 +134,8 @@ impl EndAccelerationsSheet {
     ),
     // where the filter of the recorder passes everything
     band: (from: "100 Hz", to: "{highest:.3} kHz"),
+    // simulated waves are one-dimensional
+    lateral_inertia: (poisson_ratio: "0"),
 )
 "#,
             title = request.title,

@@ -1,0 +1,250 @@
+//! Errors that all lines share, in the parameters of laws: repeated experiments with a drawn length and density.
+
+use std::f64::consts::{PI, TAU};
+
+use cmod::estimate::ErrorSource;
+use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
+use cmod::rheology::{
+    CommonError, FitOptions, Law, MasterCurve, ModulusData, RheologicalFit, Scale, TemperatureSweep,
+};
+use cmod::two_point::SpecimenUncertainty;
+use cmod::validity::AcceptanceLimits;
+use cmod::{Specimen, TwoPoint};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::measured::{Noise, logarithmic, measured};
+
+const BELIEVED: Specimen = Specimen {
+    length: 0.4,
+    diameter: 0.012,
+    density: 1100.0,
+    accelerometer_mass: 2e-3,
+};
+
+const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
+    length: 0.8e-3,
+    diameter: 0.0,
+    density: 11.0,
+    accelerometer_mass: 0.02e-3,
+};
+
+/// Relaxed modulus, increment and relaxation time of Zener's law.
+const TRUTH: [f64; 3] = [2.0e9, 0.9e9, 4e-5];
+
+fn zener(omega: f64) -> Complex64 {
+    let s = Complex64::new(0.0, omega * TRUTH[2]);
+    TRUTH[0] + TRUTH[1] * s / (1.0 + s)
+}
+
+fn frequencies() -> Vec<f64> {
+    (0..80).map(|j| 400.0 + 125.0 * f64::from(j)).collect()
+}
+
+/// Accelerations of both ends of a rod without lateral inertia, with noise.
+fn ratio(specimen: &Specimen, variance: f64, normal: &mut impl FnMut() -> f64) -> Vec<Complex64> {
+    let area = 0.25 * PI * specimen.diameter * specimen.diameter;
+    let mass_ratio = specimen.accelerometer_mass / (specimen.density * area * specimen.length);
+    let of_line = |f: f64| {
+        let x =
+            Complex64::I * TAU * f * specimen.length * (specimen.density / zener(TAU * f)).sqrt();
+        let noise = Complex64::new(normal(), normal()) * (0.5 * variance).sqrt();
+        x.cosh() + mass_ratio * x * x.sinh() + noise
+    };
+    frequencies().into_iter().map(of_line).collect()
+}
+
+fn fit_of(ratio: &[Complex64], variance: f64) -> RheologicalFit {
+    let limits = AcceptanceLimits {
+        storage_modulus: 0.5,
+        loss_factor: 1.0,
+        greatest_poisson_ratio: 0.0,
+        ..AcceptanceLimits::default()
+    };
+    let estimate = TwoPoint::new(BELIEVED)
+        .and_then(|method| method.with_limits(limits))
+        .and_then(|method| method.with_specimen_uncertainty(UNCERTAINTY))
+        .and_then(|method| method.estimate(&frequencies(), ratio, &vec![variance; ratio.len()]))
+        .unwrap();
+    let data = ModulusData::from_estimate(&estimate).unwrap();
+    let sources: Vec<ErrorSource> = data.common_errors().iter().map(|e| e.source).collect();
+    assert_eq!(
+        sources,
+        [
+            ErrorSource::Length,
+            ErrorSource::Density,
+            ErrorSource::AccelerometerMass
+        ]
+    );
+    RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap()
+}
+
+/// 200 specimens of drawn length, density and mass: the intervals of the parameters and of the predicted modulus cover 95 %, those
+/// of the random errors alone hardly ever, and χ² is that of noise.
+#[test]
+fn r23_parameters_cover_the_truth_of_drawn_specimens() {
+    let repetitions = 200;
+    let variance = 1e-5;
+    let mut random = ChaCha8Rng::seed_from_u64(23);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let (mut covered, mut by_random) = ([0; 3], [0; 3]);
+    let (mut predicted, mut chi_squared) = (0, 0.0);
+    for _ in 0..repetitions {
+        let specimen = Specimen {
+            length: BELIEVED.length + UNCERTAINTY.length * normal(),
+            density: BELIEVED.density + UNCERTAINTY.density * normal(),
+            accelerometer_mass: BELIEVED.accelerometer_mass
+                + UNCERTAINTY.accelerometer_mass * normal(),
+            ..BELIEVED
+        };
+        let fit = fit_of(&ratio(&specimen, variance, &mut normal), variance);
+        for (index, (parameter, truth)) in fit.parameters.iter().zip(TRUTH).enumerate() {
+            assert_eq!(parameter.scale, Scale::Ratio);
+            covered[index] += i32::from(parameter.interval.contains(truth));
+            let error = (parameter.value / truth).ln().abs();
+            by_random[index] += i32::from(error < 1.96 * parameter.random_error);
+        }
+        let omega = TAU * 3e3;
+        let prediction = fit.prediction(omega).unwrap();
+        let error = (prediction.modulus - zener(omega)).re.abs();
+        predicted += i32::from(error < 1.96 * prediction.covariance[0][0].sqrt());
+        chi_squared += fit.chi_squared / fit.degrees_of_freedom as f64;
+    }
+    // 190 ± 3.1 expected
+    for count in covered.into_iter().chain([predicted]) {
+        assert!((180..=199).contains(&count), "{covered:?} {predicted}");
+    }
+    assert!(by_random[0] < 60, "{by_random:?}");
+    // the mass of the accelerometer bends the curve by less than the noise; mean of 200 of 157 degrees of freedom, ± 0.008
+    let mean = chi_squared / f64::from(repetitions);
+    assert!((mean - 1.0).abs() < 0.25, "{mean}");
+}
+
+/// The change of the parameters by each source is that of a fit to changed moduli.
+#[test]
+fn r23_common_shifts_are_the_derivatives_of_the_fit() {
+    let frequency_hz = logarithmic(100.0, 30e3, 60);
+    let data = measured(zener, &frequency_hz, Noise::CORRELATED, 5);
+    let shift: Vec<Complex64> = data
+        .modulus()
+        .iter()
+        .zip(&frequency_hz)
+        .map(|(modulus, f)| modulus * Complex64::new(0.01, -2e-7 * f))
+        .collect();
+    let fitted = |part: f64| {
+        let points: Vec<_> = super::measured::points(zener, &frequency_hz, Noise::CORRELATED, 5)
+            .into_iter()
+            .zip(&shift)
+            .map(|(mut point, shift)| {
+                point.modulus += part * shift;
+                point
+            })
+            .collect();
+        let data = ModulusData::new(&points).unwrap();
+        let common = CommonError {
+            source: ErrorSource::Length,
+            shift: shift.clone(),
+        };
+        let data = data.with_common_errors(vec![common]).unwrap();
+        RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap()
+    };
+    let (plus, minus, here) = (fitted(0.01), fitted(-0.01), fitted(0.0));
+    let stated = &here.common_errors[0];
+    assert_eq!(stated.source, ErrorSource::Length);
+    let covariance = here.covariance.as_ref().unwrap();
+    let random = here.random_covariance.as_ref().unwrap();
+    for (index, parameter) in here.parameters.iter().enumerate() {
+        let change = (plus.parameters[index].value / minus.parameters[index].value).ln() / 0.02;
+        // J⁺ leaves out the curvature of the law times the residual, some per cent of noise
+        assert!(
+            (change / stated.shift[index] - 1.0).abs() < 0.05,
+            "{}: {change} {}",
+            parameter.name,
+            stated.shift[index]
+        );
+        let total = parameter.random_error.hypot(parameter.common_error);
+        assert!((parameter.standard_error / total - 1.0).abs() < 1e-12);
+        assert!((covariance[index][index].sqrt() / total - 1.0).abs() < 1e-9);
+        assert!((random[index][index].sqrt() / parameter.random_error - 1.0).abs() < 1e-9);
+    }
+    assert!((here.chi_squared / plus.chi_squared - 1.0).abs() < 0.01);
+}
+
+/// A density that is known to 1 %: the card says so of the modulus, and a master curve of the same specimen at two temperatures.
+#[test]
+fn r23_cards_and_master_curves_take_common_errors() {
+    let frequency_hz = logarithmic(200.0, 20e3, 50);
+    let at = |factor: f64, seed: u64| {
+        let data = measured(
+            |omega| zener(omega * factor),
+            &frequency_hz,
+            Noise::circular(2e-4),
+            seed,
+        );
+        let shift = data
+            .modulus()
+            .iter()
+            .map(|modulus| 0.01 * modulus)
+            .collect();
+        let source = ErrorSource::Density;
+        data.with_common_errors(vec![CommonError { source, shift }])
+            .unwrap()
+    };
+    let fit =
+        RheologicalFit::new(&at(1.0, 1), Law::GeneralisedMaxwell, &FitOptions::default()).unwrap();
+    let card = MaterialCard::from_fit("PP", 912.0, 0.4, &fit, &[200.0, 20e3]).unwrap();
+    let texts = [
+        card.abaqus(Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio)
+            .unwrap(),
+        card.ansys(1, BulkBehaviour::Elastic).unwrap(),
+        card.ls_dyna(1).unwrap(),
+    ];
+    for (text, mark) in texts.iter().zip(["** ", "! ", "$ "]) {
+        let comments: Vec<&str> = text.lines().filter(|line| line.contains("|E|")).collect();
+        assert_eq!(comments.len(), 2);
+        for comment in comments {
+            assert!(comment.starts_with(mark) && comment.len() < 80, "{comment}");
+            assert!(comment.contains("common 1.0e0 %"), "{comment}");
+        }
+    }
+    let zener = RheologicalFit::new(&at(1.0, 1), Law::Zener, &FitOptions::default()).unwrap();
+    assert_eq!(
+        MaterialCard::from_fit("PP", 912.0, 0.4, &zener, &[])
+            .unwrap_err()
+            .to_string(),
+        "the fitted law is Zener, expected a generalised Maxwell law: a card is a Prony series"
+    );
+
+    let sweep = TemperatureSweep::new(vec![(300.0, at(3.0, 2)), (310.0, at(1.0, 3))]).unwrap();
+    let curve = MasterCurve::new(&sweep, 0, &FitOptions::default()).unwrap();
+    let predicted = curve.fit.prediction(TAU * 5e3).unwrap();
+    let relative = predicted.covariance[0][0].sqrt() / predicted.modulus.re;
+    assert!((relative / 0.01 - 1.0).abs() < 0.01, "{relative}");
+    // both temperatures err alike: the shift between them does not
+    let shift = curve.fit.parameters.last().unwrap();
+    assert!(shift.common_error < 0.1 * shift.random_error);
+}
+
+#[test]
+fn common_errors_of_another_length_are_refused() {
+    let data = || measured(zener, &[100.0, 200.0, 400.0], Noise::circular(0.01), 1);
+    let refused = |shift: Vec<Complex64>| {
+        let source = ErrorSource::Density;
+        let common = vec![CommonError { source, shift }];
+        data().with_common_errors(common).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(vec![Complex64::ONE; 2]),
+        "common error has 2 lines, expected 3 as the frequencies have"
+    );
+    assert!(
+        refused(vec![
+            Complex64::ONE,
+            Complex64::new(0.0, f64::NAN),
+            Complex64::ONE
+        ])
+        .contains("common error of the modulus [Pa]")
+    );
+}
