@@ -156,10 +156,10 @@ pub use impact::{
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
+    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
     ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
     RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
-    ResponseNoise, Sensor, TimeInterval,
+    ResponseNoise, Sensor, TimeInterval, noise_between_blows,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};

@@ -2,6 +2,7 @@
 //!
 //! Theory: `docs/theory/force-reconstruction.md`.
 
+mod blow_span;
 mod calibration_scatter;
 mod choice;
 mod lines;
@@ -22,7 +23,8 @@ use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
-pub use calibration_scatter::{CalibrationBlow, CalibrationScatter};
+pub use blow_span::BlowSpan;
+pub use calibration_scatter::{CalibrationBlow, CalibrationScatter, noise_between_blows};
 pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
 pub use outcome::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,

@@ -219,7 +219,10 @@ fn measured_bodies_on_other_grids() {
             mass: 0.5,
             standard_error: 1e-4,
         });
-        MeasuredBody::from_mobility(&mobility, step_hz, low).unwrap()
+        MeasuredBody::from_mobility(&mobility, step_hz, low)
+            .unwrap()
+            .with_front_impedance(1e3)
+            .unwrap()
     };
     let (first, second) = (lines(10.0), lines(12.5));
     let pair = Impact::between(&first, &second).at_velocity(1.0);

@@ -116,6 +116,11 @@ fn no_force_gains_energy() {
             standard_error: 1e-4,
         }),
     )
+    .unwrap()
+    .with_front_impedance(
+        printed.specific_characteristic_impedance(std::f64::consts::TAU * 20e3).re
+            * CrossSection::from(circle(30.0)).area(),
+    )
     .unwrap();
     let bodies: [(&dyn ImpactBody, Quadrature); 7] = [
         (&cone, Quadrature::CellAverages),

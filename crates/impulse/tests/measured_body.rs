@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use impulse::{
-    ImpactBody, ImpulseError, LowFrequency, MeasuredBody, Reciprocity, ScreeningFlag, WeighedMass,
+    Impact, ImpactBody, ImpulseError, LineBand, LowFrequency, MobilityLaw, MeasuredBody, Reciprocity, ScreeningFlag, WeighedMass,
     lines_of,
 };
 use num_complex::Complex64;
@@ -273,5 +273,102 @@ fn accelerance_and_mobility_are_the_same_body() {
     let body = MeasuredBody::from_accelerance(&accelerance, STEP_HZ, weighed(mass())).unwrap();
     for (found, exact) in body.mobility().iter().zip(&exact) {
         assert!((found - exact).norm() <= 1e-15 * exact.norm());
+    }
+}
+
+/// Nylon of 40 mm in front of nylon of 30 mm, and a PMMA-like rod: bodies of few resonances, measured up to 10 kHz.
+fn stepped_and_plain() -> [(Vec<Complex64>, f64, f64); 2] {
+    let zener = |relaxed: f64, unrelaxed: f64, density: f64| {
+        let law = rodwave::modulus::Zener::new(relaxed, unrelaxed, 50e-6).unwrap();
+        Medium::new(density, law).unwrap()
+    };
+    let nylon = zener(2.5e9, 2.9e9, 1150.0);
+    let pmma = zener(4.5e9, 5.0e9, 1185.0);
+    let area = |d: f64| CrossSection::from(circle(d)).area();
+    let stepped = Chain::from_impact_face()
+        .rod(&nylon, circle(40.0), 0.150)
+        .rod(&nylon, circle(30.0), 0.150)
+        .end(Termination::Free)
+        .unwrap();
+    let plain = Chain::from_impact_face()
+        .rod(&pmma, circle(50.0), 0.400)
+        .end(Termination::Free)
+        .unwrap();
+    [
+        (
+            lines_of(&stepped, STEP_HZ, 1001).unwrap(),
+            stepped.free_mass().unwrap(),
+            area(40.0) * (1150.0_f64 * 2.9e9).sqrt(),
+        ),
+        (
+            lines_of(&plain, STEP_HZ, 1001).unwrap(),
+            plain.free_mass().unwrap(),
+            area(50.0) * (1185.0_f64 * 5.0e9).sqrt(),
+        ),
+    ]
+}
+
+#[test]
+fn r05_no_mean_over_lines_stands_in_for_the_front_impedance() {
+    for (mobility, mass, impedance) in stepped_and_plain() {
+        let body = MeasuredBody::from_mobility(&mobility, STEP_HZ, weighed(mass)).unwrap();
+        assert_eq!(body.front_impedance(), None);
+        let rod = MobilityLaw::analytic(|_| Complex64::from(1e-3));
+        let impact = Impact::between(&body, &rod).at_velocity(1.0);
+        assert_eq!(
+            impact.predict(4e-3).unwrap_err(),
+            ImpulseError::NoFrontImpedance
+        );
+        // on lines there is a force all the same
+        let band = LineBand {
+            highest_hz: 10e3,
+            n_samples: 2000,
+        };
+        assert!(impact.stick_force_on_lines(band).is_ok());
+        let given = body.with_front_impedance(impedance).unwrap();
+        let impact = Impact::between(&given, &rod).at_velocity(1.0);
+        assert!(impact.predict(4e-3).is_ok());
+    }
+}
+
+#[test]
+fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
+    for (mobility, mass, impedance) in stepped_and_plain() {
+        let screened = |given: f64| {
+            MeasuredBody::from_mobility(&mobility, STEP_HZ, weighed(mass))
+                .unwrap()
+                .with_front_impedance(given)
+                .unwrap()
+                .screen()
+        };
+        let right = screened(impedance);
+        assert_eq!(right.flags(), [], "{right:?}");
+    }
+    // a rod of one section with enough resonances tells: a fifth more is another section
+    let long = Chain::from_impact_face()
+        .rod(&nylon(), circle(40.0), 0.900)
+        .end(Termination::Free)
+        .unwrap();
+    let mobility = lines_of(&long, STEP_HZ, 1001).unwrap();
+    for (factor, contradicted) in [(1.0, false), (1.25, true), (0.8, true)] {
+        let body = MeasuredBody::from_mobility(
+            &mobility,
+            STEP_HZ,
+            weighed(long.free_mass().unwrap()),
+        )
+        .unwrap()
+        .with_front_impedance(factor * front_impedance())
+        .unwrap();
+        let screening = body.screen();
+        let front = screening.front.unwrap();
+        assert!(
+            (front.apparent / front_impedance() - 1.0).abs() < 0.08,
+            "{front:?}"
+        );
+        let flags = screening.flags();
+        let found = flags
+            .iter()
+            .any(|flag| matches!(flag, ScreeningFlag::FrontContradicted { .. }));
+        assert_eq!(found, contradicted, "{factor} {front:?}");
     }
 }

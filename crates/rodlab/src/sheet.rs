@@ -22,6 +22,7 @@ mod exact;
 mod kind;
 pub mod material;
 pub mod measured;
+pub(crate) mod replacement;
 mod stated;
 
 pub use diagnostic::SheetError;

@@ -118,23 +118,23 @@ fn nylon_follows_the_law_of_its_plan() {
 #[test]
 fn the_cone_presses_as_computed_from_its_impedances() {
     let result = result_of("cone", "force");
-    let (peak, error) = quantity(&result, "peak force");
+    let (peak, error) = quantity(&result, "peak force in the band");
     // the first jump is V/(1/Z1 + 1/Z2) with the impedances of the two faces; nylon's grows with frequency by a power
     let exponent = 2.0 * 0.094_f64.atan() / std::f64::consts::PI;
     let area = |d: f64| std::f64::consts::PI * d * d / 4.0;
     let nylon = |f: f64| area(0.075) * (1150.0 * 2.6e9 * (f / 3e3).powf(exponent)).sqrt();
     let steel = area(0.010) * (7780.0 * 206e9_f64).sqrt();
     let jump = |f: f64| 0.93 / (1.0 / nylon(f) + 1.0 / steel);
-    // the first step is half a microsecond long: frequencies from 100 kHz to 2 MHz
+    // a cone gives way to what comes later than its jump: the band rounds a force that falls from it by some percent in 2 sigma
     assert!(
-        peak > jump(1e5) && peak < jump(2e6),
+        peak > 0.93 * jump(1e4) && peak < jump(1e5),
         "{peak}, {} to {}",
-        jump(1e5),
-        jump(2e6)
+        jump(1e4),
+        jump(1e5)
     );
     assert!(
-        (error / (0.01 * peak) - 1.0).abs() < 1e-6,
-        "the force is proportional to the velocity"
+        (error / (0.01 * peak) - 1.0).abs() < 0.15,
+        "the force is proportional to the velocity, of which there are 200 draws"
     );
     assert_eq!(column(&result, "contacts", "begin").len(), 4);
 }

@@ -61,15 +61,15 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
         // of second order in the exponent of a step, Z h/M = 4e-3: 1.6e-5 times a number below 1
         let exact = impedance * velocity * (-impedance / mass * t).exp();
         assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
-        // the force is proportional to the velocity
-        assert!((error / (0.01 * f) - 1.0).abs() < 1e-9, "{t}: {error}");
+        // the force is proportional to the velocity, which 200 draws know to 5 %
+        assert!((error / (0.01 * f) - 1.0).abs() < 0.15, "{t}: {error}");
     }
     // the mass has lost exp(-8) of its momentum less: 3.4e-4
     assert!(
         (value(&outcome, "impulse") / (mass * velocity * (1.0 - (-8.0_f64).exp())) - 1.0).abs()
             < 1e-6
     );
-    assert!((error(&outcome, "impulse") / value(&outcome, "impulse") - 0.01).abs() < 1e-9);
+    assert!((error(&outcome, "impulse") / value(&outcome, "impulse") - 0.01).abs() < 0.0015);
     // it still presses: what is said of the time after is not valid
     let restitution = outcome
         .quantities
@@ -94,9 +94,10 @@ fn lines_do_not_halve_the_error_of_a_jump() {
     .unwrap();
     // the force is proportional to the velocity; the plain transform overshoots a jump by 9 %
     let relative = error(&outcome, "peak force") / value(&outcome, "peak force");
-    assert!((0.01..0.011).contains(&relative), "{relative}");
+    assert!((0.0085..0.0115).contains(&relative), "{relative}");
     let stick = "peak of the stick force on lines";
-    assert!((error(&outcome, stick) / value(&outcome, stick) - 0.01).abs() < 1e-9);
+    // the peak lies between samples, the error at the nearest of them
+    assert!((error(&outcome, stick) / value(&outcome, stick) - 0.01).abs() < 1e-4);
 }
 
 #[test]
@@ -146,8 +147,82 @@ fn equal_rods_exchange_their_velocities() {
         outcome
             .warnings
             .iter()
-            .any(|warning| warning.contains("no uncertainty of the velocity"))
+            .any(|warning| warning.contains("No uncertainty of the velocity"))
     );
+}
+
+/// A cone of constant loss factor on a long rod, as in the tour.
+fn cone(duration: &str, more: &str) -> String {
+    format!(
+        r#"Force(
+            title: "cone",
+            materials: {{
+                "nylon": (density: "1150 kg/m3", law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.094", at: "3 kHz")),
+                "steel": (density: "7780 kg/m3", law: Elastic(modulus: "206 GPa")),
+            }},
+            problem: Impact(
+                first: Chain(elements: [Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")]),
+                second: LongRod(material: "steel", diameter: "10 mm"),
+                velocity: "0.93 m/s ± 1 %", duration: "{duration}", {more}
+            ),
+        )"#
+    )
+}
+
+#[test]
+fn r07_the_peak_is_one_number_whatever_the_step_and_the_record() {
+    let draws = "uncertainty: (draws: 20)";
+    let reference = attempt(&cone("1 ms", draws)).unwrap();
+    let peak = value(&reference, "peak force in the band");
+    let numerical = "numerical error of the peak force in the band";
+    for (duration, step) in [("0.25 ms", ""), ("4 ms", ""), ("1 ms", r#"time_step: "3 us","#)] {
+        let outcome = attempt(&cone(duration, &format!("{step} {draws}"))).unwrap();
+        let away = (value(&outcome, "peak force in the band") - peak).abs();
+        let allowed = value(&outcome, numerical) + value(&reference, numerical);
+        assert!(away <= allowed, "{duration} {step}: {away}, {allowed}");
+        assert!(allowed < 3e-3 * peak, "{allowed}");
+        // no number under the plain name depends on the step either
+        let plain = value(&outcome, "peak force");
+        assert!((plain - peak).abs() <= allowed, "{plain} {peak}");
+    }
+    let wide = attempt(&cone("1 ms", &format!(r#"band: "40 kHz", {draws}"#))).unwrap();
+    assert!(value(&wide, "peak force in the band") > 1.01 * peak);
+}
+
+#[test]
+fn r06_the_error_is_that_of_the_curve_and_follows_every_stated_uncertainty() {
+    let sheet = |modulus: &str, length: &str, contact: &str| {
+        format!(
+            r#"Force(
+                title: "two rods",
+                materials: {{ "steel": (density: "7800 kg/m3", law: Elastic(modulus: "200 GPa{modulus}")) }},
+                problem: Impact(
+                    first: Chain(elements: [Rod(material: "steel", diameter: "16 mm", length: "0.5 m{length}")]),
+                    second: LongRod(material: "steel", diameter: "16 mm"),
+                    velocity: "3 m/s ± 0.1 %", duration: "0.6 ms", {contact}
+                ),
+            )"#
+        )
+    };
+    let relative = |outcome: &Outcome, name: &str| error(outcome, name) / value(outcome, name);
+    let exact = attempt(&sheet("", "", "")).unwrap();
+    assert!((relative(&exact, "peak force") / 1e-3 - 1.0).abs() < 0.2);
+    // Z grows with the root of the modulus, and the round trip with the length and its inverse root
+    let soft = attempt(&sheet(" ± 4 %", "", "")).unwrap();
+    assert!((relative(&soft, "peak force") / 0.02 - 1.0).abs() < 0.2);
+    let long = attempt(&sheet("", " ± 2 %", "")).unwrap();
+    assert!((relative(&long, "end of the last contact") / 0.02 - 1.0).abs() < 0.2);
+    assert!((relative(&long, "impulse") / 0.02 - 1.0).abs() < 0.2);
+    assert!(relative(&long, "peak force") < 2e-3);
+    // through a contact that gives way they do not vanish
+    let spring = r#"contact: Linear("200 MN/m")"#;
+    let stiff = attempt(&sheet("", "", spring)).unwrap();
+    let through = attempt(&sheet(" ± 4 %", "", spring)).unwrap();
+    assert!(relative(&through, "peak force") > 5.0 * relative(&stiff, "peak force"));
+    // without any ± there is no error at all
+    let none = sheet("", "", "").replace(" ± 0.1 %", "");
+    let none = attempt(&none).unwrap();
+    assert!(none.quantities.iter().all(|q| q.standard_error.is_none()));
 }
 
 #[test]

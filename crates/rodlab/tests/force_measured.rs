@@ -79,11 +79,33 @@ fn sheet(first: &str, rest: &str) -> String {
 const FIRST: &str =
     r#"file: "body.uff", support: Free(mass: "1.5 kg ± 1 gram"), scale_uncertainty: "1 %""#;
 
+/// The face is a mass, which does not move at once.
+const FRONT: &str = r#", front_impedance: "1e9 kg/s""#;
+
+#[test]
+fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
+    let folder = TempDir::new().unwrap();
+    measure(folder.path());
+    let outcome = attempt(folder.path(), &sheet(FIRST, "uncertainty: (draws: 60)")).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    let names: Vec<&str> = outcome.quantities.iter().map(|q| q.name.as_str()).collect();
+    assert!(!names.contains(&"peak force") && !names.contains(&"end of the last contact"));
+    let tables: Vec<&str> = outcome.tables.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(tables, ["force", "stick_force"]);
+    assert!(outcome.warnings.iter().any(|w| w.contains("front_impedance")));
+    assert!(outcome.summary[0].starts_with("On lines up to 6 kHz"), "{:?}", outcome.summary);
+    // what needs a march is refused
+    for rest in [r#"contact: Linear("20 MN/m")"#, r#"time_step: "1 us""#] {
+        let refused = attempt(folder.path(), &sheet(FIRST, rest)).unwrap_err();
+        assert!(refused.to_string().contains("front_impedance"), "{refused}");
+    }
+}
+
 #[test]
 fn a_measured_body_presses_as_the_body_itself() {
     let folder = TempDir::new().unwrap();
     measure(folder.path());
-    let text = sheet(FIRST, "");
+    let text = sheet(&format!("{FIRST}{FRONT}"), "uncertainty: (draws: 60)");
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
     let exact = truth(5e-3);
@@ -179,7 +201,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
             "",
         ),
         refused(&FIRST.replace("file", "fiel"), ""),
-        refused(FIRST, r#"time_step: "17 us""#),
+        refused(&format!("{FIRST}{FRONT}"), r#"time_step: "17 us""#),
     ]
     .join("\n");
     insta::assert_snapshot!(refusals, @r"

@@ -27,8 +27,10 @@ const MASS_TOLERANCE: f64 = 0.01;
 /// Fewest resonance spacings from which the scatter of their means is known.
 const FEWEST_SPACINGS: usize = 3;
 
-/// Factor by which a curve must rise and fall for a turn in it to be that of a resonance, not of noise.
+/// Factor by which a curve must rise and fall for a turn in it to be that of a resonance, and part of its mean, without which the noise of low lines
+/// about zero would turn all the time.
 const SWING: f64 = 1.5;
+const LEAST_SWING: f64 = 0.3;
 
 /// The lines that tell the mass end where the accelerance has fallen to this part of its start.
 const NEARLY_RIGID: f64 = 0.6;
@@ -410,6 +412,7 @@ impl MeasuredBody {
 /// Indices of the highest or of the lowest turns of a curve that swings by at least [`SWING`], of whichever there are more: between
 /// neighbours lies one resonance spacing.
 fn turns(curve: &[f64]) -> Vec<usize> {
+    let least = LEAST_SWING * curve.iter().sum::<f64>() / curve.len() as f64;
     let (mut highest, mut lowest) = (Vec::new(), Vec::new());
     let (mut top, mut bottom) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
     // not known before the first swing
@@ -421,13 +424,15 @@ fn turns(curve: &[f64]) -> Vec<usize> {
         if value < bottom.1 {
             bottom = (index, value);
         }
-        if rising != Some(false) && top.1 > 0.0 && value * SWING < top.1 {
+        let fallen = value * SWING < top.1 && value + least < top.1;
+        let risen = value > SWING * bottom.1.max(0.0) && value > bottom.1 + least;
+        if rising != Some(false) && fallen {
             if rising == Some(true) {
                 highest.push(top.0);
             }
             rising = Some(false);
             bottom = (index, value);
-        } else if rising != Some(true) && value > SWING * bottom.1.max(0.0) && index > bottom.0 {
+        } else if rising != Some(true) && risen {
             if rising == Some(false) {
                 lowest.push(bottom.0);
             }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{ForceError, ForceHistory, ImpulseError};
+use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
 /// Samples below this part of the largest force tell the part of the error that is there without force.
 const WITHOUT_FORCE: f64 = 0.05;
@@ -125,9 +125,73 @@ impl CalibrationScatter {
     }
 }
 
+/// Noise $`\mathrm E|\delta\hat x_k|^2`$ of the lines of the response to one blow, by the scatter between the `forces` \[N\] of calibration blows whose average
+/// frequency response has this `variance`: with $`n`$ blows
+///
+/// ```math
+/// \mathrm E|\delta\hat x_k|^2 = \frac{n^2}{n-1}\,\mathrm{var}\,\bar H_k\;\overline{|\hat F_k|^2}, \qquad \hat F_k = \sum_m F_m e^{-2\pi ikm/N} .
+/// ```
+///
+/// Place and direction of a blow change the response itself, line by line and in proportion to it. As [`ResponseNoise::Lines`](crate::ResponseNoise::Lines) it keeps
+/// lines that differ from blow to blow, and those that the average knows badly, from ruling a force on a support.
+///
+/// | array | shape | unit |
+/// |---|---|---|
+/// | variance | `(n_lines)`, of the average, NaN where it is not known | square of response over force |
+/// | force | `(n_samples)` each | N |
+///
+/// # Errors
+///
+/// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a force.
+pub fn noise_between_blows(
+    variance: &[f64],
+    forces: &[&[f64]],
+) -> Result<Vec<f64>, ImpulseError> {
+    let n_blows = forces.len();
+    if n_blows < 2 {
+        return Err(ImpulseError::TooShort {
+            what: "set of calibration blows",
+            found: n_blows,
+            expected: 2,
+        });
+    }
+    let mut power = vec![0.0; variance.len()];
+    for force in forces {
+        if force.len() / 2 + 1 != variance.len() {
+            return Err(ImpulseError::LengthMismatch {
+                what: "variance of the frequency response",
+                found: variance.len(),
+                expected: force.len() / 2 + 1,
+            });
+        }
+        crate::error::check_samples("force of a calibration blow", force)?;
+        for (sum, line) in power.iter_mut().zip(fourier::to_spectrum(force)) {
+            *sum += line.norm_sqr();
+        }
+    }
+    // mean of the power, and the variance of one blow from that of the average
+    let n_blows = n_blows as f64;
+    let of_one = n_blows / (n_blows - 1.0);
+    let lines = variance.iter().zip(power);
+    Ok(lines.map(|(variance, power)| of_one * variance * power).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn r22_the_noise_of_lines_is_the_scatter_of_single_blows() {
+        // unit impulses have the same power 1 on all lines; four blows, and a variance of the average of 0.5
+        let force = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let noise = noise_between_blows(&[0.5; 5], &[&force; 4]).unwrap();
+        for line in noise {
+            // 16/3 · 0.5
+            assert!((line - 8.0 / 3.0).abs() < 1e-12, "{line}");
+        }
+        assert!(noise_between_blows(&[0.5; 5], &[&force; 1]).is_err());
+        assert!(noise_between_blows(&[0.5; 4], &[&force; 2]).is_err());
+    }
 
     #[test]
     fn the_two_parts_of_a_known_scatter_come_back() {

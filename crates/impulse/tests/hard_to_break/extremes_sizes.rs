@@ -44,6 +44,8 @@ fn requests_that_no_memory_holds_are_refused() {
         1.0,
         LowFrequency::Measured,
     )
+    .unwrap()
+    .with_front_impedance(1e3)
     .unwrap();
     let fine = Impact::between(&first, &measured)
         .at_velocity(1.0)

@@ -1,9 +1,11 @@
 //! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force that a measured response tells of.
 
 mod bodies;
+mod draws;
 mod impact;
 mod impact_figures;
 mod impact_lines;
+mod impact_march;
 mod impact_tables;
 mod response;
 mod response_answer;

@@ -111,7 +111,7 @@ fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
     });
     say("complete", completed, "lines stay as measured");
     let front = sheet.front_impedance.as_ref().map(NotFollowed::to_string);
-    say("front_impedance", front, "of the upper fifth of the lines");
+    say("front_impedance", front, "not stated");
 }
 
 /// How many lines are known how well.

@@ -30,6 +30,7 @@ use super::{About, Surroundings};
 use crate::figure::Figure;
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
+use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;
 use files::Naming;
@@ -157,6 +158,10 @@ pub(crate) fn run(
     let mut outcome = Outcome::of("simulate", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     outcome.settings.extend(settings::of(sheet));
+    let mut exact = WithoutUncertainty {
+        why: "a virtual test has one truth",
+    };
+    exact.materials(&sheet.materials)?;
     let request = Request {
         title: &sheet.title,
         materials: &sheet.materials,

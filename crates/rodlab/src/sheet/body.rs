@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::material::{Material, Materials, material_called};
 use super::measured::MeasuredBodySheet;
-use super::{AddedMass, ImpactMass, Length, SpecificImpedance, NotFollowed, Stiffness};
+use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 use crate::RodlabError;
 
 /// A body as a row of elements from its impact face, a lump, or as it was measured.
@@ -28,16 +28,16 @@ pub enum BodySheet {
         end: EndSheet,
     },
     /// A rigid body.
-    RigidMass(NotFollowed<ImpactMass>),
+    RigidMass(Stated<ImpactMass>),
     /// A long rod from which nothing returns, by its material and diameter.
     LongRod {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: NotFollowed<Length>,
+        diameter: Stated<Length>,
     },
     /// A long rod by its characteristic impedance.
-    Impedance(NotFollowed<SpecificImpedance>),
+    Impedance(Stated<SpecificImpedance>),
     /// A body by the measured response of its impact face.
     Measured(Box<MeasuredBodySheet>),
 }
@@ -51,38 +51,38 @@ pub enum ElementSheet {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: NotFollowed<Length>,
+        diameter: Stated<Length>,
         /// Length.
-        length: NotFollowed<Length>,
+        length: Stated<Length>,
     },
     /// A truncated cone.
     Cone {
         /// Name of its material.
         material: String,
         /// Diameter at the side of the impact face.
-        near: NotFollowed<Length>,
+        near: Stated<Length>,
         /// Diameter at the other side.
-        far: NotFollowed<Length>,
+        far: Stated<Length>,
         /// Length.
-        length: NotFollowed<Length>,
+        length: Stated<Length>,
     },
     /// An exponential horn.
     Horn {
         /// Name of its material.
         material: String,
         /// Diameter at the side of the impact face.
-        near: NotFollowed<Length>,
+        near: Stated<Length>,
         /// Diameter at the other side.
-        far: NotFollowed<Length>,
+        far: Stated<Length>,
         /// Length.
-        length: NotFollowed<Length>,
+        length: Stated<Length>,
     },
     /// A rigid mass.
-    Mass(NotFollowed<AddedMass>),
+    Mass(Stated<AddedMass>),
     /// A massless spring.
-    Spring(NotFollowed<Stiffness>),
+    Spring(Stated<Stiffness>),
     /// A massless dashpot.
-    Dashpot(NotFollowed<SpecificImpedance>),
+    Dashpot(Stated<SpecificImpedance>),
 }
 
 /// What stands behind the last element.
@@ -95,15 +95,15 @@ pub enum EndSheet {
     /// A rigid wall.
     Fixed,
     /// A rigid mass, as an accelerometer.
-    Mass(NotFollowed<ImpactMass>),
+    Mass(Stated<ImpactMass>),
     /// A dashpot to the ground.
-    Dashpot(NotFollowed<SpecificImpedance>),
+    Dashpot(Stated<SpecificImpedance>),
     /// A long rod from which nothing returns.
     LongRod {
         /// Name of its material.
         material: String,
         /// Diameter.
-        diameter: NotFollowed<Length>,
+        diameter: Stated<Length>,
     },
 }
 
@@ -132,12 +132,12 @@ impl BodySheet {
     pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
         match self {
             Self::RigidMass(mass) => Ok(ComputedBody::Lump {
-                mass: Some(mass.si()),
+                mass: Some(mass.nominal()),
                 impedance: 0.0,
             }),
             Self::Impedance(impedance) => Ok(ComputedBody::Lump {
                 mass: None,
-                impedance: impedance.si(),
+                impedance: impedance.nominal(),
             }),
             Self::LongRod { material, diameter } => chain(
                 &[],
@@ -222,30 +222,30 @@ macro_rules! chain_of {
             for (element, material) in elements.iter().zip(&placed.elements) {
                 body = match (element, material) {
                     $((ElementSheet::Rod { diameter, length, .. }, Some(Material::$kind(medium))) => {
-                        body.rod(medium, Circle::of_diameter(diameter.si())?, length.si())
+                        body.rod(medium, Circle::of_diameter(diameter.nominal())?, length.nominal())
                     })+
                     $((ElementSheet::Cone { near, far, length, .. }, Some(Material::$kind(medium))) => {
-                        let ends = [Circle::of_diameter(near.si())?, Circle::of_diameter(far.si())?];
-                        body.cone(medium, ends[0], ends[1], length.si())
+                        let ends = [Circle::of_diameter(near.nominal())?, Circle::of_diameter(far.nominal())?];
+                        body.cone(medium, ends[0], ends[1], length.nominal())
                     })+
                     $((ElementSheet::Horn { near, far, length, .. }, Some(Material::$kind(medium))) => {
-                        let ends = [Circle::of_diameter(near.si())?, Circle::of_diameter(far.si())?];
-                        body.horn(medium, ends[0], ends[1], length.si())
+                        let ends = [Circle::of_diameter(near.nominal())?, Circle::of_diameter(far.nominal())?];
+                        body.horn(medium, ends[0], ends[1], length.nominal())
                     })+
-                    (ElementSheet::Mass(mass), _) => body.mass(mass.si()),
-                    (ElementSheet::Spring(stiffness), _) => body.spring(stiffness.si()),
-                    (ElementSheet::Dashpot(resistance), _) => body.dashpot(resistance.si()),
+                    (ElementSheet::Mass(mass), _) => body.mass(mass.nominal()),
+                    (ElementSheet::Spring(stiffness), _) => body.spring(stiffness.nominal()),
+                    (ElementSheet::Dashpot(resistance), _) => body.dashpot(resistance.nominal()),
                     // a material of the other kind: `chain` has chosen the function by the kinds
                     _ => body,
                 };
             }
             body.end(match (end, &placed.end) {
                 $((EndSheet::LongRod { diameter, .. }, Some(Material::$kind(medium))) => {
-                    Termination::semi_infinite(medium, Circle::of_diameter(diameter.si())?)
+                    Termination::semi_infinite(medium, Circle::of_diameter(diameter.nominal())?)
                 })+
                 (EndSheet::Fixed, _) => Termination::Fixed,
-                (EndSheet::Mass(mass), _) => Termination::Mass(mass.si()),
-                (EndSheet::Dashpot(resistance), _) => Termination::Dashpot(resistance.si()),
+                (EndSheet::Mass(mass), _) => Termination::Mass(mass.nominal()),
+                (EndSheet::Dashpot(resistance), _) => Termination::Dashpot(resistance.nominal()),
                 _ => Termination::Free,
             })
         }

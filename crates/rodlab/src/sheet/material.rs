@@ -13,7 +13,7 @@ use rodwave::modulus::{
 };
 use serde::Deserialize;
 
-use super::{Density, Duration, Frequency, Pressure, Ratio, NotFollowed, Viscosity};
+use super::{Density, Duration, Frequency, Pressure, Ratio, Stated, Viscosity};
 use crate::RodlabError;
 
 /// Materials by the names that the rest of the sheet calls them.
@@ -24,7 +24,7 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
     /// Density, as `"1150 kg/m3"`.
-    pub density: NotFollowed<Density>,
+    pub density: Stated<Density>,
     /// Law of the modulus.
     pub law: LawSheet,
 }
@@ -36,56 +36,56 @@ pub enum LawSheet {
     /// No losses.
     Elastic {
         /// Young's modulus, as `"206 GPa"`.
-        modulus: NotFollowed<Pressure>,
+        modulus: Stated<Pressure>,
     },
     /// The same loss factor at all frequencies.
     ConstantQ {
         /// Absolute value of the modulus at the reference frequency.
-        modulus: NotFollowed<Pressure>,
+        modulus: Stated<Pressure>,
         /// Loss factor.
-        loss_factor: NotFollowed<Ratio>,
+        loss_factor: Stated<Ratio>,
         /// Reference frequency.
-        at: NotFollowed<Frequency>,
+        at: Stated<Frequency>,
     },
     /// Spring and dashpot side by side.
     KelvinVoigt {
         /// Young's modulus.
-        modulus: NotFollowed<Pressure>,
+        modulus: Stated<Pressure>,
         /// Viscosity, as `"20 kPa s"`.
-        viscosity: NotFollowed<Viscosity>,
+        viscosity: Stated<Viscosity>,
     },
     /// Spring and dashpot in a row.
     Maxwell {
         /// Young's modulus.
-        modulus: NotFollowed<Pressure>,
+        modulus: Stated<Pressure>,
         /// Viscosity, as `"2 MPa s"`.
-        viscosity: NotFollowed<Viscosity>,
+        viscosity: Stated<Viscosity>,
     },
     /// Three elements.
     Zener {
         /// Modulus of slow processes.
-        relaxed: NotFollowed<Pressure>,
+        relaxed: Stated<Pressure>,
         /// Modulus of fast processes.
-        unrelaxed: NotFollowed<Pressure>,
+        unrelaxed: Stated<Pressure>,
         /// Relaxation time.
-        relaxation_time: NotFollowed<Duration>,
+        relaxation_time: Stated<Duration>,
     },
     /// Three elements, the dashpot replaced by a fractional one.
     FractionalZener {
         /// Modulus of slow processes.
-        relaxed: NotFollowed<Pressure>,
+        relaxed: Stated<Pressure>,
         /// Modulus of fast processes.
-        unrelaxed: NotFollowed<Pressure>,
+        unrelaxed: Stated<Pressure>,
         /// Relaxation time.
-        relaxation_time: NotFollowed<Duration>,
+        relaxation_time: Stated<Duration>,
         /// Exponent, above 0 and up to 1.
-        exponent: NotFollowed<Ratio>,
+        exponent: Stated<Ratio>,
     },
     /// Maxwell branches beside a spring.
     Prony {
         /// Modulus of the spring; absent for none.
         #[serde(default)]
-        equilibrium: Option<NotFollowed<Pressure>>,
+        equilibrium: Option<Stated<Pressure>>,
         /// Branches: modulus and relaxation time.
         branches: Vec<BranchSheet>,
     },
@@ -108,9 +108,9 @@ pub enum LawSheet {
 #[serde(deny_unknown_fields)]
 pub struct BranchSheet {
     /// Modulus.
-    pub modulus: NotFollowed<Pressure>,
+    pub modulus: Stated<Pressure>,
     /// Relaxation time.
-    pub relaxation_time: NotFollowed<Duration>,
+    pub relaxation_time: Stated<Duration>,
 }
 
 /// Any law that is analytic in the right half plane.
@@ -164,26 +164,26 @@ impl MaterialSheet {
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match &self.law {
-            LawSheet::Elastic { modulus } => Arc::new(Elastic::new(modulus.si()).map_err(refused)?),
+            LawSheet::Elastic { modulus } => Arc::new(Elastic::new(modulus.nominal()).map_err(refused)?),
             LawSheet::ConstantQ {
                 modulus,
                 loss_factor,
                 at,
             } => Arc::new(
-                ConstantQ::new(modulus.si(), loss_factor.si(), TAU * at.si()).map_err(refused)?,
+                ConstantQ::new(modulus.nominal(), loss_factor.nominal(), TAU * at.nominal()).map_err(refused)?,
             ),
             LawSheet::KelvinVoigt { modulus, viscosity } => {
-                Arc::new(KelvinVoigt::new(modulus.si(), viscosity.si()).map_err(refused)?)
+                Arc::new(KelvinVoigt::new(modulus.nominal(), viscosity.nominal()).map_err(refused)?)
             }
             LawSheet::Maxwell { modulus, viscosity } => {
-                Arc::new(Maxwell::new(modulus.si(), viscosity.si()).map_err(refused)?)
+                Arc::new(Maxwell::new(modulus.nominal(), viscosity.nominal()).map_err(refused)?)
             }
             LawSheet::Zener {
                 relaxed,
                 unrelaxed,
                 relaxation_time,
             } => Arc::new(
-                Zener::new(relaxed.si(), unrelaxed.si(), relaxation_time.si()).map_err(refused)?,
+                Zener::new(relaxed.nominal(), unrelaxed.nominal(), relaxation_time.nominal()).map_err(refused)?,
             ),
             LawSheet::FractionalZener {
                 relaxed,
@@ -192,10 +192,10 @@ impl MaterialSheet {
                 exponent,
             } => Arc::new(
                 FractionalZener::new(
-                    relaxed.si(),
-                    unrelaxed.si(),
-                    relaxation_time.si(),
-                    exponent.si(),
+                    relaxed.nominal(),
+                    unrelaxed.nominal(),
+                    relaxation_time.nominal(),
+                    exponent.nominal(),
                 )
                 .map_err(refused)?,
             ),
@@ -206,11 +206,11 @@ impl MaterialSheet {
                 let branches = branches
                     .iter()
                     .map(|branch| MaxwellBranch {
-                        modulus: branch.modulus.si(),
-                        relaxation_time: branch.relaxation_time.si(),
+                        modulus: branch.modulus.nominal(),
+                        relaxation_time: branch.relaxation_time.nominal(),
                     })
                     .collect();
-                let spring = equilibrium.as_ref().map_or(0.0, NotFollowed::si);
+                let spring = equilibrium.as_ref().map_or(0.0, Stated::nominal);
                 Arc::new(GeneralisedMaxwell::new(spring, branches).map_err(refused)?)
             }
             LawSheet::PowerLawPropagation {
@@ -226,11 +226,11 @@ impl MaterialSheet {
                     *wave_number_exponent,
                 )
                 .map_err(refused)?;
-                let medium = Medium::new(self.density.si(), law).map_err(refused)?;
+                let medium = Medium::new(self.density.nominal(), law).map_err(refused)?;
                 return Ok(Material::OnAxis(medium));
             }
         };
-        let medium = Medium::new(self.density.si(), AnalyticLaw(law)).map_err(refused)?;
+        let medium = Medium::new(self.density.nominal(), AnalyticLaw(law)).map_err(refused)?;
         Ok(Material::Analytic(medium))
     }
 }

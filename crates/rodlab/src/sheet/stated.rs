@@ -97,6 +97,12 @@ impl<K> Stated<K> {
         self.stated
     }
 
+    /// Value of a body, a material or a contact, for a job that follows its uncertainty by draws of the whole sheet or has refused one by
+    /// [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
+    pub(crate) fn nominal(&self) -> f64 {
+        self.stated.value
+    }
+
     /// Value, where it counts as exact; `field` is its place in the sheet, `why` completes "no uncertainty can be followed from here,
     /// because …".
     ///

@@ -163,7 +163,7 @@ fn peaks_and_ends(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
     };
     let peak = peak();
     claims.claim(
-        format!("{name}: peak of the force"),
+        format!("{name}: peak of the force, both rounded by a Gaussian of 10 us"),
         "N",
         case.peak,
         Within(
@@ -174,7 +174,7 @@ fn peaks_and_ends(claims: &mut Claims, paper: &Ours<PaperE>, case: &Case) {
     );
     if let Some(time) = case.time {
         claims.claim(
-            format!("{name}: time of the peak"),
+            format!("{name}: time of the peak, both rounded by a Gaussian of 10 us"),
             "s",
             time,
             Within(

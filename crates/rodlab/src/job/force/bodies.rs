@@ -5,6 +5,7 @@ use std::sync::Arc;
 use impulse::{ImpactBody, MeasuredBody, lines_of};
 use num_complex::Complex64;
 
+use super::draws::Draws;
 use crate::job::Surroundings;
 use crate::job::mobility::screening;
 use crate::outcome::Setting;
@@ -12,6 +13,7 @@ use crate::responses::{cut, measured_body};
 use crate::sheet::Exact;
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::material::Materials;
+use crate::sheet::replacement::Replacement;
 use crate::sheet::measured::MeasuredBodySheet;
 use crate::{Outcome, RodlabError};
 
@@ -47,6 +49,41 @@ impl FaceBody {
             Self::Computed(body) => body.impact_body(),
             Self::Measured { body, .. } => Ok(Arc::new(body.clone())),
         }
+    }
+
+    /// The body by chance, as the draws give it within what is stated with ±; `sheet` is the one of this body.
+    pub(super) fn drawn(
+        &self,
+        sheet: &BodySheet,
+        materials: &Materials,
+        field: &str,
+        draws: &mut Draws<'_>,
+    ) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
+        match self {
+            Self::Computed(_) => draws
+                .body(sheet, field)?
+                .body(materials, field)?
+                .impact_body(),
+            Self::Measured {
+                body,
+                scale,
+                mass_error,
+            } => {
+                if body.variance().is_some() || *scale > 0.0 || *mass_error > 0.0 {
+                    draws.n_drawn += 1;
+                }
+                let drawn = body.drawn(*scale, draws.random);
+                Ok(Arc::new(
+                    drawn.map_err(|error| RodlabError::step(field, error))?,
+                ))
+            }
+        }
+    }
+
+    /// Whether a force by marching in time can be had: of a measured body the impedance of its face is stated.
+    pub(super) fn can_be_marched(&self) -> bool {
+        self.measured()
+            .is_none_or(|body| body.front_impedance().is_some())
     }
 
     /// The measurement, where there is one.

@@ -1,17 +1,20 @@
 //! The force when two bodies meet.
 
-use impulse::{ContactLaw, ElasticMaterial, Impact, Prediction, PredictionFlag, TabulatedContact};
+use impulse::{
+    ContactLaw, ElasticMaterial, FirstForce, Prediction, PredictionFlag, TabulatedContact,
+};
 use serde::Deserialize;
 
 use super::bodies::FaceBody;
 use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
+use super::impact_march::{self, March};
 use super::{impact_figures, impact_tables};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
 use crate::sheet::body::BodySheet;
 use crate::sheet::material::Materials;
 use crate::sheet::{
-    Duration, Exact, Force, Length, NotFollowed, Pressure, Ratio, Stated, Stiffness, Velocity,
+    Duration, Exact, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
 };
 use crate::{Outcome, RodlabError};
 
@@ -27,7 +30,11 @@ pub struct ImpactSheet {
     pub velocity: Stated<Velocity>,
     /// How long the force is followed.
     pub duration: Exact<Duration>,
-    /// Step of the march; chosen for the bodies unless stated.
+    /// Upper end of the band in which the force is stated, as `"10 kHz"`, where a Gaussian low-pass is 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or as
+    /// far as a body was measured.
+    #[serde(default)]
+    pub band: Option<Exact<Frequency>>,
+    /// Step of the march; chosen for the band unless stated.
     #[serde(default)]
     pub time_step: Option<Exact<Duration>>,
     /// Law of the contact.
@@ -37,7 +44,7 @@ pub struct ImpactSheet {
     /// measured, on all its lines.
     #[serde(default)]
     pub lines: Option<Line>,
-    /// How the errors of velocity and mobilities are followed to the stick force on lines.
+    /// How the errors of everything that is stated with ± are followed to the force.
     #[serde(default)]
     pub uncertainty: Option<UncertaintySheet>,
 }
@@ -50,63 +57,63 @@ pub enum ContactSheet {
     #[default]
     Rigid,
     /// A spring.
-    Linear(NotFollowed<Stiffness>),
+    Linear(Stated<Stiffness>),
     /// The face of a thin rod on the plane face of a wide body.
     FlatPunch {
         /// Radius of the thin rod.
-        radius: NotFollowed<Length>,
+        radius: Stated<Length>,
         /// Young's modulus of the wide body.
-        modulus: NotFollowed<Pressure>,
+        modulus: Stated<Pressure>,
         /// Its Poisson ratio.
-        poisson_ratio: NotFollowed<Ratio>,
+        poisson_ratio: Stated<Ratio>,
     },
     /// A spherical face on a plane one.
     Sphere {
         /// Radius of the sphere.
-        radius: NotFollowed<Length>,
+        radius: Stated<Length>,
         /// Young's modulus of the sphere, then of the plane body.
-        moduli: (NotFollowed<Pressure>, NotFollowed<Pressure>),
+        moduli: (Stated<Pressure>, Stated<Pressure>),
         /// Poisson ratio of the sphere, then of the plane body.
-        poisson_ratios: (NotFollowed<Ratio>, NotFollowed<Ratio>),
+        poisson_ratios: (Stated<Ratio>, Stated<Ratio>),
     },
     /// A measured law: approach and force, from small to large.
-    Table(Vec<(NotFollowed<Length>, NotFollowed<Force>)>),
+    Table(Vec<(Stated<Length>, Stated<Force>)>),
 }
 
 impl ContactSheet {
-    fn law(&self) -> Result<ContactLaw, RodlabError> {
+    pub(super) fn law(&self) -> Result<ContactLaw, RodlabError> {
         let material =
-            |modulus: &NotFollowed<Pressure>, poisson_ratio: &NotFollowed<Ratio>| ElasticMaterial {
-                modulus: modulus.si(),
-                poisson_ratio: poisson_ratio.si(),
+            |modulus: &Stated<Pressure>, poisson_ratio: &Stated<Ratio>| ElasticMaterial {
+                modulus: modulus.nominal(),
+                poisson_ratio: poisson_ratio.nominal(),
             };
         match self {
             Self::Rigid => Ok(ContactLaw::Rigid),
-            Self::Linear(stiffness) => ContactLaw::linear(stiffness.si()),
+            Self::Linear(stiffness) => ContactLaw::linear(stiffness.nominal()),
             Self::FlatPunch {
                 radius,
                 modulus,
                 poisson_ratio,
-            } => ContactLaw::flat_punch(radius.si(), material(modulus, poisson_ratio)),
+            } => ContactLaw::flat_punch(radius.nominal(), material(modulus, poisson_ratio)),
             Self::Sphere {
                 radius,
                 moduli,
                 poisson_ratios,
             } => ContactLaw::hertz_sphere(
-                radius.si(),
+                radius.nominal(),
                 material(&moduli.0, &poisson_ratios.0),
                 material(&moduli.1, &poisson_ratios.1),
             ),
             Self::Table(points) => {
                 let points: Vec<(f64, f64)> =
-                    points.iter().map(|(d, f)| (d.si(), f.si())).collect();
+                    points.iter().map(|(d, f)| (d.nominal(), f.nominal())).collect();
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
             }
         }
         .map_err(|error| RodlabError::step("problem.contact", error))
     }
 
-    fn in_words(&self) -> &'static str {
+    pub(super) fn in_words(&self) -> &'static str {
         match self {
             Self::Rigid => "faces that do not give way",
             Self::Linear(_) => "a spring",
@@ -119,38 +126,9 @@ impl ContactSheet {
 
 /// Everything that was computed.
 pub(super) struct Found {
-    pub(super) prediction: Prediction,
-    /// The same at a velocity that is one standard uncertainty higher.
-    pub(super) faster: Option<Prediction>,
+    /// The force by marching in time; none where a measured body has no front impedance.
+    pub(super) march: Option<March>,
     pub(super) on_lines: Option<OnLines>,
-}
-
-impl Found {
-    /// Standard error of the peak: of velocity and mobilities where the stick force on lines tells it, else of the velocity alone.
-    pub(super) fn peak_error(&self) -> Option<f64> {
-        let peak = self.prediction.peak();
-        let on_lines = self
-            .on_lines
-            .as_ref()
-            .and_then(|lines| lines.error_near(peak.time));
-        on_lines.or_else(|| {
-            let faster = self.faster.as_ref()?;
-            Some((faster.peak().force - peak.force).abs())
-        })
-    }
-
-    /// Change of the force \[N\] in every step for one standard uncertainty of the velocity.
-    pub(super) fn force_errors(&self) -> Option<Vec<f64>> {
-        let faster = self.faster.as_ref()?.history.force();
-        let here = self.prediction.history.force();
-        Some(
-            faster
-                .iter()
-                .zip(here)
-                .map(|(a, b)| (a - b).abs())
-                .collect(),
-        )
-    }
 }
 
 pub(super) fn run(
@@ -161,64 +139,72 @@ pub(super) fn run(
 ) -> Result<(), RodlabError> {
     let first = FaceBody::read(&sheet.first, materials, "problem.first", around, outcome)?;
     let second = FaceBody::read(&sheet.second, materials, "problem.second", around, outcome)?;
-    let law = sheet.contact.law()?;
-    settings(sheet, outcome);
+    let bodies = [&first, &second];
+    let marched = bodies.iter().all(|body| body.can_be_marched());
+    if !marched && !matches!(sheet.contact, ContactSheet::Rigid) {
+        return Err(RodlabError::request(
+            "problem.contact",
+            sheet.contact.in_words(),
+            "`Rigid`, or the `front_impedance` of the measured bodies: a contact that gives way is marched in time",
+        ));
+    }
+    if let (false, Some(step)) = (marched, &sheet.time_step) {
+        return Err(RodlabError::request(
+            "problem.time_step",
+            step.to_string(),
+            "no statement, or the `front_impedance` of the measured bodies: without it nothing is marched in time",
+        ));
+    }
+    settings(sheet, bodies, marched, outcome)?;
     around.has_read_all()?;
 
     around.progress.begins("force", 0);
-    let found = predict(sheet, [&first, &second], law, outcome)?;
+    let found = Found {
+        march: if marched {
+            Some(impact_march::march(sheet, materials, bodies, around)?)
+        } else {
+            None
+        },
+        on_lines: on_lines(sheet, materials, bodies, outcome)?,
+    };
     around.go_on()?;
-    flags(&found.prediction, outcome);
-    answer(sheet, &found, outcome);
-    impact_tables::quantities(sheet, &found, outcome);
-    outcome.tables.push(impact_tables::history(&found));
-    outcome
-        .tables
-        .push(impact_tables::contacts(&found.prediction));
+    if let Some(march) = &found.march {
+        flags(&march.prediction, outcome);
+        answer(sheet, march, outcome);
+        impact_tables::quantities(march, outcome);
+        outcome.tables.push(impact_tables::limited(march));
+        outcome.tables.push(impact_tables::history(march));
+        outcome.tables.push(impact_tables::contacts(&march.prediction));
+    }
     if let Some(lines) = &found.on_lines {
+        if found.march.is_none() {
+            outcome.tables.push(lines.until_the_faces_part());
+            outcome.summary.extend(lines.answer(sheet));
+            outcome.warnings.push(
+                "No `front_impedance` is stated of a measured body, and its lines do not tell what it does above them: there is no force by marching in time, no \
+                 force without a limit to the band, and nothing after the first contact."
+                    .to_owned(),
+            );
+        }
+        outcome.quantities.extend(lines.quantities(found.march.is_none()));
         outcome.tables.push(lines.table());
     }
-    outcome.figures = impact_figures::all(&found, [&first, &second], sheet)?;
+    if sheet.velocity.with_uncertainty().standard_uncertainty.is_none() {
+        outcome.warnings.push(
+            "No uncertainty of the velocity is stated: it is in no error of the force, and the relative error of the force is at least that of the velocity."
+                .to_owned(),
+        );
+    }
+    outcome.figures = impact_figures::all(&found, bodies, sheet)?;
     Ok(())
 }
 
-fn predict(
+fn settings(
     sheet: &ImpactSheet,
-    [first, second]: [&FaceBody; 2],
-    law: ContactLaw,
+    bodies: [&FaceBody; 2],
+    marched: bool,
     outcome: &mut Outcome,
-) -> Result<Found, RodlabError> {
-    let bodies = [first.impact_body()?, second.impact_body()?];
-    let duration = sheet.duration.si();
-    let at = |velocity: f64| {
-        let impact = Impact::between(&*bodies[0], &*bodies[1])
-            .at_velocity(velocity)
-            .through(law.clone());
-        match &sheet.time_step {
-            Some(step) => impact.in_steps_of(step.si()),
-            None => impact,
-        }
-    };
-    let refused = |error| RodlabError::step("problem", error);
-    let stated = sheet.velocity.with_uncertainty();
-    let velocity = stated.value;
-    // the kernels do not depend on the velocity
-    let discrete = at(velocity).discretised(duration).map_err(refused)?;
-    let faster = stated
-        .standard_uncertainty
-        .filter(|uncertainty| *uncertainty > 0.0)
-        .map(|uncertainty| discrete.at_velocity(velocity + uncertainty).predict())
-        .transpose()
-        .map_err(refused)?;
-    let on_lines = on_lines(sheet, [first, second], outcome)?;
-    Ok(Found {
-        prediction: discrete.predict().map_err(refused)?,
-        faster,
-        on_lines,
-    })
-}
-
-fn settings(sheet: &ImpactSheet, outcome: &mut Outcome) {
+) -> Result<(), RodlabError> {
     let mut say = |name: &str, value: String, by_default: bool| {
         outcome.settings.push(Setting {
             name: format!("problem.{name}"),
@@ -230,7 +216,16 @@ fn settings(sheet: &ImpactSheet, outcome: &mut Outcome) {
     say("duration", sheet.duration.to_string(), false);
     match &sheet.time_step {
         Some(step) => say("time_step", step.to_string(), false),
-        None => say("time_step", "chosen for the bodies".to_owned(), true),
+        None if marched => say("time_step", "chosen for the band".to_owned(), true),
+        None => {}
+    }
+    if marched {
+        let band = impact_march::band(sheet, bodies)?;
+        let (value, by_default) = impact_march::band_in_words(sheet, band);
+        say("band", value, by_default);
+        for (name, value, by_default) in impact_march::settings(sheet) {
+            say(&format!("uncertainty.{name}"), value, by_default);
+        }
     }
     say(
         "contact",
@@ -251,6 +246,7 @@ fn settings(sheet: &ImpactSheet, outcome: &mut Outcome) {
             false,
         );
     }
+    Ok(())
 }
 
 /// What speaks against the prediction; a body that makes energy leaves no answer.
@@ -267,38 +263,59 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
     }
 }
 
-fn answer(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
-    let prediction = &found.prediction;
-    let peak = prediction.peak();
-    let error = found
-        .peak_error()
-        .map_or_else(String::new, |error| format!(" ± {error:.2} N"));
-    let impulse = prediction.balance().impulse;
-    let counts = |contact: &&impulse::ContactInterval| contact.impulse > 1e-3 * impulse;
-    let counting = prediction.contacts.iter().filter(counts).count();
+fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
+    let numbers = march.numbers();
+    let errors = march.errors();
+    let error = |of: &dyn Fn(&impact_march::Numbers) -> Option<f64>| errors.as_ref().and_then(of);
+    let stated = |error: Option<f64>, unit: &str, scale: f64, digits: usize| {
+        error.map_or_else(String::new, |error| {
+            format!(" ± {:.digits$} {unit}", scale * error)
+        })
+    };
+    let in_band = march.limited.smooth_peak();
+    let band_khz = 1e-3 * march.band.upper_hz();
     outcome.summary.push(format!(
-        "The force comes to {:.1} N{error} at {:.4} ms, at an impact velocity of {}; the last of {} contact{} with more than a thousandth of the impulse ends at {:.4} ms.",
-        peak.force,
-        1e3 * peak.time,
+        "In the band up to {band_khz} kHz the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
+        in_band.force,
+        stated(error(&|e| e.limited_peak), "N", 1.0, 2),
+        1e3 * in_band.time,
         sheet.velocity,
-        counting,
-        if counting == 1 { "" } else { "s" },
-        1e3 * prediction.duration(),
     ));
+    outcome.summary.push(match march.first_force {
+        FirstForce::Unbounded => {
+            "Without a limit to the band the first force has no bound: the impedance of a face grows with frequency without end, and the force of the first \
+             step depends on the step."
+                .to_owned()
+        }
+        _ => format!(
+            "Without a limit to the band it comes to {:.1} N{} at {:.4} ms.",
+            numbers.peak.unwrap_or(f64::NAN),
+            stated(error(&|e| e.peak), "N", 1.0, 2),
+            1e3 * numbers.time_of_peak.unwrap_or(f64::NAN),
+        ),
+    });
+    let prediction = &march.prediction;
+    let counting = impact_march::counting(prediction);
+    let plural = if counting == 1 { "" } else { "s" };
+    let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
+    outcome.summary.push(if pressing {
+        format!("There are {counting} contact{plural} with more than a thousandth of the impulse, and the faces still press at the end.")
+    } else {
+        format!(
+            "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {:.4} ms{}.",
+            1e3 * prediction.duration(),
+            stated(error(&|e| e.end), "us", 1e6, 3),
+        )
+    });
     let balance = prediction.balance();
     let restitution = balance.restitution.map_or_else(
         || "neither body is free, so that there is no coefficient of restitution".to_owned(),
         |e| format!("the coefficient of restitution is {e:.4}"),
     );
     outcome.summary.push(format!(
-        "The impulse is {:.5} N s; {restitution}; work and energy agree to {:.0e} of the impulse times the velocity.",
+        "The impulse is {:.5} N s{}; {restitution}; work and energy agree to {:.0e} of the impulse times the velocity.",
         balance.impulse,
+        stated(error(&|e| e.impulse), "N s", 1.0, 5),
         balance.energy_residual.abs(),
     ));
-    if sheet.velocity.with_uncertainty().standard_uncertainty.is_none() {
-        outcome.warnings.push(
-            "no uncertainty of the velocity is stated: the force has no error; it is known no better than the velocity, in parts"
-                .to_owned(),
-        );
-    }
 }

@@ -1,7 +1,10 @@
 //! Figures of an impact: the force with its contacts, the faces, the mobilities.
 
+use impulse::ForceHistory;
+
 use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
+use super::impact_march::March;
 use super::impact_lines::OnLines;
 use crate::RodlabError;
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
@@ -14,21 +17,25 @@ pub(super) fn all(
     bodies: [&FaceBody; 2],
     sheet: &ImpactSheet,
 ) -> Result<Vec<Figure>, RodlabError> {
-    let mut figures = vec![force(found), faces(found), mobilities(bodies, sheet)?];
-    figures.extend(found.on_lines.as_ref().map(|lines| stick(found, lines)));
+    let mut figures = Vec::new();
+    if let Some(march) = &found.march {
+        figures.extend([force(march, found.on_lines.as_ref()), faces(march)]);
+    }
+    figures.push(mobilities(bodies, sheet)?);
+    let until = 1e3 * sheet.duration.si();
+    figures.extend(found.on_lines.as_ref().map(|lines| stick(lines, until)));
     Ok(figures)
 }
 
-fn milliseconds(found: &Found) -> Vec<f64> {
-    let history = &found.prediction.history;
+fn milliseconds(history: &ForceHistory) -> Vec<f64> {
     (0..history.force().len())
         .map(|step| 1e3 * history.time_at(step))
         .collect()
 }
 
 /// Where the faces are apart.
-fn apart(found: &Found) -> Vec<Greyed> {
-    let contacts = &found.prediction.contacts;
+fn apart(march: &March) -> Vec<Greyed> {
+    let contacts = &march.prediction.contacts;
     let because = "the faces are apart".to_owned();
     let mut greyed = Vec::new();
     for (contact, next) in contacts
@@ -46,31 +53,37 @@ fn apart(found: &Found) -> Vec<Greyed> {
     greyed
 }
 
-fn force(found: &Found) -> Figure {
-    let time = milliseconds(found);
-    let newtons = found.prediction.history.force();
+fn force(march: &March, on_lines: Option<&OnLines>) -> Figure {
+    let time = milliseconds(&march.limited);
+    let newtons = march.limited.force();
     let mut marks = Vec::new();
-    if let Some(errors) = found.force_errors() {
+    if let Some(errors) = march.limited_errors() {
         let edge = |sign: f64| -> Vec<f64> {
             let pairs = newtons.iter().zip(&errors);
             pairs.map(|(f, e)| f + sign * 2.0 * e).collect()
         };
         marks.push(Mark::Band {
-            name: "two standard errors (velocity)".to_owned(),
+            name: "two standard errors of the force in the band".to_owned(),
             role: Role::First,
             x: time.clone(),
             lower: edge(-1.0),
             upper: edge(1.0),
         });
     }
-    if let Some(lines) = &found.on_lines {
+    marks.push(Mark::Line {
+        name: "without a limit to the band".to_owned(),
+        role: Role::Second,
+        x: milliseconds(&march.prediction.history),
+        y: march.prediction.history.force().to_vec(),
+    });
+    if let Some(lines) = on_lines {
         let history = &lines.stick.history;
         let (x, y) = history
             .force()
             .iter()
             .enumerate()
             .map(|(n, force)| (1e3 * history.time_at(n), *force))
-            .filter(|(time, _)| *time >= -0.1 && *time <= time_end(found))
+            .filter(|(time, _)| *time >= -0.1)
             .unzip();
         marks.push(Mark::Line {
             name: "stick force on lines".to_owned(),
@@ -80,7 +93,7 @@ fn force(found: &Found) -> Figure {
         });
     }
     marks.push(Mark::Line {
-        name: "force".to_owned(),
+        name: format!("force up to {} kHz", 1e-3 * march.band.upper_hz()),
         role: Role::First,
         x: time,
         y: newtons.to_vec(),
@@ -88,25 +101,20 @@ fn force(found: &Found) -> Figure {
     Figure {
         name: "force".to_owned(),
         title: "Impact force".to_owned(),
-        caption: "Positive in compression. Where it is grey the faces are apart.".to_owned(),
+        caption: "Positive in compression. Where it is grey the faces are apart. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
         panels: vec![Panel {
             x: Axis::linear("time", "ms"),
             y: Axis::linear("force", "N"),
             marks,
-            greyed: apart(found),
+            greyed: apart(march),
             equal_axes: false,
         }],
     }
 }
 
-fn time_end(found: &Found) -> f64 {
-    let history = &found.prediction.history;
-    1e3 * history.time_at(history.force().len().saturating_sub(1))
-}
-
-fn faces(found: &Found) -> Figure {
-    let time = milliseconds(found);
-    let prediction = &found.prediction;
+fn faces(march: &March) -> Figure {
+    let time = milliseconds(&march.prediction.history);
+    let prediction = &march.prediction;
     let [first, second] = &prediction.face_velocity;
     let line = |name: &str, role: Role, y: Vec<f64>| Mark::Line {
         name: name.to_owned(),
@@ -126,7 +134,7 @@ fn faces(found: &Found) -> Figure {
                     line("first body", Role::First, first.clone()),
                     line("second body", Role::Second, second.clone()),
                 ],
-                greyed: apart(found),
+                greyed: apart(march),
                 equal_axes: false,
             },
             Panel {
@@ -137,7 +145,7 @@ fn faces(found: &Found) -> Figure {
                     Role::First,
                     prediction.approach.iter().map(|d| 1e6 * d).collect(),
                 )],
-                greyed: apart(found),
+                greyed: apart(march),
                 equal_axes: false,
             },
         ],
@@ -201,9 +209,8 @@ fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, Rod
     clippy::indexing_slicing,
     reason = "the bands and the impact force are those of the stick force, sample by sample"
 )]
-fn stick(found: &Found, lines: &OnLines) -> Figure {
+fn stick(lines: &OnLines, until: f64) -> Figure {
     let history = &lines.stick.history;
-    let until = time_end(found);
     let shown: Vec<usize> = (0..history.force().len())
         .filter(|n| 1e3 * history.time_at(*n) <= until)
         .collect();
@@ -243,7 +250,7 @@ fn stick(found: &Found, lines: &OnLines) -> Figure {
             Role::Third,
             &bands.contact,
         ));
-        if let impulse::ContactEnd::Separated { time } = bands.impact.end {
+        if let impulse::ContactEnd::Separated { time } = lines.impact.end {
             marks.push(Mark::At {
                 name: "the faces part".to_owned(),
                 x: 1e3 * time,
@@ -254,11 +261,11 @@ fn stick(found: &Found, lines: &OnLines) -> Figure {
         );
     }
     marks.push(line("stick force", Role::First, history.force()));
-    if let Some(bands) = &lines.bands {
+    if lines.bands.is_some() {
         marks.push(line(
             "until the faces part",
             Role::Reference,
-            bands.impact.history.force(),
+            lines.impact.history.force(),
         ));
     }
     Figure {

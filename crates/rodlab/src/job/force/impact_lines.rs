@@ -1,21 +1,28 @@
 //! The paper's own way: the stick force on lines (Ödeen 1993, paper E, eq. 2), and how sure it is.
 
 use impulse::{
-    ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ImpactForce, MonteCarlo, StickForce,
-    StickProblem, StickUncertainty, ZeroLine, separate,
+    ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ForceHistory, ForcePeak, ImpactForce,
+    MonteCarlo,
+    StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 use super::bodies::FaceBody;
+use super::draws::Draws;
 use super::impact::{ContactSheet, ImpactSheet};
 use crate::outcome::{Column, Quantity, Setting, Table};
-use crate::sheet::{Frequency, Ratio, Exact};
+use crate::sheet::material::Materials;
+use crate::sheet::replacement::Replacement;
+use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
 /// Part of the peak below which the force counts as ringing of the band limit, not as separation.
 const THRESHOLD: f64 = 0.01;
+
+/// Samples of the history in each interval of the lines: a straight line between the samples of one interval would miss peaks and zeros.
+const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
 /// Of the band that holds the whole history: a quantile of the largest deviation.
@@ -29,19 +36,21 @@ const LEVEL: f64 = 0.95;
 pub struct Line {
     /// Highest frequency, as `"10 kHz"`.
     pub up_to: Exact<Frequency>,
-    /// Samples of the force over the period, as 2048. Not stated where a body was measured, whose lines they are then.
+    /// Twice the number of lines, as 2048, the samples of the force over the period before interpolation. Not stated where a body was measured, whose
+    /// lines they are then.
     #[serde(default)]
     pub samples: Option<usize>,
-    /// Where a raised cosine begins that takes the spectrum to zero at the highest frequency; by default none does.
+    /// Where a raised cosine begins that takes the spectrum to zero at the highest frequency; by default none does, unless the force on lines is
+    /// all there is: then at half of it.
     #[serde(default)]
     pub roll_off_from: Option<Exact<Frequency>>,
 }
 
-/// How the errors of velocity and mobilities are followed to the force.
+/// How the errors of what is stated with ± are followed to the force.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UncertaintySheet {
-    /// Number of draws; by default 400.
+    /// Number of draws; by default 400 of the force on lines, 200 of the march.
     pub draws: Option<usize>,
     /// Seed of the draws; by default 1.
     pub seed: Option<u64>,
@@ -53,6 +62,17 @@ pub struct UncertaintySheet {
 pub(super) struct OnLines {
     pub(super) stick: StickForce,
     pub(super) bands: Option<Bands>,
+    /// Highest frequency \[Hz\], and where the roll-off begins.
+    highest_hz: f64,
+    roll_off_from_hz: Option<f64>,
+    /// Until the faces part.
+    pub(super) impact: ImpactForce,
+    /// Of the first contact \[N s\].
+    impulse: Option<f64>,
+    /// Its change with half the band \[N s\].
+    impulse_by_band: Option<f64>,
+    /// Why there are no bands, or what they hold.
+    about_errors: &'static str,
 }
 
 /// Errors of a stick force and of the impact force.
@@ -61,8 +81,6 @@ pub(super) struct Bands {
     pub(super) error: ForceError,
     pub(super) pointwise: ForceBand,
     pub(super) simultaneous: ForceBand,
-    /// Until the faces part.
-    pub(super) impact: ImpactForce,
     pub(super) end: Option<EndError>,
     pub(super) draws: MonteCarlo,
     /// Of the impact force, by draws.
@@ -72,6 +90,7 @@ pub(super) struct Bands {
 /// The stick force if the sheet wants it, or a body was measured.
 pub(super) fn on_lines(
     sheet: &ImpactSheet,
+    materials: &Materials,
     bodies: [&FaceBody; 2],
     outcome: &mut Outcome,
 ) -> Result<Option<OnLines>, RodlabError> {
@@ -81,6 +100,14 @@ pub(super) fn on_lines(
     let refused = |error| RodlabError::step("problem.lines", error);
     let first = bodies[0].lines(step_hz, n_lines, "problem.first")?;
     let second = bodies[1].lines(step_hz, n_lines, "problem.second")?;
+    let highest_hz = (n_lines - 1) as f64 * step_hz;
+    let marched = bodies.iter().all(|body| body.can_be_marched());
+    let roll_off_from_hz = sheet
+        .lines
+        .as_ref()
+        .and_then(|lines| lines.roll_off_from.as_ref())
+        .map(Exact::si)
+        .or((!marched && sheet.lines.is_none()).then_some(0.5 * highest_hz));
     let masses = bodies.map(FaceBody::mass);
     let inverse: f64 = masses.iter().flatten().map(|(mass, _)| 1.0 / mass).sum();
     let effective = 1.0 / inverse;
@@ -94,11 +121,9 @@ pub(super) fn on_lines(
         } else {
             ZeroLine::SquareWave
         },
-        roll_off_from_hz: sheet
-            .lines
-            .as_ref()
-            .and_then(|lines| lines.roll_off_from.as_ref())
-            .map(Exact::si),
+        roll_off_from_hz,
+        interpolation: INTERPOLATION,
+        until: Some(sheet.duration.si()),
     };
     let stick = problem.solve().map_err(refused)?;
     if let impulse::Settlement::Unsettled { relative_level } = stick.settlement {
@@ -133,12 +158,56 @@ pub(super) fn on_lines(
         ]
         .iter()
         .any(|error| *error > 0.0);
-    let bands = if anything && matches!(sheet.contact, ContactSheet::Rigid) {
-        Some(bands(sheet, &problem, &uncertainty, &stick, outcome)?)
+    let history = &stick.history;
+    let threshold = THRESHOLD * history.peak().force.abs();
+    let impact = separate(history, threshold).map_err(refused)?;
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut draws = Draws::by(&mut random);
+    let materials = draws.materials(materials)?;
+    for (body, sheet) in bodies.iter().zip([&sheet.first, &sheet.second]) {
+        if body.measured().is_none() {
+            body.drawn(sheet, &materials, "problem", &mut draws)?;
+        }
+    }
+    let about_errors = if !matches!(sheet.contact, ContactSheet::Rigid) {
+        "no error: the contact gives way, and the stick force is that of faces that do not"
+    } else if draws.n_drawn > 0 {
+        "no error: the ± of a computed body is not followed to the force on lines"
+    } else if !anything {
+        "no error: nothing is stated with ±"
+    } else {
+        "errors of mobilities, scales, masses and velocity"
+    };
+    let bands = if anything && draws.n_drawn == 0 && matches!(sheet.contact, ContactSheet::Rigid) {
+        Some(bands(sheet, &problem, &uncertainty, (&stick, &impact), outcome)?)
     } else {
         None
     };
-    Ok(Some(OnLines { stick, bands }))
+    let impulse = impulse_of_first_contact(history, &impact, 1.0 / highest_hz);
+    let half = n_lines / 2 + 1;
+    let narrower = StickProblem {
+        first: first.get(..half).unwrap_or_default(),
+        second: second.get(..half).unwrap_or_default(),
+        roll_off_from_hz: roll_off_from_hz.map(|from| 0.5 * from),
+        ..problem
+    };
+    let by_band = if half > 2 {
+        let history = narrower.solve().map_err(refused)?.history;
+        let impact = separate(&history, threshold).map_err(refused)?;
+        impulse_of_first_contact(&history, &impact, 2.0 / highest_hz)
+    } else {
+        None
+    };
+    Ok(Some(OnLines {
+        impulse_by_band: impulse.zip(by_band).map(|(all, half)| (all - half).abs()),
+        impulse,
+        stick,
+        bands,
+        highest_hz,
+        roll_off_from_hz,
+        impact,
+        about_errors,
+    }))
 }
 
 /// Distance and number of the lines.
@@ -174,8 +243,9 @@ fn grid(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<Option<(f64, usiz
     if let Some(second) = measured.next() {
         n_lines = n_lines.min(second.mobility().len());
     }
-    if let Some(lines) = &sheet.lines {
-        let limit = lines.up_to.si() / step_hz + 1e-6;
+    let lines = sheet.lines.as_ref().map(|lines| &lines.up_to);
+    if let Some(up_to) = lines.or(sheet.band.as_ref()) {
+        let limit = up_to.si() / step_hz + 1e-6;
         n_lines = (0..n_lines)
             .take_while(|line| *line as f64 <= limit)
             .count();
@@ -187,7 +257,7 @@ fn bands(
     sheet: &ImpactSheet,
     problem: &StickProblem<'_>,
     uncertainty: &StickUncertainty<'_>,
-    stick: &StickForce,
+    (stick, impact): (&StickForce, &ImpactForce),
     outcome: &mut Outcome,
 ) -> Result<Bands, RodlabError> {
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
@@ -195,11 +265,14 @@ fn bands(
     let seed = chosen.seed.unwrap_or(SEED);
     let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
     let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: format!("problem.uncertainty.{name}"),
-            value,
-            by_default,
-        });
+        let name = format!("problem.uncertainty.{name}");
+        if outcome.settings.iter().all(|known| known.name != name) {
+            outcome.settings.push(Setting {
+                name,
+                value,
+                by_default,
+            });
+        }
     };
     say("draws", draws.to_string(), chosen.draws.is_none());
     say("seed", seed.to_string(), chosen.seed.is_none());
@@ -209,7 +282,6 @@ fn bands(
     let history = &stick.history;
     let error = problem.error(uncertainty).map_err(refused)?;
     let threshold = THRESHOLD * history.peak().force.abs();
-    let impact = separate(history, threshold).map_err(refused)?;
     let drawn = uncertainty
         .monte_carlo(problem, threshold, draws, &mut random)
         .map_err(refused)?;
@@ -220,74 +292,177 @@ fn bands(
         simultaneous: error
             .simultaneous(history, level, whole, DRAWS_OF_BAND, &mut random)
             .map_err(refused)?,
-        end: error.contact_end(history, &impact),
+        end: error.contact_end(history, impact),
         contact: drawn.contact_band(level).map_err(refused)?,
         draws: drawn,
-        impact,
         error,
     })
 }
 
 impl OnLines {
-    /// Standard error of the force at `time`, where it is known.
-    pub(super) fn error_at(&self, time: f64) -> Option<f64> {
+    /// Standard error of the stick force at `time`, where it is known.
+    fn error_at(&self, time: f64) -> Option<f64> {
         let index = self.stick.history.index_near(time)?;
         let bands = self.bands.as_ref()?;
         bands.error.standard_error().get(index).copied()
     }
 
-    /// The largest standard error on the samples next to `time`: the first sample of a jump holds the middle of it, and half its error.
-    pub(super) fn error_near(&self, time: f64) -> Option<f64> {
-        let step = self.stick.history.time_step();
-        [-step, 0.0, step]
-            .iter()
-            .filter_map(|away| self.error_at(time + away))
-            .reduce(f64::max)
+    /// When the faces part \[s\], and its standard error.
+    fn end(&self) -> (Option<f64>, Option<f64>) {
+        let end = match self.impact.end {
+            ContactEnd::Separated { time } => Some(time),
+            _ => None,
+        };
+        let error = self.bands.as_ref().and_then(|bands| bands.end);
+        let linear = error.filter(|end| end.verdict == EndVerdict::Linear);
+        (end, linear.map(|end| end.standard_error))
     }
 
-    pub(super) fn quantities(&self) -> Vec<Quantity> {
-        let peak = self.stick.history.peak();
+    /// The largest force of the first contact: what follows on lines is that of faces that would have to stick.
+    fn peak(&self) -> ForcePeak {
+        self.impact.history.smooth_peak()
+    }
+
+    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with half the band, since the impulse is that of the
+    /// force without a limit to the band; none if a draw does not part.
+    fn impulse_error(&self) -> Option<f64> {
+        let draws = &self.bands.as_ref()?.draws;
+        if draws.without_end > 0 {
+            return None;
+        }
+        let step = self.stick.history.time_step();
+        let impulses = draws.impact_forces.iter();
+        let impulses: Vec<f64> = impulses.map(|f| step * f.iter().sum::<f64>()).collect();
+        let count = impulses.len() as f64;
+        let mean = impulses.iter().sum::<f64>() / count;
+        let square: f64 = impulses.iter().map(|j| (j - mean).powi(2)).sum();
+        Some((square / (count - 1.0)).sqrt().hypot(self.impulse_by_band?))
+    }
+
+    /// The force of the first contact as a table.
+    pub(super) fn until_the_faces_part(&self) -> Table {
+        let history = &self.impact.history;
+        let time = (0..history.force().len()).map(|n| history.time_at(n));
+        let mut columns = vec![
+            Column::numbers("time", "s", time.collect()),
+            Column::numbers("force on lines", "N", history.force().to_vec()),
+        ];
+        if let Some(bands) = &self.bands {
+            let errors = bands.error.standard_error().to_vec();
+            columns.push(Column::numbers("standard error of the stick force", "N", errors));
+        }
+        Table {
+            name: "force".to_owned(),
+            title: format!(
+                "Force on lines up to {} kHz until the faces part",
+                1e-3 * self.highest_hz
+            ),
+            columns,
+        }
+    }
+
+    /// The sentences of the force on lines, where it is all there is.
+    pub(super) fn answer(&self, sheet: &ImpactSheet) -> Vec<String> {
+        let peak = self.peak();
+        let stated = |error: Option<f64>, unit: &str, digits: usize| {
+            error.map_or_else(String::new, |error| format!(" ± {error:.digits$} {unit}"))
+        };
+        let roll_off = self
+            .roll_off_from_hz
+            .map_or_else(String::new, |from| format!(", rolled off from {} kHz on", 1e-3 * from));
+        let (end, end_error) = self.end();
+        let parted = end.map_or_else(
+            || "The faces do not part within the history".to_owned(),
+            |end| {
+                format!(
+                    "The faces part at {:.4} ms{}",
+                    1e3 * end,
+                    stated(end_error.map(|error| 1e3 * error), "ms", 4)
+                )
+            },
+        );
+        let impulse = self.impulse.map_or_else(String::new, |impulse| {
+            format!(
+                "; the impulse until then is {impulse:.5} N s{}",
+                stated(self.impulse_error(), "N s", 5)
+            )
+        });
+        vec![
+            format!(
+                "On lines up to {} kHz{roll_off} the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
+                1e-3 * self.highest_hz,
+                peak.force,
+                stated(self.error_at(peak.time), "N", 2),
+                1e3 * peak.time,
+                sheet.velocity,
+            ),
+            format!("{parted}{impulse}."),
+        ]
+    }
+
+    /// The numbers on lines; with the impulse where the force on lines is `alone`.
+    pub(super) fn quantities(&self, alone: bool) -> Vec<Quantity> {
+        let peak = self.peak();
+        let settled = matches!(self.stick.settlement, impulse::Settlement::Settled);
+        let in_words = |about: &str| {
+            let died_out = if settled {
+                "the force has died out within its period"
+            } else {
+                "the force has not died out within its period"
+            };
+            format!("{about}; {died_out}; {}", self.about_errors)
+        };
+        let band = format!("up to {} kHz", 1e-3 * self.highest_hz);
         let mut found = vec![Quantity {
             name: "peak of the stick force on lines".to_owned(),
             unit: "N".to_owned(),
             value: Some(peak.force),
             standard_error: self.error_at(peak.time),
-            valid: matches!(self.stick.settlement, impulse::Settlement::Settled),
-            verdict: match self.stick.settlement {
-                impulse::Settlement::Settled => "the force has died out within its period",
-                _ => "the force has not died out within its period",
-            }
-            .to_owned(),
+            valid: settled,
+            verdict: in_words(&band),
         }];
-        let Some(bands) = &self.bands else {
-            return found;
-        };
-        let end = match bands.impact.end {
-            ContactEnd::Separated { time } => Some(time),
-            _ => None,
-        };
-        let verdict = match bands.end.map(|end| end.verdict) {
-            None => "the faces do not part".to_owned(),
-            Some(EndVerdict::Linear) => {
-                "the force is straight within two standard errors of it".to_owned()
-            }
-            Some(EndVerdict::Curved { deviation }) => format!(
-                "the force bends by {deviation:.1} standard errors near it: see the limits by draws"
-            ),
-            Some(EndVerdict::MayEndEarlier { time, probability }) => format!(
-                "the faces may have parted at {:.4} ms already, with a probability of {probability:.3}",
-                1e3 * time
-            ),
-            Some(_) => "not known".to_owned(),
+        if alone {
+            found.push(Quantity {
+                name: "impulse".to_owned(),
+                unit: "N s".to_owned(),
+                value: self.impulse,
+                standard_error: self.impulse_error(),
+                valid: settled && self.impulse.is_some(),
+                verdict: in_words(
+                    "of the first contact, by the force on lines; its change with half the band is in the error",
+                ),
+            });
+        }
+        let (end, end_error) = self.end();
+        let verdict = match (end, self.bands.as_ref().and_then(|bands| bands.end)) {
+            (None, _) => "the faces do not part".to_owned(),
+            (_, None) => self.about_errors.to_owned(),
+            (_, Some(end)) => match end.verdict {
+                EndVerdict::Linear => {
+                    "zero of the force on lines, which is straight within two standard errors of it"
+                        .to_owned()
+                }
+                EndVerdict::Curved { deviation } => format!(
+                    "the force bends by {deviation:.1} standard errors near its zero: see the limits by draws"
+                ),
+                EndVerdict::MayEndEarlier { time, probability } => format!(
+                    "the faces may have parted at {:.4} ms already, with a probability of {probability:.3}",
+                    1e3 * time
+                ),
+                _ => "not known".to_owned(),
+            },
         };
         found.push(Quantity {
             name: "end of the first contact on lines".to_owned(),
             unit: "ms".to_owned(),
             value: end.map(|time| 1e3 * time),
-            standard_error: bands.end.map(|end| 1e3 * end.standard_error),
-            valid: matches!(bands.end.map(|end| end.verdict), Some(EndVerdict::Linear)),
+            standard_error: end_error.map(|error| 1e3 * error),
+            valid: end_error.is_some(),
             verdict,
         });
+        let Some(bands) = &self.bands else {
+            return found;
+        };
         let ends = &bands.draws.contact_ends;
         for (name, part) in [
             ("lower", 0.5 - 0.5 * bands.level),
@@ -336,7 +511,7 @@ impl OnLines {
             columns.push(Column::numbers(
                 "force until the faces part",
                 "N",
-                bands.impact.history.force().to_vec(),
+                self.impact.history.force().to_vec(),
             ));
             columns.extend(limits("band by draws", &bands.contact));
         }
@@ -346,4 +521,22 @@ impl OnLines {
             columns,
         }
     }
+}
+
+/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with what the band limit has smeared ahead of the touch over `ahead` \[s\]; none
+/// if the faces do not part.
+fn impulse_of_first_contact(
+    stick: &ForceHistory,
+    impact: &ImpactForce,
+    ahead: f64,
+) -> Option<f64> {
+    let ContactEnd::Separated { time: end } = impact.end else {
+        return None;
+    };
+    let step = stick.time_step();
+    let samples = stick.force().iter().enumerate();
+    let inside = samples
+        .map(|(index, force)| (stick.time_at(index), force))
+        .filter(|(time, _)| *time >= -10.0 * ahead && *time <= end);
+    Some(step * inside.map(|(_, force)| force).sum::<f64>())
 }

@@ -1,106 +1,162 @@
 //! What was found of an impact as numbers and tables.
 
-use impulse::{Prediction, PredictionFlag};
+use impulse::{FirstForce, Prediction, PredictionFlag};
 
-use super::impact::{Found, ImpactSheet};
+use super::impact_march::{March, Numbers, in_words};
 use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
-pub(super) fn quantities(sheet: &ImpactSheet, found: &Found, outcome: &mut Outcome) {
-    let prediction = &found.prediction;
-    let balance = prediction.balance();
-    let finished = !prediction
+/// A number of an impact: its name, its unit, one of the unit in SI.
+type Named<'a> = (&'a str, &'a str, f64, &'a dyn Fn(&Numbers) -> Option<f64>);
+
+pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
+    let numbers = march.numbers();
+    let errors = march.errors();
+    let finished = !march
+        .prediction
         .flags
         .iter()
         .any(|flag| matches!(flag, PredictionFlag::StillInContact));
-    let relative = sheet
-        .velocity
-        .with_uncertainty()
-        .standard_uncertainty
-        .map(|uncertainty| uncertainty / sheet.velocity.with_uncertainty().value);
-    let mut add = |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, valid: bool| {
+    let about_errors = in_words(march.spread.as_ref());
+    let band = format!("in the band up to {} kHz", 1e-3 * march.band.upper_hz());
+    let peak = match march.first_force {
+        FirstForce::Unbounded => format!("{band}: without a limit to it the first force has no bound"),
+        FirstForce::Jump(jump) => {
+            format!("without a limit to the band; the faces meet with the plane-wave value {jump:.1} N")
+        }
+        _ => "without a limit to the band".to_owned(),
+    };
+    let mut add = |(name, unit, one, of): Named<'_>, valid: bool, about: &str| {
+        let value = of(&numbers);
+        // a number that no draw moves, as the time of a first jump, has no error
+        let error = errors.as_ref().and_then(of).filter(|error| *error > 0.0);
+        let why = match (value, valid) {
+            (None, _) => "not defined for these bodies".to_owned(),
+            (_, false) => "of an impact that is not over: follow it longer".to_owned(),
+            _ if error.is_some() => format!("{about}; error {about_errors}"),
+            _ => format!("{about}; no error: {}", no_error(march, name)),
+        };
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: value.map(|value| value / one),
+            standard_error: error.filter(|_| value.is_some()).map(|error| error / one),
+            valid: valid && value.is_some(),
+            verdict: why,
+        });
+    };
+    add(("peak force", "N", 1.0, &|n| n.peak), true, &peak);
+    add(
+        ("peak force in the band", "N", 1.0, &|n| n.limited_peak),
+        true,
+        &band,
+    );
+    add(
+        ("time of the peak", "ms", 1e-3, &|n| n.time_of_peak),
+        true,
+        &peak,
+    );
+    add(
+        ("time of the peak in the band", "ms", 1e-3, &|n| {
+            n.time_of_limited_peak
+        }),
+        true,
+        &band,
+    );
+    add(
+        ("end of the last contact", "ms", 1e-3, &|n| n.end),
+        finished,
+        "zero of the force, or of the approach of a soft contact, between steps",
+    );
+    let computed = "computed from the bodies";
+    add(("impulse", "N s", 1.0, &|n| n.impulse), finished, computed);
+    add(
+        ("coefficient of restitution", "", 1.0, &|n| n.restitution),
+        finished,
+        computed,
+    );
+    let [of_first, of_second]: [[&dyn Fn(&Numbers) -> Option<f64>; 2]; 2] = [
+        [&|n| n.velocity_after[0], &|n| n.inner[0]],
+        [&|n| n.velocity_after[1], &|n| n.inner[1]],
+    ];
+    for (body, [velocity, inner]) in [("first", of_first), ("second", of_second)] {
+        add(
+            (
+                &format!("velocity of the {body} body after"),
+                "m/s",
+                1.0,
+                velocity,
+            ),
+            finished,
+            computed,
+        );
+        add(
+            (&format!("energy left in the {body} body"), "J", 1.0, inner),
+            finished,
+            computed,
+        );
+    }
+    let mut plain = |name: &str, unit: &str, value: Option<f64>, verdict: &str| {
         outcome.quantities.push(Quantity {
             name: name.to_owned(),
             unit: unit.to_owned(),
             value,
-            standard_error: error,
-            valid: valid && value.is_some(),
-            verdict: match (value, valid) {
-                (None, _) => "not defined for these bodies".to_owned(),
-                (_, true) => "computed from the bodies".to_owned(),
-                (_, false) => "of an impact that is not over: follow it longer".to_owned(),
-            },
+            standard_error: None,
+            valid: value.is_some(),
+            verdict: verdict.to_owned(),
         });
     };
-    add(
-        "peak force",
+    plain(
+        "numerical error of the peak force in the band",
         "N",
-        Some(prediction.peak().force),
-        found.peak_error(),
-        true,
+        march.numerical_numbers.limited_peak,
+        "twice its change with half the step; part of its standard error",
     );
-    add(
-        "time of the peak",
-        "ms",
-        Some(1e3 * prediction.peak().time),
-        None,
-        true,
-    );
-    add(
-        "end of the last contact",
-        "ms",
-        Some(1e3 * prediction.duration()),
-        None,
-        finished,
-    );
-    let impulse_error = relative
-        .zip(found.faster.as_ref())
-        .map(|(_, faster)| (faster.balance().impulse - balance.impulse).abs());
-    add(
-        "impulse",
-        "N s",
-        Some(balance.impulse),
-        impulse_error,
-        finished,
-    );
-    add(
-        "coefficient of restitution",
-        "",
-        balance.restitution,
-        None,
-        finished,
-    );
-    let bodies = balance.velocity_after.into_iter().zip(balance.inner);
-    for (body, (velocity, inner)) in ["first", "second"].iter().zip(bodies) {
-        add(
-            &format!("velocity of the {body} body after"),
-            "m/s",
-            velocity,
-            None,
-            finished,
-        );
-        add(
-            &format!("energy left in the {body} body"),
-            "J",
-            Some(inner),
-            None,
-            finished,
-        );
-    }
-    add(
+    plain(
         "energy residual",
         "",
-        Some(balance.energy_residual),
-        None,
-        true,
+        Some(march.prediction.balance().energy_residual),
+        computed,
     );
-    if let Some(lines) = &found.on_lines {
-        outcome.quantities.extend(lines.quantities());
+}
+
+/// Why a number has no error.
+fn no_error(march: &March, name: &str) -> &'static str {
+    match &march.spread {
+        None => "nothing is stated with ±",
+        Some(_) if name == "end of the last contact" => {
+            "the number of contacts differs from draw to draw"
+        }
+        Some(_) => "it does not depend on what is stated with ±, or not every draw has it",
     }
 }
 
-pub(super) fn history(found: &Found) -> Table {
-    let prediction = &found.prediction;
+/// The force in the band.
+pub(super) fn limited(march: &March) -> Table {
+    let history = &march.limited;
+    let time = (0..history.force().len()).map(|n| history.time_at(n));
+    let mut columns = vec![
+        Column::numbers("time", "s", time.collect()),
+        Column::numbers("force in the band", "N", history.force().to_vec()),
+    ];
+    if let Some(errors) = march.limited_errors() {
+        columns.push(Column::numbers("standard error of the force", "N", errors));
+    }
+    columns.push(Column::numbers(
+        "numerical error of the force",
+        "N",
+        march.numerical.clone(),
+    ));
+    Table {
+        name: "force_in_band".to_owned(),
+        title: format!("Force in the band up to {} kHz", 1e-3 * march.band.upper_hz()),
+        columns,
+    }
+}
+
+/// The march itself.
+pub(super) fn history(march: &March) -> Table {
+    let prediction = &march.prediction;
     let history = &prediction.history;
     let steps = history.force().len();
     let in_contact = (0..steps)
@@ -121,8 +177,12 @@ pub(super) fn history(found: &Found) -> Table {
         ),
         Column::numbers("force", "N", history.force().to_vec()),
     ];
-    if let Some(errors) = found.force_errors() {
-        columns.push(Column::numbers("standard error of the force", "N", errors));
+    if let Some(spread) = &march.spread {
+        columns.push(Column::numbers(
+            "standard error of the force",
+            "N",
+            spread.force.clone(),
+        ));
     }
     columns.extend([
         Column::numbers(
@@ -140,7 +200,7 @@ pub(super) fn history(found: &Found) -> Table {
     ]);
     Table {
         name: "force".to_owned(),
-        title: "Force, faces and state of the contact".to_owned(),
+        title: "Unfiltered force of the march, faces and state of the contact".to_owned(),
         columns,
     }
 }

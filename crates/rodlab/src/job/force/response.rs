@@ -1,5 +1,6 @@
 //! The force that a measured response tells of.
 
+use impulse::{ResponseNoise, TimeInterval};
 use labio::hits::Extent;
 use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
 
@@ -15,6 +16,9 @@ use crate::{Outcome, RodlabError};
 /// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
 const SAME_LINES: f64 = 1e-4;
 
+/// Fewest calibration hits whose scatter tells the noise of the lines.
+const FEWEST_HITS: usize = 3;
+
 /// Everything that a reconstruction is made of.
 pub(super) struct Problem<'a> {
     pub(super) sheet: &'a ResponseSheet,
@@ -23,12 +27,33 @@ pub(super) struct Problem<'a> {
     /// Samples of the response.
     pub(super) samples: Vec<f64>,
     pub(super) sampling_rate_hz: f64,
-    /// Standard deviation of the noise, where it is known.
-    pub(super) noise: Option<f64>,
+    /// Noise of the response, where it is known.
+    pub(super) noise: Noise,
+    /// When the force acts: as the sheet states it, or as long as the calibration blows act.
+    pub(super) acting: Option<TimeInterval>,
     /// The force that was measured, where there is one.
     pub(super) measured: Option<Vec<f64>>,
     /// Unit of the response.
     pub(super) unit: &'static str,
+}
+
+/// Noise of a response.
+pub(super) enum Noise {
+    Unknown,
+    /// Standard deviation of each sample.
+    White(f64),
+    /// Variance of every line, by the scatter between calibration hits.
+    Lines(Vec<f64>),
+}
+
+impl Noise {
+    pub(super) fn of_response(&self) -> ResponseNoise<'_> {
+        match self {
+            Self::Unknown => ResponseNoise::Unknown,
+            Self::White(deviation) => ResponseNoise::White(*deviation),
+            Self::Lines(lines) => ResponseNoise::Lines(lines),
+        }
+    }
 }
 
 pub(super) fn run(
@@ -94,8 +119,20 @@ pub(super) fn run(
         (None, None) => return Ok(()),
     };
     let path = response_solve::on_lines_of(path, &record, &sheet.response)?;
-    let problem = problem(sheet, path, &record, outcome)?;
+    let mut problem = problem(sheet, path, &record, outcome)?;
     around.progress.begins("force", 0);
+    let mut span = None;
+    if let Some((hits, found)) = &calibration {
+        let accepted = found.accepted();
+        if matches!(sheet.noise, NoiseSheet::Unknown) && accepted.len() >= FEWEST_HITS {
+            problem.noise = response_solve::noise_of_hits(hits, &accepted, &problem.path)?;
+        }
+        if sheet.acting.is_none() {
+            span = response_solve::span_of(hits, &accepted)?;
+            problem.acting = response_solve::acting_like_hits(&problem, span, outcome)?;
+        }
+    }
+    chosen(&problem, outcome);
     let solved = match response_solve::solve(&problem)? {
         Ok(solved) => solved,
         Err(reason) => {
@@ -106,7 +143,8 @@ pub(super) fn run(
     around.go_on()?;
     let scatter = match &calibration {
         Some((hits, found)) => {
-            response_solve::scatter(&problem, &solved, hits, found, around, outcome)?
+            let span = span.filter(|_| problem.acting.is_some());
+            response_solve::scatter(&problem, &solved, (hits, found, span), around, outcome)?
         }
         None => None,
     };
@@ -276,16 +314,16 @@ fn problem<'a>(
     let unit = channel.map_or("", |channel| channel.quantity().unit());
     let noise = match (&sheet.noise, channel) {
         (NoiseSheet::White(level), Some(channel)) => {
-            Some(level.of(channel, "problem.noise.White")?)
+            Noise::White(level.of(channel, "problem.noise.White")?)
         }
-        (NoiseSheet::FromRest(stretch), _) => Some(noise_at_rest(
+        (NoiseSheet::FromRest(stretch), _) => Noise::White(noise_at_rest(
             &samples,
             stretch,
             record.sampling_rate_hz(),
             unit,
             outcome,
         )?),
-        _ => None,
+        _ => Noise::Unknown,
     };
     let measured = sheet
         .compare_with
@@ -299,6 +337,10 @@ fn problem<'a>(
         samples,
         sampling_rate_hz: record.sampling_rate_hz(),
         noise,
+        acting: sheet.acting.as_ref().map(|acting| TimeInterval {
+            from: acting.from.si(),
+            to: acting.to.si(),
+        }),
         measured,
         unit,
     })
@@ -356,11 +398,7 @@ fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {
     }
     say("response", sheet.response.clone(), false);
     match &sheet.noise {
-        NoiseSheet::Unknown => say(
-            "noise",
-            "estimated from what the force does not explain".to_owned(),
-            true,
-        ),
+        NoiseSheet::Unknown => {}
         NoiseSheet::White(level) => say("noise", format!("white, {level}"), false),
         NoiseSheet::FromRest(stretch) => {
             say("noise", format!("white, by the first {stretch}"), false);
@@ -381,20 +419,48 @@ fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {
         }),
         band.is_none(),
     );
-    let acting = sheet.acting.as_ref();
-    say(
-        "acting",
-        acting.map_or("at any time".to_owned(), |t| {
-            format!("{} to {}", t.from, t.to)
-        }),
-        acting.is_none(),
-    );
+    if let Some(acting) = &sheet.acting {
+        say("acting", format!("{} to {}", acting.from, acting.to), false);
+    }
     let tension = if sheet.non_negative {
         "the force is nowhere tension"
     } else {
         "tension is allowed"
     };
     say("non_negative", tension.to_owned(), !sheet.non_negative);
+}
+
+/// What the sheet leaves open and the calibration hits have told.
+fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
+    let mut say = |name: &str, value: String| {
+        outcome.settings.push(Setting {
+            name: format!("problem.{name}"),
+            value,
+            by_default: true,
+        });
+    };
+    if matches!(problem.sheet.noise, NoiseSheet::Unknown) {
+        say(
+            "noise",
+            match problem.noise {
+                Noise::Lines(_) => "of each line, by the scatter between calibration hits",
+                _ => "estimated from what the force does not explain",
+            }
+            .to_owned(),
+        );
+    }
+    if problem.sheet.acting.is_none() {
+        say(
+            "acting",
+            problem.acting.map_or("at any time".to_owned(), |acting| {
+                format!(
+                    "{:.4} ms to {:.4} ms, about the peak as long as the calibration hits",
+                    1e3 * acting.from,
+                    1e3 * acting.to
+                )
+            }),
+        );
+    }
 }
 
 /// The kind of response from a force to a motion of this quantity.

@@ -7,7 +7,7 @@ use impulse::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::response::Problem;
+use super::response::{Noise, Problem};
 use super::response_solve::window;
 use crate::outcome::{LogEntry, Quantity, Setting};
 use crate::sheet::Exact;
@@ -270,7 +270,7 @@ fn quantities(
             None,
             "estimated from what the force does not explain",
         );
-    } else if let Some(noise) = problem.noise {
+    } else if let Noise::White(noise) = problem.noise {
         add(
             "noise of the response",
             problem.unit,

@@ -77,7 +77,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         1e3 * history.time_at(inside.start),
         1e3 * history.time_at(inside.end - 1),
     );
-    let margin = if problem.sheet.acting.is_some() {
+    let margin = if problem.acting.is_some() {
         0.5 * (to - from)
     } else {
         0.0

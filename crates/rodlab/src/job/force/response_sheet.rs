@@ -25,7 +25,8 @@ pub struct ResponseSheet {
     /// Channel of a force to compare with, where there is one.
     #[serde(default)]
     pub compare_with: Option<String>,
-    /// Noise of the response; by default it is estimated from what the force does not explain.
+    /// Noise of the response; by default that of each line by the scatter between calibration hits, where there are three or more, or one that is estimated
+    /// from what the force does not explain.
     #[serde(default)]
     pub noise: NoiseSheet,
     /// How what the response says too little of is kept from becoming force; by default it is not.
@@ -34,7 +35,7 @@ pub struct ResponseSheet {
     /// Lines that are used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// When the force acts, from the first sample on; by default at any time.
+    /// When the force acts, from the first sample on; by default about its peak as long as the calibration hits, or at any time where there are none.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Whether the force is nowhere tension; needs `acting`.

@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use impulse::{
-    CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand, ImpulseError,
+    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand, ImpulseError,
     Parameter, Penalty, PivotingEnd, ReconstructedForce, Reconstruction, Regularisation,
-    ResponseNoise, Sensor, TimeInterval,
+    ResponseNoise, Sensor, TimeInterval, noise_between_blows,
 };
 use labio::{FrequencyResponse, LineValidity, Record};
 use num_complex::Complex64;
 
-use super::response::{Problem, kind_of};
+use super::response::{Noise, Problem, kind_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
 use crate::job::Surroundings;
@@ -19,6 +19,12 @@ use crate::{Outcome, RodlabError};
 
 /// Fewest calibration hits of which each can be reconstructed from the others.
 const FEWEST_HITS: usize = 3;
+
+/// Most samples of a support that is chosen by default: the equations of a support are dense.
+const LONGEST: usize = 512;
+
+/// Part of the peak that division may find at other times before it counts as force.
+const ELSEWHERE: f64 = 0.1;
 
 impl ParameterSheet {
     fn parameter(self) -> Parameter {
@@ -106,13 +112,12 @@ fn reconstruct(
     sheet: &ResponseSheet,
     path: &FrequencyResponse,
     (samples, sampling_rate_hz): (&[f64], f64),
-    noise: Option<f64>,
+    noise: ResponseNoise<'_>,
+    acting: Option<TimeInterval>,
     fixed: Option<f64>,
 ) -> Result<ReconstructedForce, ImpulseError> {
     let mut sensor = Sensor::new(samples, &path.values)?.without_lines(path.invalid_lines());
-    if let Some(noise) = noise {
-        sensor = sensor.with_noise(ResponseNoise::White(noise))?;
-    }
+    sensor = sensor.with_noise(noise)?;
     if let Some(variance) = &path.variance {
         sensor = sensor.with_variance(variance)?;
     }
@@ -126,11 +131,8 @@ fn reconstruct(
             to_hz: band.to.si(),
         });
     }
-    if let Some(acting) = &sheet.acting {
-        reconstruction = reconstruction.acting_during(TimeInterval {
-            from: acting.from.si(),
-            to: acting.to.si(),
-        });
+    if let Some(acting) = acting {
+        reconstruction = reconstruction.acting_during(acting);
     }
     if sheet.non_negative {
         reconstruction = reconstruction.non_negative();
@@ -143,7 +145,8 @@ pub(super) fn solve(
     problem: &Problem<'_>,
 ) -> Result<Result<ReconstructedForce, String>, RodlabError> {
     let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
-    let found = reconstruct(problem.sheet, &problem.path, samples, problem.noise, None);
+    let noise = problem.noise.of_response();
+    let found = reconstruct(problem.sheet, &problem.path, samples, noise, problem.acting, None);
     let solved = match found {
         Ok(solved) => solved,
         // what the data lack, not the sheet
@@ -176,25 +179,97 @@ pub(super) fn solve(
 /// The samples of a force that acts in the interval of the sheet.
 pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     let n_samples = problem.samples.len();
-    let Some(acting) = &problem.sheet.acting else {
+    let Some(acting) = &problem.acting else {
         return 0..n_samples;
     };
     let rate = problem.sampling_rate_hz;
     let inside = |n: &usize| {
         let time = *n as f64 / rate;
-        (acting.from.si()..=acting.to.si()).contains(&time)
+        (acting.from..=acting.to).contains(&time)
     };
     let first = (0..n_samples).find(inside).unwrap_or(0);
     let last = (0..n_samples).rfind(inside).unwrap_or(first);
     first..last + 1
 }
 
+/// The noise of the lines of a response, by the scatter between hits.
+pub(super) fn noise_of_hits(
+    hits: &HitsSource,
+    records: &[&Record],
+    path: &FrequencyResponse,
+) -> Result<Noise, RodlabError> {
+    let Some(variance) = &path.variance else {
+        return Ok(Noise::Unknown);
+    };
+    let forces = forces_of(hits, records)?;
+    let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
+    noise_between_blows(variance, &forces)
+        .map(Noise::Lines)
+        .map_err(|error| RodlabError::step("problem.path, noise by calibration hits", error))
+}
+
+fn forces_of(hits: &HitsSource, records: &[&Record]) -> Result<Vec<Vec<f64>>, RodlabError> {
+    let forces = records.iter().map(|record| {
+        record
+            .channel(&hits.force)
+            .map(|samples| samples.to_vec())
+            .map_err(|error| RodlabError::step("problem.path", error))
+    });
+    forces.collect()
+}
+
+/// How long the calibration hits act about their peaks; none if that is too long for a support.
+pub(super) fn span_of(
+    hits: &HitsSource,
+    records: &[&Record],
+) -> Result<Option<BlowSpan>, RodlabError> {
+    let forces = forces_of(hits, records)?;
+    let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
+    let span = BlowSpan::of(&forces).map_err(|error| RodlabError::step("problem.path", error))?;
+    Ok(span.filter(|span| span.before + span.after < LONGEST))
+}
+
+/// The time in which the force acts, as long as the calibration hits, about the peak of the force by division; none if there is force elsewhere.
+pub(super) fn acting_like_hits(
+    problem: &Problem<'_>,
+    span: Option<BlowSpan>,
+    outcome: &mut Outcome,
+) -> Result<Option<TimeInterval>, RodlabError> {
+    let Some(span) = span else { return Ok(None) };
+    let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
+    // a regularisation would only round what is looked for
+    let mut sensor = Sensor::new(samples.0, &problem.path.values)
+        .map_err(|error| RodlabError::step("problem", error))?;
+    sensor = sensor.without_lines(problem.path.invalid_lines());
+    let divided = Reconstruction::of_sensors(vec![sensor], samples.1).and_then(|r| r.solve());
+    // what is wrong with the data is said where the force itself is sought
+    let Ok(divided) = divided else { return Ok(None) };
+    let force = divided.history.force();
+    let peak = divided.history.peak();
+    let Some(at) = divided.history.index_near(peak.time) else {
+        return Ok(None);
+    };
+    let window = span.about(at, force.len());
+    let elsewhere = force
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| !window.contains(index))
+        .fold(0.0_f64, |top, (_, f)| top.max(f.abs()));
+    if elsewhere > ELSEWHERE * peak.force {
+        outcome.warnings.push(format!(
+            "By division there is {:.0} % of the peak force at other times than a calibration hit lasts: the force is sought all over the record. State `acting` if it is known.",
+            100.0 * elsewhere / peak.force
+        ));
+        return Ok(None);
+    }
+    Ok(Some(BlowSpan::interval(&window, problem.sampling_rate_hz)))
+}
+
 /// What calibration hits say of the error: each is reconstructed from the others, as the blow was.
 pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
-    hits: &HitsSource,
-    found: &FoundHits,
+    (hits, found, span): (&HitsSource, &FoundHits, Option<BlowSpan>),
     around: &Surroundings<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<CalibrationScatter>, RodlabError> {
@@ -219,8 +294,9 @@ pub(super) fn scatter(
             .iter()
             .enumerate()
             .filter(|(other, _)| *other != index)
-            .map(|(_, record)| *record);
-        let path = path_of(hits, others, around)?;
+            .map(|(_, record)| *record)
+            .collect::<Vec<_>>();
+        let path = path_of(hits, others.iter().copied(), around)?;
         let path = on_lines_of(path, hit, &hits.response)?;
         let response = hit
             .channel(&hits.response)
@@ -234,6 +310,15 @@ pub(super) fn scatter(
             .iter()
             .enumerate()
             .max_by(|(_, a), (_, b)| a.total_cmp(b));
+        // of hits that begin elsewhere in their records the support moves along
+        let (window, acting) = match (span, largest) {
+            (Some(span), Some((at, _))) => {
+                let window = span.about(at, measured.len());
+                let acting = BlowSpan::interval(&window, problem.sampling_rate_hz);
+                (window, Some(acting))
+            }
+            _ => (window.clone(), problem.acting),
+        };
         if largest.is_some_and(|(at, _)| !window.contains(&at)) {
             outcome.warnings.push(format!(
                 "The force of calibration hit {} is not where the force acts: the hits cannot tell how good the reconstruction is.",
@@ -242,8 +327,21 @@ pub(super) fn scatter(
             return Ok(None);
         }
         let samples = (response.as_slice(), problem.sampling_rate_hz);
-        let again = reconstruct(problem.sheet, &path, samples, problem.noise, fixed);
-        forces.push((again.map_err(step)?.history, measured));
+        let of_others;
+        let noise = match &problem.noise {
+            Noise::Lines(_) => {
+                of_others = noise_of_hits(hits, &others, &path)?;
+                of_others.of_response()
+            }
+            other => other.of_response(),
+        };
+        let again = reconstruct(problem.sheet, &path, samples, noise, acting, fixed);
+        let history = again.map_err(step)?.history;
+        let cut = |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();
+        forces.push((
+            ForceHistory::new(0.0, history.time_step(), cut(history.force())).map_err(step)?,
+            cut(&measured),
+        ));
         around.progress.one_more();
     }
     let blows: Vec<CalibrationBlow<'_>> = forces
@@ -253,7 +351,8 @@ pub(super) fn scatter(
             measured,
         })
         .collect();
-    CalibrationScatter::of(&blows, window)
+    let longest = forces.iter().map(|(_, measured)| measured.len()).max();
+    CalibrationScatter::of(&blows, 0..longest.unwrap_or(0))
         .map(Some)
         .map_err(step)
 }

@@ -174,18 +174,21 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
             against(&|flag| matches!(flag, ScreeningFlag::MassContradicted { .. })),
         );
     }
-    add(
-        "front impedance by the upper lines",
-        "kg/s",
-        screening.front.apparent,
-        None,
-        against(&|flag| {
-            matches!(
-                flag,
-                ScreeningFlag::FrontContradicted { .. } | ScreeningFlag::FrontNotPositive { .. }
-            )
-        }),
-    );
+    if let Some(front) = &screening.front {
+        add(
+            "front impedance by the mean over resonance spacings",
+            "kg/s",
+            front.apparent,
+            Some(front.standard_error),
+            against(&|flag| {
+                matches!(
+                    flag,
+                    ScreeningFlag::FrontContradicted { .. }
+                        | ScreeningFlag::FrontNotPositive { .. }
+                )
+            }),
+        );
+    }
     if flags.is_empty() {
         outcome.summary.push(
             "Nothing speaks against it: it answers after the force, takes energy, and begins and ends as it should."

@@ -13,6 +13,7 @@ use crate::outcome::{Setting, Verdict};
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::body::{BodySheet, ComputedBody};
+use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::sheet::{Frequency, Exact};
 use crate::{Outcome, RodlabError};
 
@@ -131,6 +132,11 @@ pub(super) fn read<'a>(
                 value: format!("computed, {lines} lines up to {up_to}"),
                 by_default: false,
             });
+            let mut without = WithoutUncertainty {
+                why: "the mobility of a computed body does not follow it",
+            };
+            without.materials(&sheet.materials)?;
+            without.body(body, "source.body")?;
             body.body(&sheet.materials, "source.body")
                 .map(Read::Computed)
         }

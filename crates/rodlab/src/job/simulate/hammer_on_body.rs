@@ -12,6 +12,7 @@ use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
 use crate::sheet::body::{BodySheet, ComputedBody};
+use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 
 const FIELD: &str = "experiment: HammerOnBody";
 const HAMMER: &str = "hammer";
@@ -40,6 +41,10 @@ impl HammerOnBodySheet {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"))?;
         let place = format!("{FIELD}.body");
+        let mut exact = WithoutUncertainty {
+            why: "a virtual test has one truth",
+        };
+        exact.body(&self.body, &place)?;
         let body = self.body.body(request.materials, &place)?;
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;

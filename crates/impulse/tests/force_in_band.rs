@@ -1,0 +1,152 @@
+//! The force in a band: one number whatever the step and the record; the end of a contact between samples.
+#![allow(
+    clippy::unwrap_used,
+    reason = "in a test, a refusal where none is expected is a failure"
+)]
+
+use std::f64::consts::{PI, TAU};
+
+use impulse::{
+    BandLimit, ContactEnd, ContactLaw, FirstForce, Impact, MobilityLaw, StickProblem, ZeroLine,
+    separate,
+};
+use num_complex::Complex64;
+use rodwave::chain::{AnalyticChain, Termination};
+use rodwave::element::Circle;
+use rodwave::medium::Medium;
+use rodwave::modulus::{ConstantQ, Elastic, Zener};
+
+fn circle(diameter_mm: f64) -> Circle {
+    Circle::of_diameter(1e-3 * diameter_mm).unwrap()
+}
+
+/// A cone whose impedance grows with frequency without end.
+fn cone() -> AnalyticChain {
+    let nylon = Medium::new(1150.0, ConstantQ::new(2.6e9, 0.094, TAU * 3e3).unwrap()).unwrap();
+    AnalyticChain::analytic_from_impact_face()
+        .cone(&nylon, circle(75.0), circle(30.0), 0.400)
+        .end(Termination::Free)
+        .unwrap()
+}
+
+fn long_rod() -> AnalyticChain {
+    let steel = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
+    AnalyticChain::analytic_from_impact_face()
+        .end(Termination::semi_infinite(&steel, circle(10.0)).unwrap())
+        .unwrap()
+}
+
+#[test]
+fn r07_the_peak_in_the_band_depends_on_neither_step_nor_record() {
+    let (cone, rod) = (cone(), long_rod());
+    let impact = Impact::between(&cone, &rod).at_velocity(0.93);
+    let mut in_band = Vec::new();
+    let mut without = Vec::new();
+    for (duration, step) in [(0.5e-3, 0.2e-6), (1e-3, 1e-6), (4e-3, 1e-6), (4e-3, 3e-6)] {
+        let prediction = impact.clone().in_steps_of(step).predict(duration).unwrap();
+        let limited = prediction.band_limited(BandLimit::PAPER_E).unwrap();
+        in_band.push(limited.smooth_peak().force);
+        without.push(prediction.peak().force);
+    }
+    let spread = |values: &[f64]| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        (largest - least) / largest
+    };
+    // a step of 3 us against sigma of 13 us: (h/sigma)^2/24 of the jump
+    assert!(spread(&in_band) < 2.5e-3, "{in_band:?}");
+    // without a band it does depend on the step
+    assert!(spread(&without) > 0.02, "{without:?}");
+    let discrete = impact.in_steps_of(1e-6).discretised(1e-3).unwrap();
+    assert_eq!(discrete.first_force(), FirstForce::Unbounded);
+}
+
+#[test]
+fn r07_the_first_force_is_a_jump_where_the_impedances_are_numbers() {
+    let zener = Medium::new(1150.0, Zener::new(2.5e9, 2.9e9, 50e-6).unwrap()).unwrap();
+    let striker = AnalyticChain::analytic_from_impact_face()
+        .rod(&zener, circle(40.0), 0.3)
+        .end(Termination::Free)
+        .unwrap();
+    let rod = long_rod();
+    let area = |d: f64| PI / 4.0 * d * d;
+    let exact = 1.0
+        / (1.0 / (area(0.040) * (1150.0_f64 * 2.9e9).sqrt())
+            + 1.0 / (area(0.010) * (7780.0_f64 * 206e9).sqrt()));
+    let impact = Impact::between(&striker, &rod).at_velocity(1.0);
+    let first = impact.clone().in_steps_of(2e-6).discretised(1e-3).unwrap();
+    let FirstForce::Jump(jump) = first.first_force() else {
+        unreachable!("{:?}", first.first_force());
+    };
+    assert!((jump / exact - 1.0).abs() < 1e-4, "{jump} {exact}");
+    let soft = impact.through(ContactLaw::linear(1e7).unwrap());
+    let soft = soft.in_steps_of(2e-6).discretised(1e-3).unwrap();
+    assert_eq!(soft.first_force(), FirstForce::Continuous);
+}
+
+#[test]
+fn r23_a_soft_contact_ends_where_its_approach_comes_back_to_zero() {
+    // half a period of a mass on a spring, whatever the step
+    let (mass, stiffness) = (0.5_f64, 2e7_f64);
+    let striker = MobilityLaw::analytic(move |s| 1.0 / (mass * s))
+        .free(mass)
+        .unwrap();
+    let ground = MobilityLaw::analytic(|_| Complex64::ZERO);
+    let exact = PI * (mass / stiffness).sqrt();
+    for step in [1.3e-6, 4.1e-6, 7.7e-6] {
+        let prediction = Impact::between(&striker, &ground)
+            .at_velocity(2.0)
+            .through(ContactLaw::linear(stiffness).unwrap())
+            .in_steps_of(step)
+            .predict(1e-3)
+            .unwrap();
+        let end = prediction.contacts[0].end.unwrap();
+        // the step in which they part is a fiftieth of what a whole step would leave
+        assert!((end - exact).abs() < 0.02 * step, "{step}: {end} {exact}");
+    }
+}
+
+/// A mass on a long rod with a mode between: a stick force with a smooth zero, known by its poles.
+#[test]
+fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
+    // 1/G1 of two masses and a spring with a dashpot: the force rings through zero
+    let (head, tail, stiffness, damping) = (0.2, 0.8, 3e6, 60.0);
+    let body = |s: Complex64| {
+        let joint = damping + stiffness / s;
+        1.0 / (head * s + 1.0 / (1.0 / joint + 1.0 / (tail * s)))
+    };
+    let rod = |_| Complex64::from(1.0 / 200.0);
+    let problem = |step_hz: f64, n: u32, interpolation| {
+        let at = move |k: u32| Complex64::new(0.0, TAU * step_hz * f64::from(k));
+        let lines = |law: &dyn Fn(Complex64) -> Complex64| -> Vec<Complex64> {
+            (0..n)
+                .map(|k| if k == 0 { Complex64::ZERO } else { law(at(k)) })
+                .collect()
+        };
+        let (first, second) = (lines(&body), lines(&rod));
+        let stick = StickProblem {
+            first: &first,
+            second: &second,
+            frequency_step_hz: step_hz,
+            impact_velocity: 1.0,
+            zero_line: ZeroLine::EffectiveMass(head + tail),
+            roll_off_from_hz: Some(2e3),
+            interpolation,
+            until: Some(20e-3),
+        }
+        .solve()
+        .unwrap();
+        let end = separate(&stick.history, 0.01 * stick.history.peak().force).unwrap();
+        let ContactEnd::Separated { time } = end.end else {
+            unreachable!("{:?}", end.end);
+        };
+        (time, stick.history.smooth_peak().force)
+    };
+    // the same lines with many more samples: nothing but the samples differs
+    let (exact, peak) = problem(5.0, 801, 256);
+    let (fine, fine_peak) = problem(5.0, 801, 16);
+    let (coarse, _) = problem(5.0, 801, 1);
+    assert!((fine - exact).abs() < 0.1e-6, "{fine} {exact}");
+    assert!((fine_peak / peak - 1.0).abs() < 1e-5);
+    assert!((coarse - exact).abs() > 1e-6, "{coarse} {exact}");
+}

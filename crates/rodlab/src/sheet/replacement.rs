@@ -1,0 +1,191 @@
+//! Sheets of materials and bodies with every stated quantity replaced by another.
+
+use super::body::{BodySheet, ElementSheet, EndSheet};
+use super::material::{BranchSheet, LawSheet, MaterialSheet, Materials};
+use super::{Kind, Stated};
+use crate::RodlabError;
+
+/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of those that have one.
+pub(crate) trait Replacement {
+    /// The quantity in place of `stated`; `field` is its place in the sheet.
+    fn stated<K: Kind>(
+        &mut self,
+        stated: &Stated<K>,
+        field: &str,
+    ) -> Result<Stated<K>, RodlabError>;
+
+    fn materials(&mut self, materials: &Materials) -> Result<Materials, RodlabError> {
+        let drawn = materials.iter().map(|(name, material)| {
+            let field = format!("materials: {name}");
+            let drawn = MaterialSheet {
+                density: self.stated(&material.density, &field)?,
+                law: self.law(&material.law, &field)?,
+            };
+            Ok((name.clone(), drawn))
+        });
+        drawn.collect()
+    }
+
+    fn law(&mut self, law: &LawSheet, field: &str) -> Result<LawSheet, RodlabError> {
+        Ok(match law {
+            LawSheet::Elastic { modulus } => LawSheet::Elastic {
+                modulus: self.stated(modulus, field)?,
+            },
+            LawSheet::ConstantQ {
+                modulus,
+                loss_factor,
+                at,
+            } => LawSheet::ConstantQ {
+                modulus: self.stated(modulus, field)?,
+                loss_factor: self.stated(loss_factor, field)?,
+                at: self.stated(at, field)?,
+            },
+            LawSheet::KelvinVoigt { modulus, viscosity } => LawSheet::KelvinVoigt {
+                modulus: self.stated(modulus, field)?,
+                viscosity: self.stated(viscosity, field)?,
+            },
+            LawSheet::Maxwell { modulus, viscosity } => LawSheet::Maxwell {
+                modulus: self.stated(modulus, field)?,
+                viscosity: self.stated(viscosity, field)?,
+            },
+            LawSheet::Zener {
+                relaxed,
+                unrelaxed,
+                relaxation_time,
+            } => LawSheet::Zener {
+                relaxed: self.stated(relaxed, field)?,
+                unrelaxed: self.stated(unrelaxed, field)?,
+                relaxation_time: self.stated(relaxation_time, field)?,
+            },
+            LawSheet::FractionalZener {
+                relaxed,
+                unrelaxed,
+                relaxation_time,
+                exponent,
+            } => LawSheet::FractionalZener {
+                relaxed: self.stated(relaxed, field)?,
+                unrelaxed: self.stated(unrelaxed, field)?,
+                relaxation_time: self.stated(relaxation_time, field)?,
+                exponent: self.stated(exponent, field)?,
+            },
+            LawSheet::Prony {
+                equilibrium,
+                branches,
+            } => LawSheet::Prony {
+                equilibrium: match equilibrium {
+                    Some(modulus) => Some(self.stated(modulus, field)?),
+                    None => None,
+                },
+                branches: branches
+                    .iter()
+                    .map(|branch| {
+                        Ok(BranchSheet {
+                            modulus: self.stated(&branch.modulus, field)?,
+                            relaxation_time: self.stated(&branch.relaxation_time, field)?,
+                        })
+                    })
+                    .collect::<Result<_, RodlabError>>()?,
+            },
+            LawSheet::PowerLawPropagation { .. } => law.clone(),
+        })
+    }
+
+    /// A computed body; a measured one stays as it is stated.
+    fn body(&mut self, body: &BodySheet, field: &str) -> Result<BodySheet, RodlabError> {
+        Ok(match body {
+            BodySheet::Chain { elements, end } => BodySheet::Chain {
+                elements: elements
+                    .iter()
+                    .map(|element| self.element(element, field))
+                    .collect::<Result<_, _>>()?,
+                end: self.end(end, field)?,
+            },
+            BodySheet::RigidMass(mass) => BodySheet::RigidMass(self.stated(mass, field)?),
+            BodySheet::LongRod { material, diameter } => BodySheet::LongRod {
+                material: material.clone(),
+                diameter: self.stated(diameter, field)?,
+            },
+            BodySheet::Impedance(impedance) => {
+                BodySheet::Impedance(self.stated(impedance, field)?)
+            }
+            BodySheet::Measured(_) => body.clone(),
+        })
+    }
+
+    fn element(
+        &mut self,
+        element: &ElementSheet,
+        field: &str,
+    ) -> Result<ElementSheet, RodlabError> {
+        Ok(match element {
+            ElementSheet::Rod {
+                material,
+                diameter,
+                length,
+            } => ElementSheet::Rod {
+                material: material.clone(),
+                diameter: self.stated(diameter, field)?,
+                length: self.stated(length, field)?,
+            },
+            ElementSheet::Cone {
+                material,
+                near,
+                far,
+                length,
+            } => ElementSheet::Cone {
+                material: material.clone(),
+                near: self.stated(near, field)?,
+                far: self.stated(far, field)?,
+                length: self.stated(length, field)?,
+            },
+            ElementSheet::Horn {
+                material,
+                near,
+                far,
+                length,
+            } => ElementSheet::Horn {
+                material: material.clone(),
+                near: self.stated(near, field)?,
+                far: self.stated(far, field)?,
+                length: self.stated(length, field)?,
+            },
+            ElementSheet::Mass(mass) => ElementSheet::Mass(self.stated(mass, field)?),
+            ElementSheet::Spring(stiffness) => {
+                ElementSheet::Spring(self.stated(stiffness, field)?)
+            }
+            ElementSheet::Dashpot(resistance) => {
+                ElementSheet::Dashpot(self.stated(resistance, field)?)
+            }
+        })
+    }
+
+    fn end(&mut self, end: &EndSheet, field: &str) -> Result<EndSheet, RodlabError> {
+        Ok(match end {
+            EndSheet::Free | EndSheet::Fixed => end.clone(),
+            EndSheet::Mass(mass) => EndSheet::Mass(self.stated(mass, field)?),
+            EndSheet::Dashpot(resistance) => EndSheet::Dashpot(self.stated(resistance, field)?),
+            EndSheet::LongRod { material, diameter } => EndSheet::LongRod {
+                material: material.clone(),
+                diameter: self.stated(diameter, field)?,
+            },
+        })
+    }
+}
+
+/// Refuses every quantity that is stated with an uncertainty, for a job that cannot follow it.
+#[derive(Debug)]
+pub(crate) struct WithoutUncertainty {
+    /// Completes "the value without ±, because".
+    pub(crate) why: &'static str,
+}
+
+impl Replacement for WithoutUncertainty {
+    fn stated<K: Kind>(
+        &mut self,
+        stated: &Stated<K>,
+        field: &str,
+    ) -> Result<Stated<K>, RodlabError> {
+        stated.exact(field, self.why)?;
+        Ok(stated.clone())
+    }
+}
