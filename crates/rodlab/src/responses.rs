@@ -6,12 +6,14 @@
 mod file;
 mod hits;
 mod kind;
+mod signal;
 mod support;
 
 pub use file::ResponseFile;
 pub(crate) use file::STANDARD_ERROR;
 pub use hits::{EstimatorSheet, ForceWindowSheet, HitsSource};
 pub use kind::KindSheet;
+pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 
 use labio::{FrequencyResponse, LineValidity};
@@ -61,8 +63,14 @@ pub fn cut(
             format!("a frequency with at least {FEWEST_LINES} lines below it"),
         ));
     }
-    if n_lines == response.values.len() {
-        return Ok(());
+    first_lines(response, n_lines);
+    Ok(())
+}
+
+/// Leaves the first `n_lines` lines of `response`, or all if there are no more.
+pub(crate) fn first_lines(response: &mut FrequencyResponse, n_lines: usize) {
+    if n_lines >= response.values.len() {
+        return;
     }
     response.frequency_hz.truncate(n_lines);
     response.values.truncate(n_lines);
@@ -73,6 +81,5 @@ pub fn cut(
     {
         lines.truncate(n_lines);
     }
-    response.n_samples = 2 * (n_lines - 1);
-    Ok(())
+    response.n_samples = 2 * n_lines.saturating_sub(1);
 }

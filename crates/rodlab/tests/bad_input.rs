@@ -135,6 +135,6 @@ fn too_few_hits() {
     };
     insta::assert_snapshot!(said_of(reject), @r"
     status 1
-    the data do not allow the result: 1 hit is accepted of 5 found, expected at least 2: the coherence of one is 1 whatever was measured
+    not allowed: 1 hit is accepted of 5 found, expected at least 2: the coherence of one is 1 whatever was measured
     ");
 }

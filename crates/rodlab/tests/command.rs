@@ -210,7 +210,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     let said = text(&run.stderr);
     assert!(
         said.starts_with(
-            "the data do not allow the result: the time step is too long for the contact"
+            "not allowed: the time step is too long for the contact"
         ),
         "{said}"
     );

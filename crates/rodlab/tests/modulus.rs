@@ -453,16 +453,17 @@ fn one_hit_or_ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "(name: \"free end\", from: 2, inverted: true,",
     );
     let outcome = run(folder.path(), &inverted).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
     assert!(
-        outcome
-            .warnings
+        reasons
             .iter()
-            .any(|w| w.starts_with("The check of polarity fails")),
-        "{:?}",
-        outcome.warnings
+            .any(|reason| reason.starts_with("the check of polarity fails")),
+        "{reasons:?}"
     );
     assert!(
-        outcome.summary[1].contains("polarity"),
+        outcome.summary[0].contains("polarity"),
         "{:?}",
         outcome.summary
     );
@@ -482,6 +483,109 @@ fn one_hit_or_ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "{:?}",
         outcome.summary
     );
+}
+
+/// `hits.npy` of the folder under another name, each sample changed.
+fn again(folder: &Path, name: &str, change: impl Fn(f64) -> f64) {
+    let mut bytes = fs::read(folder.join("hits.npy")).unwrap();
+    let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    for number in bytes[begin..].chunks_exact_mut(8) {
+        let value = f64::from_le_bytes(number.try_into().unwrap());
+        number.copy_from_slice(&change(value).to_le_bytes());
+    }
+    fs::write(folder.join(name), bytes).unwrap();
+}
+
+#[test]
+fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 2, 7);
+    let two_files =
+        sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
+    let said = || run(folder.path(), &two_files).unwrap_err().to_string();
+    again(folder.path(), "more.npy", |volts| volts);
+    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    again(folder.path(), "more.npy", |volts| {
+        f64::from(1.3_f32 * volts as f32)
+    });
+    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0019 s and hit 3, more.npy at 0.0019 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0019 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+
+    // the same hits, stored with a fifth of the bits of noise less
+    let step = 2e-7;
+    again(folder.path(), "more.npy", |volts| {
+        (volts / step).round() * step
+    });
+    let outcome = run(folder.path(), &two_files).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    assert_eq!(reasons.len(), 2, "{reasons:?}");
+    assert!(
+        reasons[0]
+            .starts_with("hit 1, hits.npy at 0.0019 s and hit 3, more.npy at 0.0019 s differ by "),
+        "{reasons:?}"
+    );
+}
+
+#[test]
+fn r10_hits_without_any_noise_are_refused() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 1, 7);
+    // the second hit is the first, filtered: no copy, and a coherence of 1
+    let mut bytes = fs::read(folder.path().join("hits.npy")).unwrap();
+    let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let half = (bytes.len() - begin) / 2;
+    for channel in 0..2 {
+        let row = &mut bytes[begin + channel * half..begin + (channel + 1) * half];
+        let samples: Vec<f64> = row
+            .chunks_exact(8)
+            .map(|number| f64::from_le_bytes(number.try_into().unwrap()))
+            .collect();
+        for (n, number) in row.chunks_exact_mut(8).enumerate() {
+            // circular, as the transform is
+            let before = samples[(n + samples.len() - 40) % samples.len()];
+            number.copy_from_slice(&(samples[n] + 0.5 * before).to_le_bytes());
+        }
+    }
+    fs::write(folder.path().join("more.npy"), bytes).unwrap();
+    let text = sheet(TWO_POINT, BAND)
+        .replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]")
+        .replace("cut: Trigger(level: \"2000 m/s2\", length: \"4096 samples\", pre_trigger: \"1 ms\"),", "criteria: (double_hit: None, remainder: None, static_offset: None, level_shift: None),");
+    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 to rounding over 2 hits, expected hits with noise of their own: these are copies of one hit, or computed without noise");
+}
+
+#[test]
+fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 6, 11);
+    let checked = |rest: &str| {
+        let outcome = run(folder.path(), &sheet(TWO_POINT, rest)).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+        let setting = outcome
+            .settings
+            .iter()
+            .find(|s| s.name == "band of the checks");
+        (setting.map(|s| s.value.clone()), outcome.warnings)
+    };
+    let (band, warnings) = checked("");
+    let band = band.unwrap();
+    assert!(
+        band.contains(" to 16.38 kHz: the coherence is above that of chance, no alias is to be expected below 16.38 kHz, half the Nyquist frequency"),
+        "{band}"
+    );
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.starts_with("No `band` is stated: the checks look at the lines from ")),
+        "{warnings:?}"
+    );
+    let (band, _) = checked(r#"checks: (alias_free_to: "14 kHz"),"#);
+    assert!(band.unwrap().contains("aliases are kept away up to 14 kHz"));
+    assert_eq!(checked(BAND).0, None);
+    let wrong = sheet(TWO_POINT, r#"checks: (alias_free_to: "40 kHz"),"#);
+    insta::assert_snapshot!(run(folder.path(), &wrong).unwrap_err(), @"checks.alias_free_to is 40 kHz, expected at most 32.77 kHz, the Nyquist frequency");
 }
 
 #[test]

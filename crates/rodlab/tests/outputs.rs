@@ -207,7 +207,11 @@ fn the_result_has_the_documented_structure_and_the_structure_nothing_that_is_not
     let schema: Value = serde_json::from_str(&fs::read_to_string(schema).unwrap()).unwrap();
     let mut seen = BTreeSet::new();
     let mut outcome = rich::outcome();
-    for verdict in [outcome.verdict.clone(), rodlab::outcome::Verdict::Answered] {
+    let in_doubt = rodlab::outcome::Verdict::InDoubt {
+        reasons: vec!["the check of polarity fails".into()],
+    };
+    let answered = rodlab::outcome::Verdict::Answered;
+    for verdict in [outcome.verdict.clone(), in_doubt, answered] {
         outcome.verdict = verdict;
         let result: Value =
             serde_json::from_str(&output::json_of(&outcome, &rich::sheet()).unwrap()).unwrap();

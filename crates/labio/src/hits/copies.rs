@@ -333,3 +333,198 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     }
     delay
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Channel, Provenance, Quantity};
+    use ndarray::Array2;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const N: usize = 2048;
+    const RATE_HZ: f64 = 50_000.0;
+
+    fn record(rows: [Vec<f64>; 2]) -> Record {
+        let samples = Array2::from_shape_fn((2, N), |(row, n)| rows[row][n]);
+        let channels = vec![
+            Channel::new("force", Quantity::Force).unwrap(),
+            Channel::new("end", Quantity::Acceleration).unwrap(),
+        ];
+        Record::new(
+            samples,
+            RATE_HZ,
+            0.0,
+            channels,
+            Provenance::computed("test"),
+        )
+        .unwrap()
+    }
+
+    /// A pulse and the ringing of three modes that it leaves, from sample 200 on, at any time between samples; with white noise of
+    /// the standard deviation `noise` of the peak.
+    fn hit(peak: f64, later: f64, noise: f64, rng: &mut ChaCha8Rng) -> [Vec<f64>; 2] {
+        let mut of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            (0..N)
+                .map(|n| {
+                    let unit: f64 = StandardNormal.sample(rng);
+                    peak * (value(n as f64 - 200.0 - later) + noise * unit)
+                })
+                .collect()
+        };
+        let force = of(&|t| (-(t - 12.0).powi(2) / 18.0).exp());
+        let end = of(&|t| {
+            let t = (t - 12.0).max(0.0);
+            let modes = [(0.05, 0.004), (0.13, 0.006), (0.31, 0.01)];
+            modes
+                .iter()
+                .map(|(omega, decay)| (omega * t).sin() * (-decay * t).exp())
+                .sum()
+        });
+        [force, end]
+    }
+
+    fn copy_of(hits: &[Record]) -> Option<Copy> {
+        let hits: Vec<&Record> = hits.iter().collect();
+        find_copy(&hits, &["force", "end"]).unwrap()
+    }
+
+    fn near(hits: &[Record]) -> Vec<(usize, usize)> {
+        let hits: Vec<&Record> = hits.iter().collect();
+        let found = find_near_copies(&hits, &["force", "end"], 0.01).unwrap();
+        found.iter().map(|pair| (pair.first, pair.second)).collect()
+    }
+
+    fn map(rows: &[Vec<f64>; 2], f: impl Fn(f64) -> f64) -> Record {
+        record(
+            rows.each_ref()
+                .map(|row| row.iter().map(|x| f(*x)).collect()),
+        )
+    }
+
+    #[test]
+    fn r10_equal_samples_are_found_whatever_their_scale_and_format() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let hits: Vec<[Vec<f64>; 2]> = (0..4).map(|_| hit(1.0, 0.0, 1e-4, &mut rng)).collect();
+        let records: Vec<Record> = hits.iter().cloned().map(record).collect();
+        assert_eq!(copy_of(&records), None);
+        let copies: [(&str, &dyn Fn(f64) -> f64); 4] = [
+            ("as it is", &|x| x),
+            ("inverted, another sensitivity, an offset", &|x| {
+                0.3 - 17.3 * x
+            }),
+            ("single precision", &|x| f64::from(x as f32)),
+            ("nine digits of text", &|x| {
+                format!("{x:.9e}").parse().unwrap()
+            }),
+        ];
+        for (what, change) in copies {
+            let mut all = records.clone();
+            all.push(map(&hits[1], change));
+            let expected = Copy::Hits {
+                first: 1,
+                second: 4,
+            };
+            assert_eq!(copy_of(&all), Some(expected), "{what}");
+        }
+        // one channel is of another hit
+        let mut all = records.clone();
+        all.push(record([hits[1][0].clone(), hits[2][1].clone()]));
+        assert_eq!(copy_of(&all), None);
+    }
+
+    #[test]
+    fn r10_one_channel_in_two_places_is_found_and_a_dead_one_is_none() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let [force, end] = hit(1.0, 0.0, 1e-4, &mut rng);
+        let twice = record([force.iter().map(|x| 2.0 * x).collect(), force]);
+        let expected = Copy::Channels {
+            hit: 0,
+            first: "force".into(),
+            second: "end".into(),
+        };
+        assert_eq!(copy_of(&[twice]), Some(expected));
+        let dead = || record([vec![0.0; N], vec![0.0; N]]);
+        assert_eq!(copy_of(&[dead(), dead()]), None);
+        let mute = record([vec![0.0; N], end.clone()]);
+        let copy = Copy::Hits {
+            first: 0,
+            second: 1,
+        };
+        assert_eq!(copy_of(&[mute.clone(), mute]), Some(copy));
+    }
+
+    #[test]
+    fn r10_a_hit_that_was_rounded_scaled_or_sampled_again_is_nearly_a_copy() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let hits: Vec<[Vec<f64>; 2]> = (0..3).map(|_| hit(1.0, 0.0, 1e-3, &mut rng)).collect();
+        let records: Vec<Record> = hits.iter().cloned().map(record).collect();
+        assert_eq!(near(&records), []);
+        // rounded to a twentieth of the noise, by another sensitivity
+        let rounded = map(&hits[2], |x| 3.0 * (x / 5e-5).round() * 5e-5);
+        assert_eq!(copy_of(&[records[2].clone(), rounded.clone()]), None);
+        let mut all = records.clone();
+        all.push(rounded);
+        assert_eq!(near(&all), [(2, 3)]);
+        // sampled again 0.37 samples and 5 samples later, exactly, and by straight lines between the samples
+        for late in [0.37, 5.0, -3.4] {
+            let again = hits[0].each_ref().map(|row| {
+                let mut lines = dft::forward(row);
+                for (k, line) in lines.iter_mut().enumerate() {
+                    *line *= Complex64::cis(-std::f64::consts::TAU * k as f64 * late / N as f64);
+                }
+                dft::inverse(&lines, N)
+            });
+            all[3] = record(again);
+            assert_eq!(near(&all), [(0, 3)], "{late}");
+        }
+        let between = hits[1].each_ref().map(|row| {
+            let next = row.iter().skip(1).chain(row.last());
+            row.iter()
+                .zip(next)
+                .map(|(a, b)| 0.8 * a + 0.2 * b)
+                .collect()
+        });
+        all[3] = record(between);
+        assert_eq!(near(&all), [(1, 3)]);
+    }
+
+    /// Hits of a machine that strikes the same every time: they differ by noise only, and by nothing else.
+    #[test]
+    fn r10_hits_that_differ_by_noise_only_are_no_copies() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for noise in [1e-5, 1e-3, 3e-2] {
+            for _ in 0..20 {
+                let hits: Vec<Record> = (0..5)
+                    .map(|number| record(hit(1.0 + 0.1 * f64::from(number), 0.0, noise, &mut rng)))
+                    .collect();
+                assert_eq!(near(&hits), [], "{noise}");
+            }
+        }
+        // hum of the mains and a drift before and in the hits, much larger than the noise of a line
+        for _ in 0..20 {
+            let hits: Vec<Record> = (0..5)
+                .map(|_| {
+                    let unit: f64 = StandardNormal.sample(&mut rng);
+                    let mut rows = hit(1.0, 0.0, 1e-4, &mut rng);
+                    for x in rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
+                        let t = x.0 as f64 / RATE_HZ;
+                        *x.1 += 0.02 * (std::f64::consts::TAU * 50.0 * t + unit).sin() + 0.1 * t;
+                    }
+                    record(rows)
+                })
+                .collect();
+            assert_eq!(near(&hits), []);
+        }
+        // counts of a converter whose last bit the noise does not reach
+        let hits: Vec<Record> = (0..5)
+            .map(|number| {
+                let peak = 1.0 + 0.01 * f64::from(number);
+                map(&hit(peak, 0.0, 1e-6, &mut rng), |x| (4096.0 * x).round())
+            })
+            .collect();
+        assert_eq!(near(&hits), []);
+        assert_eq!(copy_of(&hits), None);
+    }
+}

@@ -175,7 +175,7 @@ fn campaign(extent: Extent) -> Row {
 fn says_what_failed(summary: &Files) -> bool {
     let text = |name: &str| String::from_utf8(summary[Path::new(name)].clone()).unwrap();
     let counts: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();
-    let failed = counts["failed"].as_u64().unwrap();
+    let failed = counts["wrong_input"].as_u64().unwrap();
     let lines = text("summary.csv");
     let told = lines
         .lines()

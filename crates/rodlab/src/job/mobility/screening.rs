@@ -3,13 +3,19 @@
 use std::sync::Arc;
 
 use impulse::{ImpactBody, Kernel, Quadrature, Screening, ScreeningFlag, TimeGrid};
-use labio::LineValidity;
+use labio::{FrequencyResponse, LineValidity};
 
 use super::MobilitySheet;
 use super::known::Known;
-use crate::outcome::{Column, Quantity, Table};
-use crate::responses::{SupportSheet, line_spacing_hz, measured_body};
+use crate::outcome::{Column, Quantity, Setting, Table};
+use crate::responses::{
+    SupportSheet, first_lines, line_spacing_hz, measured_body, stretch_with_signal,
+};
+use crate::rounded::hertz;
 use crate::{Outcome, RodlabError};
+
+/// Fewest lines that are screened by themselves.
+const FEWEST_SCREENED: usize = 64;
 
 /// What was found.
 #[derive(Default)]
@@ -66,13 +72,16 @@ pub(super) fn screen(
             );
             return Ok(Screened::default());
         }
-        let body = measured_body(
-            mobility,
-            &sheet.support,
-            sheet.front_impedance.as_ref(),
-            "the mobility",
-        )?;
-        for failed in tell(&body.screen(), outcome) {
+        let measured = |mobility: &FrequencyResponse| {
+            let front = sheet.front_impedance.as_ref();
+            measured_body(mobility, &sheet.support, front, "the mobility")
+        };
+        let body = measured(mobility)?;
+        let screening = match with_signal(known, sheet, outcome) {
+            Some(lines) => measured(&lines)?.screen(),
+            None => body.screen(),
+        };
+        for failed in tell(&screening, outcome) {
             outcome.doubt(failed);
         }
         Arc::new(body)
@@ -80,6 +89,38 @@ pub(super) fn screen(
     Ok(Screened {
         impulse_response: impulse_response(&*body, known, outcome),
     })
+}
+
+/// The lines that are screened, of hits whose sheet does not state how far they go: those with a signal, up to half the Nyquist
+/// frequency, below which no alias is to be expected. `outcome` is told; `None` if these are all.
+fn with_signal(
+    known: &Known,
+    sheet: &MobilitySheet,
+    outcome: &mut Outcome,
+) -> Option<FrequencyResponse> {
+    if sheet.up_to.is_some() || known.coherences.is_empty() {
+        return None;
+    }
+    let n_lines = known.mobility.values.len();
+    let above_chance = (0..n_lines).map(|line| known.is_valid(line));
+    let (_, last) = stretch_with_signal(above_chance)?;
+    let n_screened = (last + 1).min(n_lines.div_ceil(2));
+    // too few to say anything of
+    if n_screened == n_lines || n_screened < FEWEST_SCREENED {
+        return None;
+    }
+    let mut lines = known.mobility.clone();
+    first_lines(&mut lines, n_screened);
+    let highest = lines.frequency_hz.last().copied().unwrap_or(f64::NAN);
+    outcome.settings.push(Setting {
+        name: "lines that are screened".to_owned(),
+        value: format!(
+            "up to {}: with a coherence above that of chance, and no higher than half the Nyquist frequency; `up_to` states others",
+            hertz(highest)
+        ),
+        by_default: true,
+    });
+    Some(lines)
 }
 
 /// Half a period in steps of two to the period of the highest line.

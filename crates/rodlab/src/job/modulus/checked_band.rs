@@ -4,6 +4,7 @@ use cmod::ModulusEstimate;
 
 use super::{Found, measured};
 use crate::outcome::Setting;
+use crate::responses::stretch_with_signal;
 use crate::rounded::hertz;
 use crate::{Outcome, RodlabError};
 
@@ -85,24 +86,13 @@ pub(super) fn lines(
     Ok(Some(looked_at))
 }
 
-/// First and last frequency \[Hz\] of the stretch of lines with more lines above the level of chance than below, counted up to
-/// where it has most: single antiresonances do not end it, and the lines of noise that chance lifts do not lengthen it.
+/// First and last frequency \[Hz\] of the lines that carry a signal.
 fn with_signal(ratio: &measured::Ratio) -> Option<(f64, f64)> {
     let (coherence, averages) = (ratio.coherence.as_ref()?, ratio.averages?);
     if averages <= 1.0 {
         return None;
     }
     let level = 1.0 - CHANCE.powf(1.0 / (averages - 1.0));
-    let mut best: Option<(i64, usize, usize)> = None;
-    let (mut sum, mut from) = (0_i64, 0);
-    for (line, value) in coherence.iter().enumerate() {
-        sum += if *value > level { 1 } else { -1 };
-        if sum <= 0 {
-            (sum, from) = (0, line + 1);
-        } else if best.is_none_or(|(most, _, _)| sum > most) {
-            best = Some((sum, from, line));
-        }
-    }
-    let (_, from, to) = best?;
+    let (from, to) = stretch_with_signal(coherence.iter().map(|value| *value > level))?;
     Some((*ratio.frequency_hz.get(from)?, *ratio.frequency_hz.get(to)?))
 }

@@ -1,0 +1,32 @@
+//! Lines that carry a signal.
+
+/// First and last place of the stretch of lines that carries a signal: the one in which lines with a coherence above that of chance
+/// outnumber the others by most. Single antiresonances do not end it, and noise that chance lifts does not lengthen it.
+#[must_use]
+pub fn stretch_with_signal(above_chance: impl IntoIterator<Item = bool>) -> Option<(usize, usize)> {
+    let mut best: Option<(i64, usize, usize)> = None;
+    let (mut sum, mut from) = (0_i64, 0);
+    for (line, above) in above_chance.into_iter().enumerate() {
+        sum += if above { 1 } else { -1 };
+        if sum <= 0 {
+            (sum, from) = (0, line + 1);
+        } else if best.is_none_or(|(most, _, _)| sum > most) {
+            best = Some((sum, from, line));
+        }
+    }
+    best.map(|(_, from, to)| (from, to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn r24_a_stretch_bridges_antiresonances_and_leaves_noise_out() {
+        let of = |lines: &str| stretch_with_signal(lines.chars().map(|c| c == '+'));
+        assert_eq!(of("-+-++++-+++++--++++---+--+---"), Some((3, 18)));
+        assert_eq!(of("++++"), Some((0, 3)));
+        assert_eq!(of("----"), None);
+        assert_eq!(of(""), None);
+    }
+}
