@@ -612,6 +612,24 @@ fn a_long_record_is_cut_by_a_trigger() {
 }
 
 #[test]
+fn r10_a_hit_in_two_files_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_hits(folder.path(), 3, 1e-3, NOISE);
+    let mut files: Vec<_> = fs::read_dir(folder.path())
+        .unwrap()
+        .map(|file| file.unwrap().path())
+        .collect();
+    files.sort();
+    let copy = folder.path().join("hit_copy.npy");
+    fs::copy(&files[1], &copy).unwrap();
+    let error = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap_err();
+    assert!(
+        error.contains("hit_copy.npy have the same content"),
+        "{error}"
+    );
+}
+
+#[test]
 fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     let folder = tempfile::tempdir().unwrap();
     write_hits(folder.path(), 1, 1e-3, NOISE);

@@ -157,7 +157,7 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
 }
 
 #[test]
-fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
+fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     let folder = TempDir::new().unwrap();
     strike(folder.path(), "hit", BODY, HAMMER);
     let source = format!("Hits{}", hits("hit*.csv"));
@@ -168,12 +168,16 @@ fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
     let outcome = attempt(folder.path(), &sheet(&inverted, WEIGHED)).unwrap();
     let making = quantity(&outcome, "lines that make energy");
     assert!(!making.valid && making.value.unwrap() > 10.0, "{making:?}");
+    let doubts = |outcome: &Outcome| match &outcome.verdict {
+        Verdict::InDoubt { reasons } => reasons.join("; "),
+        other => format!("{other:?}"),
+    };
+    let said = doubts(&outcome);
     assert!(
-        outcome
-            .warnings
-            .iter()
-            .any(|w| w.contains("generate energy"))
+        said.contains("screening: ") && said.contains("generate energy"),
+        "{said}"
     );
+    assert!(outcome.quantities.iter().all(|quantity| !quantity.valid));
     assert!(
         words(&outcome, "mobility", "validity")
             .iter()
@@ -189,6 +193,11 @@ fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
     )
     .unwrap();
     assert!(!quantity(&outcome, "mass by the low lines").valid);
+    let said = doubts(&outcome);
+    assert!(
+        said.starts_with("screening: ") && said.contains("1.8"),
+        "{said}"
+    );
     // nothing is said of what holds it
     let outcome = attempt(folder.path(), &sheet(&source, "")).unwrap();
     assert_eq!(
@@ -197,6 +206,56 @@ fn a_sensor_the_wrong_way_round_and_a_wrong_mass_are_found_out() {
             "What holds the body is not stated (`support`), and no line at 0 Hz says it: the mobility is not screened, and has no impulse response."
         ]
     );
+}
+
+#[test]
+fn r24_without_a_limit_lines_are_screened_that_carry_a_signal() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    let free = WEIGHED.replace(r#", up_to: "5 kHz""#, "");
+    let text = sheet(&format!("Hits{}", hits("hit*.csv")), &free);
+    let outcome = attempt(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let named = |name: &str| outcome.settings.iter().find(|s| s.name == name);
+    let screened = named("lines that are screened").unwrap();
+    assert!(
+        screened.by_default && screened.value.starts_with("up to "),
+        "{screened:?}"
+    );
+}
+
+#[test]
+fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
+    let folder = TempDir::new().unwrap();
+    strike(folder.path(), "hit", BODY, HAMMER);
+    let hit = fs::read_to_string(folder.path().join("hit3.csv")).unwrap();
+    fs::write(folder.path().join("soft_hit.csv"), &hit).unwrap();
+    // other bytes, the same numbers
+    fs::write(folder.path().join("hit9.csv"), hit.clone() + "\n").unwrap();
+    let one = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
+    let said = attempt(folder.path(), &one).unwrap_err().to_string();
+    insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    fs::remove_file(folder.path().join("hit9.csv")).unwrap();
+    fs::copy(
+        folder.path().join("hit4.csv"),
+        folder.path().join("soft_other.csv"),
+    )
+    .unwrap();
+    let two = format!(
+        "TwoHammers(low: {}, high: {})",
+        hits("soft*.csv"),
+        hits("hit*.csv")
+    );
+    let said = attempt(folder.path(), &sheet(&two, WEIGHED))
+        .unwrap_err()
+        .to_string();
+    assert!(said.contains("have the same content"), "{said}");
+    // and where a file is named in both
+    let two = two.replace("soft*.csv", "hit[12].csv");
+    let said = attempt(folder.path(), &sheet(&two, WEIGHED))
+        .unwrap_err()
+        .to_string();
+    insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
 }
 
 #[test]
