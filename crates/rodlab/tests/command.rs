@@ -193,7 +193,7 @@ fn json_is_the_result_and_nothing_else() {
         fs::read_to_string(folder.path().join("here/result.json")).unwrap()
     );
     let result: serde_json::Value = serde_json::from_str(&printed).unwrap();
-    assert_eq!(result["result_version"], 1);
+    assert_eq!(result["result_version"], 2);
     assert_eq!(result["sheet"]["file"], "hit.ron");
     assert_eq!(result["quantities"][0]["name"], "peak force");
     assert_eq!(result["verdict"]["answer"], "answered");

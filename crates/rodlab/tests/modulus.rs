@@ -508,9 +508,9 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     again(folder.path(), "more.npy", |volts| {
         f64::from(1.3_f32 * volts as f32)
     });
-    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0019 s and hit 3, more.npy at 0.0019 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
-    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0019 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
 
     // the same hits, stored with a fifth of the bits of noise less
     let step = 2e-7;
@@ -524,7 +524,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     assert_eq!(reasons.len(), 2, "{reasons:?}");
     assert!(
         reasons[0]
-            .starts_with("hit 1, hits.npy at 0.0019 s and hit 3, more.npy at 0.0019 s differ by "),
+            .starts_with("hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s differ by "),
         "{reasons:?}"
     );
 }

@@ -227,7 +227,7 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
 }
 
 #[test]
-fn errors_that_are_stated_too_small_are_noticed() {
+fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
     let folder = TempDir::new().unwrap();
     let tests = five_tests(folder.path(), 3).replace(
         "readings: File(path: \"test_5.csv\", readings: \"tan delta\", standard_errors: \"error\")",
@@ -240,9 +240,12 @@ fn errors_that_are_stated_too_small_are_noticed() {
         )
     };
     let stated = run(folder.path(), &text("")).unwrap();
-    assert!(stated.warnings[0].starts_with("The readings scatter more about the model"));
+    let Verdict::InDoubt { reasons } = &stated.verdict else {
+        panic!("{:?}", stated.summary)
+    };
+    assert!(reasons[0].starts_with("the readings scatter more about the model"));
     let by_scatter = run(folder.path(), &text("error_scale: FromResidual")).unwrap();
-    assert!(!by_scatter.warnings[0].starts_with("The readings scatter"));
+    assert_eq!(by_scatter.verdict, Verdict::Answered);
     let error = |outcome: &Outcome| {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
         m.unwrap().standard_error.unwrap()
