@@ -180,7 +180,8 @@ fn says_what_failed(summary: &Files) -> bool {
     let told = lines
         .lines()
         .filter(|line| {
-            line.contains(",failed,\"cannot write") || line.contains(",failed,cannot write")
+            line.contains(",wrong input,0,\"cannot write")
+                || line.contains(",wrong input,0,cannot write")
         })
         .count() as u64;
     failed > 0 && told == failed && text("index.html").trim_end().ends_with("</html>")
