@@ -521,7 +521,9 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     let Verdict::InDoubt { reasons } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
     };
-    let copies = reasons.iter().filter(|reason| reason.contains(" differ by "));
+    let copies = reasons
+        .iter()
+        .filter(|reason| reason.contains(" differ by "));
     assert_eq!(copies.count(), 2, "{reasons:?}");
     assert!(
         reasons[0]
