@@ -319,6 +319,27 @@ fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
 }
 
 #[test]
+fn r10_one_shot_under_two_names_is_no_second_test() {
+    let folder = TempDir::new().unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/nylon");
+    for name in ["identify.ron", "shots-1.csv"] {
+        fs::copy(example.join(name), folder.path().join(name)).unwrap();
+    }
+    fs::copy(
+        example.join("shots-1.csv"),
+        folder.path().join("shots-2.csv"),
+    )
+    .unwrap();
+    let run = rodlab(folder.path(), &["check", "identify.ron"]);
+    assert_eq!(run.status.code(), Some(2));
+    let said = text(&run.stderr);
+    assert!(
+        said.contains("shots-1.csv and shots-2.csv have the same content"),
+        "{said}"
+    );
+}
+
+#[test]
 fn the_number_of_threads_changes_no_byte() {
     let folder = campaign();
     for (jobs, out) in [("1", "one"), ("4", "four")] {

@@ -335,6 +335,10 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "single precision is what one of the files has"
+)]
 mod tests {
     use super::*;
     use crate::{Channel, Provenance, Quantity};
