@@ -33,6 +33,14 @@ pub enum FitFlag {
         /// Standard deviation of the white residual, 1 if the noise explains it.
         ratio: f64,
     },
+    /// Parameters and excitation still move each other: the minimum is not settled, and no parameter counts as identified.
+    Unsettled,
+    /// The rise of χ² beside the minimum is not that of the standard error: it is no measure of what the data exclude, and the parameter does
+    /// not count as identified. Its profile ([`crate::profile`]) says what they exclude.
+    Curved {
+        /// Name of the parameter.
+        parameter: String,
+    },
     /// The finest grid permitted does not reach the requested accuracy.
     GridTooCoarse {
         /// Difference to a grid of half the cell, rms as a share of V0.
@@ -65,6 +73,13 @@ impl fmt::Display for FitFlag {
                     "the residual is {ratio:.2} times what the stated noise explains"
                 )
             }
+            Self::Unsettled => f.write_str(
+                "the minimum is not settled: parameters and excitation still move each other",
+            ),
+            Self::Curved { parameter } => write!(
+                f,
+                "the data bound {parameter} otherwise than its standard error says: its profile is curved"
+            ),
             Self::GridTooCoarse {
                 difference,
                 requested,

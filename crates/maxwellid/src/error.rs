@@ -207,6 +207,26 @@ pub enum MaxwellidError {
         /// The iteration.
         iteration: usize,
     },
+    /// One recording is counted as two tests.
+    #[error(
+        "tests `{first}` and `{second}` have the same {history} sample for sample: one recording counts once, so give each test its own"
+    )]
+    SameRecording {
+        /// Name of the first test.
+        first: String,
+        /// Name of the second.
+        second: String,
+        /// `excitation` or `response`.
+        history: &'static str,
+    },
+    /// Excitation and response are one history.
+    #[error(
+        "test `{test}`: excitation and response are equal sample for sample, expected the motion of two sections; check the channels"
+    )]
+    OneHistory {
+        /// Name of the test.
+        test: String,
+    },
     /// There is nothing to choose from, or no candidate exists at any start.
     #[error("no candidate law was given, or none exists near the modulus of the time of flight")]
     NoCandidate,

@@ -49,7 +49,7 @@ const CYCLE_SKIPS: usize = 5;
 const MOST_STARTS: usize = 1_000_000;
 
 /// Alternations of parameters and excitation, and of the transfer about both.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
 
 /// Share of the sum of squares that a minimum may leave from which another stage goes on.
 const PRELIMINARY: f64 = 1e-4;
@@ -62,6 +62,9 @@ const TRANSFER_HOLDS: f64 = 5.0;
 
 /// Movement of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
+
+/// Distance of a start from a minimum, in standard errors, up to which it leads there again.
+const OF_ONE_MINIMUM: f64 = 1.0;
 
 /// The minimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -131,8 +134,18 @@ pub struct Fit<M> {
     accuracy: f64,
     round_trip: bool,
     starts: usize,
+    also_from: Vec<Vec<f64>>,
     nuisances: Nuisances,
     method: Method,
+}
+
+/// The lowest minimum, with the problem that it is of.
+pub(crate) struct Lowest<'a, M> {
+    pub(crate) problem: TestResidual<'a, M>,
+    pub(crate) minimum: Minimum,
+    /// To the response on a grid of half the cell.
+    pub(crate) difference: f64,
+    pub(crate) course: Course,
 }
 
 impl<M: RodModel> Fit<M> {
@@ -148,6 +161,7 @@ impl<M: RodModel> Fit<M> {
             accuracy: DEFAULT_ACCURACY,
             round_trip: false,
             starts: 1,
+            also_from: Vec::new(),
             nuisances: Nuisances::default(),
             method: Method::default(),
         }
@@ -162,10 +176,17 @@ impl<M: RodModel> Fit<M> {
     }
 
     /// Starts from `count` points spread over 30 % of E and, around each candidate of the model, two step limits of the other
-    /// parameters, and keeps the lowest minimum. [`Identification::starts`] tells where each led.
+    /// parameters, and keeps the lowest minimum. [`Identification::starts`] tells where each led. [`Self::to`] refuses none.
     #[must_use]
     pub fn with_starts(mut self, count: usize) -> Self {
-        self.starts = count.max(1);
+        self.starts = count;
+        self
+    }
+
+    /// Starts from θ = `parameters` as well, and keeps the lowest minimum: from [`crate::selection::ComparedLaw::likeliest`], say.
+    #[must_use]
+    pub fn also_from(mut self, parameters: Vec<f64>) -> Self {
+        self.also_from.push(parameters);
         self
     }
 
@@ -211,18 +232,32 @@ impl<M: RodModel> Fit<M> {
     /// # Errors
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
     /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start
-    /// or a grid that is not physical, more than a million starts, a model that contradicts itself, or data of the inverting solver
+    /// or a grid that is not physical, no start or more than a million, one recording as two tests, a model that contradicts itself, or data of the inverting solver
     /// without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
     /// [`Identification::termination`], [`Identification::flags`] and [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
     where
         M: Clone,
     {
+        let modulus = self.check_all(tests)?;
+        Ok(self.concluded(self.lowest(tests, modulus)?))
+    }
+
+    /// Checks request and tests, and returns the starting value of Young's modulus \[Pa\].
+    pub(crate) fn check_all(&self, tests: &[RodTest]) -> Result<f64, MaxwellidError> {
         let modulus = self.check(tests)?;
         check_counts(&self.model, modulus, duration(tests))?;
         let noise_is_known = noise_is_known(tests)?;
         self.nuisances.check(noise_is_known)?;
         let parameters = self.model.step_limits().len();
+        if let Some(start) = self.also_from.iter().find(|start| start.len() != parameters) {
+            return Err(MaxwellidError::InconsistentModel {
+                model: self.model.name().to_owned(),
+                what: "starting values",
+                found: start.len(),
+                expected: parameters,
+            });
+        }
         let samples: usize = tests.iter().map(|test| test.window).sum();
         if samples <= parameters {
             return Err(MaxwellidError::TooFewSamples {
@@ -230,10 +265,45 @@ impl<M: RodModel> Fit<M> {
                 parameters,
             });
         }
+        Ok(modulus)
+    }
+
+    /// The lowest minimum from the starts for `modulus` and from those that were asked for.
+    pub(crate) fn lowest<'a>(
+        &'a self,
+        tests: &'a [RodTest],
+        modulus: f64,
+    ) -> Result<Lowest<'a, M>, MaxwellidError> {
         let mut course = Course::default();
         let start = self.coarse(tests, modulus, &mut course)?;
-        let (problem, minimum, difference) = self.refined(tests, &start, &mut course)?;
-        Ok(self.concluded(&problem, minimum, difference, course))
+        let mut lowest = self.lowest_from(tests, &start, course)?;
+        for start in &self.also_from {
+            let found = &lowest.minimum;
+            if movement(found, &padded(start, found.parameters.len())) < OF_ONE_MINIMUM {
+                continue;
+            }
+            let next = self.lowest_from(tests, start, lowest.course.clone())?;
+            if value(&next.minimum) < value(&lowest.minimum) {
+                lowest = next;
+            }
+        }
+        Ok(lowest)
+    }
+
+    /// The minimum near `start`.
+    pub(crate) fn lowest_from<'a>(
+        &'a self,
+        tests: &'a [RodTest],
+        start: &[f64],
+        mut course: Course,
+    ) -> Result<Lowest<'a, M>, MaxwellidError> {
+        let (problem, minimum, difference) = self.refined(tests, start, &mut course)?;
+        Ok(Lowest {
+            problem,
+            minimum,
+            difference,
+            course,
+        })
     }
 
     fn minimise(
@@ -340,7 +410,8 @@ impl<M: RodModel> Fit<M> {
             None if noise_is_known => DEFAULT_CELL,
             None => {
                 let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
-                let coarse = Self::grid_difference(&problem, start, SCAN_CELL).unwrap_or(0.0);
+                let coarse = Self::grid_difference(&problem, start, SCAN_CELL)
+                    .ok_or_else(|| start_error(modulus_at(start)))?;
                 // an error of second order
                 let share = (MARGIN * requested / coarse).sqrt();
                 (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
@@ -348,7 +419,7 @@ impl<M: RodModel> Fit<M> {
         };
         let mut start = start.to_vec();
         let each = self.nuisances.of_iteration().len() * tests.len();
-        start.extend(std::iter::repeat_n(0.0, each));
+        start = padded(&start, self.model.step_limits().len() + each);
         let mut refinement = 0;
         loop {
             let mut problem = TestResidual::new(tests, &self.model, cell);
@@ -368,7 +439,8 @@ impl<M: RodModel> Fit<M> {
                 .unwrap_or(f64::NAN);
             let finest = fixed.is_some() || cell <= SHORTEST_CELL;
             if difference <= requested || finest || refinement >= REFINEMENTS {
-                if difference > requested && fixed.is_none() {
+                // a response that does not exist on half the cell has no accuracy either
+                if (difference.is_nan() || difference > requested) && fixed.is_none() {
                     course.flags.push(FitFlag::GridTooCoarse {
                         difference,
                         requested,
@@ -426,6 +498,7 @@ impl<M: RodModel> Fit<M> {
         let mut parameters = start.to_vec();
         let mut transfer_is_due = true;
         let mut last: Option<Minimum> = None;
+        let mut settled = false;
         for _ in 0..ROUNDS {
             if transfer_is_due {
                 let renewed: Option<Vec<Weighting>> = tests
@@ -449,7 +522,7 @@ impl<M: RodModel> Fit<M> {
             course.count(&minimum);
             let moved = movement(&minimum, &parameters);
             parameters.clone_from(&minimum.parameters);
-            let settled = moved < SETTLED && last.is_some() && !transfer_is_due;
+            settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             last = Some(minimum);
             if settled {
                 break;
@@ -457,30 +530,34 @@ impl<M: RodModel> Fit<M> {
             transfer_is_due = moved > TRANSFER_HOLDS;
             problem = with_cleaned_excitations(problem, &parameters)?;
         }
+        course.flags.retain(|flag| *flag != FitFlag::Unsettled);
+        if !settled {
+            course.flags.push(FitFlag::Unsettled);
+        }
         match last {
             Some(minimum) => Ok((problem, minimum)),
             None => Err(start_error(modulus_at(&parameters))),
         }
     }
 
-    fn concluded(
-        &self,
-        problem: &TestResidual<'_, M>,
-        minimum: Minimum,
-        difference: f64,
-        mut course: Course,
-    ) -> Identification<M>
+    pub(crate) fn concluded(&self, lowest: Lowest<'_, M>) -> Identification<M>
     where
         M: Clone,
     {
-        if let Some((test, lag)) = arrival_lag(problem, &minimum.parameters) {
+        let Lowest {
+            problem,
+            minimum,
+            difference,
+            mut course,
+        } = lowest;
+        if let Some((test, lag)) = arrival_lag(&problem, &minimum.parameters) {
             course.flags.push(FitFlag::ArrivalOff {
                 test: test.name.clone(),
                 lag,
             });
         }
         let identification =
-            Identification::new(self.model.clone(), problem, &minimum, course, difference);
+            Identification::new(self.model.clone(), &problem, &minimum, course, difference);
         let names = self.model.parameter_names();
         let tests: Vec<String> = problem.tests.iter().map(|test| test.name.clone()).collect();
         let (linearisation, lengths, noise) = identification.scores();
@@ -522,13 +599,14 @@ impl<M: RodModel> Fit<M> {
                 check_cell(cell, test.length)?;
             }
         }
-        if self.starts > MOST_STARTS {
+        if !(1..=MOST_STARTS).contains(&self.starts) {
             return Err(MaxwellidError::Setting {
                 setting: "number of starts",
                 value: self.starts as f64,
-                expected: "at most a million",
+                expected: "from 1 to a million",
             });
         }
+        crate::test::check_distinct(tests)?;
         crate::test::check_together(tests)?;
         let modulus = match self.modulus {
             Some(modulus) => modulus,
@@ -596,7 +674,7 @@ impl Course {
     }
 }
 
-fn value(minimum: &Minimum) -> f64 {
+pub(crate) fn value(minimum: &Minimum) -> f64 {
     sum_of_squares(&minimum.linearisation.residual)
 }
 
@@ -627,8 +705,14 @@ fn duration(tests: &[RodTest]) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// `start` of a model, with nuisances at their references behind it.
+fn padded(start: &[f64], count: usize) -> Vec<f64> {
+    let nuisances = std::iter::repeat(&0.0);
+    start.iter().chain(nuisances).take(count).copied().collect()
+}
+
 /// Largest change of the parameters of a white problem in standard errors, along its singular directions.
-fn movement(minimum: &Minimum, before: &[f64]) -> f64 {
+pub(crate) fn movement(minimum: &Minimum, before: &[f64]) -> f64 {
     let ones = vec![1.0; before.len()];
     let Some(svd) = ScaledDecomposition::new(&minimum.linearisation, &ones) else {
         return f64::INFINITY;

@@ -105,6 +105,8 @@ pub struct Identifiability {
     pub signal_to_noise: Vec<f64>,
     /// Correlation matrix of (ln E, parameters of the law), by rows.
     pub correlation: Vec<Vec<f64>>,
+    /// Standard errors of θ = (ln E, parameters of the law).
+    pub coordinate_errors: Vec<f64>,
     /// Standard deviation of a sample that was used, as a share of V0; of a white sample, in stated standard deviations, for
     /// [`Noise::Stated`].
     pub noise: f64,
@@ -218,6 +220,11 @@ pub(crate) fn assess(
             .singular_values
             .iter()
             .map(|s| s / noise)
+            .collect(),
+        coordinate_errors: covariance
+            .iter()
+            .enumerate()
+            .map(|(index, row)| row[index].sqrt())
             .collect(),
         correlation,
         noise,

@@ -3,14 +3,17 @@
 use crate::agreement::FitFlag;
 use crate::fit::{Course, root_mean_square};
 use crate::identifiability::{
-    Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
+    IDENTIFIED_BELOW, Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
 };
 use crate::law::IdentifiableLaw;
 use crate::least_squares::{
-    Evaluations, Linearisation, Minimum, ScaledDecomposition, Termination, sum_of_squares,
+    Evaluations, LeastSquares, Linearisation, Minimum, ScaledDecomposition, Termination,
+    sum_of_squares,
 };
 use crate::model::RodModel;
 use crate::nuisance::{NuisanceEstimate, Nuisances, Orthonormal};
+use crate::parallel::map_in_order;
+use crate::profile::Profile;
 use crate::residual::TestResidual;
 use crate::start::StartOutcome;
 
@@ -31,7 +34,12 @@ pub struct Identification<M> {
     cell: f64,
     difference: f64,
     course: Course,
+    /// Whether χ² beside the minimum is not that of the standard error, an entry for each parameter of the model.
+    curved: Vec<bool>,
 }
+
+/// Ratio of a half width of an interval to that of the standard error within which the error stands for it.
+pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
 
 impl<L: IdentifiableLaw> Identification<L> {
     /// The law at the minimum.
@@ -79,7 +87,113 @@ impl<M: RodModel> Identification<M> {
             lengths,
             difference,
             course,
+            curved: Vec::new(),
         }
+        .with_curvature(problem, minimum)
+    }
+
+    /// Compares χ² at the ends of the interval of each parameter, along the line on which the others follow it, with what the standard error
+    /// promises.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a right singular vector has an entry for each parameter of the problem, those of the model being the first"
+    )]
+    fn with_curvature(mut self, problem: &TestResidual<'_, M>, minimum: &Minimum) -> Self {
+        let count = problem.of_model();
+        self.curved = vec![false; count];
+        let unit = vec![1.0; minimum.parameters.len()];
+        let (Some(_), Some(svd)) = (
+            &self.white,
+            ScaledDecomposition::new(&minimum.linearisation, &unit),
+        ) else {
+            return self;
+        };
+        let least = sum_of_squares(&minimum.linearisation.residual);
+        let indices: Vec<usize> = (0..count).collect();
+        self.curved = map_in_order(&indices, |index| {
+            let mut along = vec![0.0; unit.len()];
+            let mut variance = 0.0;
+            for (vector, s) in svd.right.iter().zip(&svd.singular_values) {
+                let own = vector[*index] / (s * s);
+                variance += own * vector[*index];
+                for (a, v) in along.iter_mut().zip(vector) {
+                    *a += own * v;
+                }
+            }
+            let error = variance.sqrt();
+            // what is not determined is not identified anyway
+            if !(error.is_finite() && error < 2.0 * IDENTIFIED_BELOW) {
+                return false;
+            }
+            [-1.0, 1.0].into_iter().any(|sign| {
+                let half = sign * QUANTILE_95 * self.error_factor() / error;
+                let end: Vec<f64> = minimum
+                    .parameters
+                    .iter()
+                    .zip(&along)
+                    .map(|(t, a)| t + half * a)
+                    .collect();
+                let rise = problem
+                    .residual(&end)
+                    .map_or(f64::INFINITY, |r| sum_of_squares(&r) - least);
+                let promised = QUANTILE_95 * self.error_factor();
+                // the rise goes as the square of the distance
+                !STRAIGHT.contains(&(promised / rise.max(0.0).sqrt()))
+            })
+        });
+        self
+    }
+
+    /// Factor on standard errors for a residual above the noise.
+    pub(crate) fn error_factor(&self) -> f64 {
+        if self.exceeds_noise() {
+            self.ratio_to_noise()
+        } else {
+            1.0
+        }
+    }
+
+    /// Takes the curvature from the profiles, which see further than a line: a parameter is straight if its interval is closed and both halves are those
+    /// of the standard error.
+    pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
+        let Some(found) = self.identifiability(Noise::Stated) else {
+            return self;
+        };
+        let errors = &found.coordinate_errors;
+        self.curved = profiles
+            .iter()
+            .zip(errors)
+            .map(|(profile, error)| {
+                let is_straight = |end: Option<f64>| {
+                    end.is_some_and(|end| {
+                        STRAIGHT.contains(&((end - profile.value).abs() / (QUANTILE_95 * error)))
+                    })
+                };
+                !(is_straight(profile.lower) && is_straight(profile.upper))
+            })
+            .collect();
+        self.course
+            .flags
+            .retain(|flag| !matches!(flag, FitFlag::Curved { .. }));
+        self.flag_curvature();
+        self
+    }
+
+    fn flag_curvature(&mut self) {
+        let names = self.model.parameter_names();
+        let curved = names.iter().zip(&self.curved).filter(|(_, curved)| **curved);
+        let flags: Vec<FitFlag> = curved
+            .map(|(name, _)| FitFlag::Curved {
+                parameter: (*name).to_owned(),
+            })
+            .collect();
+        self.course.flags.extend(flags);
+    }
+
+    /// States that the minimum is not the lowest that a profile met.
+    pub(crate) fn unsettled(mut self) -> Self {
+        self.course.flags.push(FitFlag::Unsettled);
+        self
     }
 
     /// Residual and derivatives for the comparison of the tests, rows of each test, and the standard deviation of a row.
@@ -103,6 +217,7 @@ impl<M: RodModel> Identification<M> {
                 .push(FitFlag::ResidualAboveNoise { ratio });
         }
         self.course.flags.extend(flags);
+        self.flag_curvature();
         self
     }
 
@@ -235,14 +350,7 @@ impl<M: RodModel> Identification<M> {
     #[must_use]
     pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
         let white = match noise {
-            Noise::Stated => {
-                let ratio = if self.exceeds_noise() {
-                    self.ratio_to_noise()
-                } else {
-                    1.0
-                };
-                Some((self.white.as_ref()?, ratio))
-            }
+            Noise::Stated => Some((self.white.as_ref()?, self.error_factor())),
             _ => None,
         };
         let mut found = assess(
@@ -262,9 +370,22 @@ impl<M: RodModel> Identification<M> {
                 estimate.verdict = Verdict::NotIdentifiable;
             }
         }
+        if noise == Noise::Stated {
+            let unsettled = self.course.flags.contains(&FitFlag::Unsettled);
+            let stated = self.model.stated(&self.parameters);
+            for (estimate, stated) in found.estimates.iter_mut().zip(&stated) {
+                let mut weights = stated.gradient.iter().zip(&self.curved);
+                if unsettled || weights.any(|(weight, curved)| *weight != 0.0 && *curved) {
+                    estimate.verdict = Verdict::NotIdentifiable;
+                }
+            }
+        }
         Some(found)
     }
 }
+
+/// The 97.5 % quantile of the normal distribution.
+pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
 /// The columns of θ, with what the columns of the nuisances explain taken from them. At a minimum the residual is orthogonal to these.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {

@@ -49,6 +49,7 @@ mod noise;
 mod nuisance;
 mod parallel;
 pub mod profile;
+pub mod recorder;
 mod report;
 mod residual;
 pub mod samples;

@@ -69,12 +69,16 @@ const PRECURSOR: usize = 10;
     clippy::cast_sign_loss,
     reason = "sample counts are far below 2^52 and an index of a rise is not negative"
 )]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "an arrival is within the samples, and the quiet part ends before it"
+)]
 pub(crate) fn quiet_standard_deviation(samples: &[f64], arrival: f64) -> Result<f64, usize> {
     let quiet = (arrival.floor() as usize).saturating_sub(PRECURSOR);
     if quiet < QUIET_SAMPLES {
         return Err(quiet);
     }
-    let quiet = samples.get(..quiet).unwrap_or(samples);
+    let quiet = &samples[..quiet];
     let mean = quiet.iter().sum::<f64>() / quiet.len() as f64;
     let squares: f64 = quiet.iter().map(|v| (v - mean).powi(2)).sum();
     Ok((squares / (quiet.len() - 1) as f64).sqrt())

@@ -9,19 +9,23 @@
 //! limits κ = 1 and σ_ref/m = 0 lie inside the range that is looked at, so that an interval may contain them.
 //!
 //! # Validity
-//! χ² is that of [`crate::selection`]: known noise of both histories, the excitation as the response suggests it, which is held
-//! at its most probable course along the profile.
+//! χ² is that of [`crate::Fit`] and in the same problem: known noise of both histories, the excitation as the response suggests it, which is held
+//! at its most probable course along the profile. Where the residual is above the noise the threshold is raised as the errors are.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
+use std::sync::Arc;
+
 use crate::error::MaxwellidError;
+use crate::fit::{Fit, Lowest, value};
+use crate::identification::Identification;
 use crate::identifiability::Verdict;
 use crate::least_squares::{
-    LeastSquares, Linearisation, ScaledDecomposition, minimise, sum_of_squares,
+    LeastSquares, Linearisation, ScaledDecomposition, minimise_to, sum_of_squares,
 };
-use crate::model::check_cell;
+use crate::model::{RodModel, check_cell};
+use crate::selection::{Candidate, Contest, Ground, Prior};
 use crate::specimen::SpecimenSensitivity;
-use crate::selection::{Candidate, Contest, Ground, PosteriorProblem, Prior};
 use crate::test::RodTest;
 
 /// Quantile of chi-square of one degree of freedom at 95 %.
@@ -81,14 +85,10 @@ impl Profile {
     }
 }
 
-/// The profiles of all parameters of `candidate`, ln E first.
+/// The profiles of all parameters of `candidate`, ln E first, at the lowest minimum that starts, special cases and the profiles themselves lead to.
 ///
 /// # Errors
 /// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
-#[allow(
-    clippy::indexing_slicing,
-    reason = "prior, bounds, errors and names have an entry for each parameter, by `Candidate::check`"
-)]
 pub fn profiles(
     candidate: &Candidate,
     tests: &[RodTest],
@@ -111,44 +111,140 @@ pub fn profiles(
     let start = contest
         .search(ground.modulus, ground.duration, &[])?
         .ok_or(MaxwellidError::NoCandidate)?;
-    // what is profiled is the likelihood alone
-    let flat = Prior {
-        mean: vec![0.0; prior.mean.len()],
-        deviation: vec![f64::INFINITY; prior.mean.len()],
-    };
-    let at = &start.minimum.parameters;
-    let seen = contest.seen(at).ok_or(MaxwellidError::NoCandidate)?;
-    let problem = PosteriorProblem {
-        prior: &flat,
-        ..contest.problem(&seen)
-    };
-    let minimum = minimise(&problem, at, 0.0)?.ok_or(MaxwellidError::NoCandidate)?;
+    // a profile asserts nothing of a solver, so it takes data of any
+    let fit = Fit::of(Arc::clone(candidate.model()))
+        .with_cell(cell)
+        .round_trip()
+        .also_from(start.minimum.parameters);
+    Ok(fit.with_profiles(candidate, tests)?.1)
+}
+
+impl<M: RodModel + Clone> Fit<M> {
+    /// Identifies the model from all `tests` together, with the profiles of its parameters, over the ranges of `candidate`, in one and the same problem. Where a profile meets a
+    /// lower minimum the fit goes on from there: the estimate is the lowest point of its own profiles. A parameter counts as identified if its interval is
+    /// closed and its standard error stands for both halves of it.
+    ///
+    /// # Errors
+    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate of another number of parameters; [`MaxwellidError::NoiseUnknown`]
+    /// without stated noise.
+    pub fn with_profiles(
+        &self,
+        candidate: &Candidate,
+        tests: &[RodTest],
+    ) -> Result<(Identification<M>, Vec<Profile>), MaxwellidError> {
+        let modulus = self.check_all(tests)?;
+        let ground = Ground::of(tests)?;
+        candidate.check(&ground)?;
+        if let Some(test) = tests.iter().find(|test| test.noise().is_none()) {
+            return Err(MaxwellidError::NoiseUnknown {
+                test: test.name().to_owned(),
+            });
+        }
+        let prior = candidate.prior(ground.modulus, ground.duration);
+        let mut lowest = self.lowest(tests, modulus)?;
+        let expected = lowest.problem.of_model();
+        if prior.mean.len() != expected {
+            return Err(MaxwellidError::InconsistentModel {
+                model: candidate.name().to_owned(),
+                what: "ranges with that of ln E",
+                found: prior.mean.len(),
+                expected,
+            });
+        }
+        for _ in 0..RESTARTS {
+            let found = walked(&lowest, candidate, &prior)?;
+            let Some(below) = found.below else {
+                let identification = self.concluded(lowest);
+                let identification = identification.judged_by(&found.profiles);
+                return Ok((identification, found.profiles));
+            };
+            let of_model: Vec<f64> = below.into_iter().take(expected).collect();
+            let next = self.lowest_from(tests, &of_model, lowest.course.clone())?;
+            if value(&next.minimum) >= value(&lowest.minimum) {
+                break;
+            }
+            lowest = next;
+        }
+        let found = walked(&lowest, candidate, &prior)?;
+        Ok((self.concluded(lowest).unsettled(), found.profiles))
+    }
+}
+
+/// Fits that go on from a lower point of a profile, at most.
+const RESTARTS: usize = 6;
+
+/// χ² by which a point of a profile lies below the minimum that it is of, unless it is rounding: a thirtieth of the threshold.
+const LOWER: f64 = 0.1;
+
+/// The profiles at one minimum.
+struct Walked {
+    profiles: Vec<Profile>,
+    /// The lowest point that lies below the minimum.
+    below: Option<Vec<f64>>,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "prior, bounds, errors and names have an entry for each parameter, by `Candidate::check` and `check_counts`"
+)]
+fn walked<M: RodModel>(
+    lowest: &Lowest<'_, M>,
+    candidate: &Candidate,
+    prior: &Prior,
+) -> Result<Walked, MaxwellidError> {
+    let Lowest {
+        problem, minimum, ..
+    } = lowest;
     let least = sum_of_squares(&minimum.linearisation.residual);
-    let errors = standard_errors(&minimum.linearisation, &prior.deviation);
+    let degrees = minimum
+        .linearisation
+        .residual
+        .len()
+        .saturating_sub(minimum.parameters.len())
+        .max(1) as f64;
+    // a residual above the noise by more than chance raises the errors, and the threshold with them
+    let excess = least / degrees;
+    let is_above = excess > 1.0 + 3.0 * (2.0 / degrees).sqrt();
+    let threshold = THRESHOLD * if is_above { excess } else { 1.0 };
+    let wide = vec![f64::INFINITY; minimum.parameters.len() - prior.mean.len()];
+    let deviations: Vec<f64> = prior.deviation.iter().copied().chain(wide).collect();
+    let errors = standard_errors(&minimum.linearisation, &deviations);
     let names = candidate.model().parameter_names();
     let bounds = candidate.model().bounds();
-    let specimen = candidate.model().specimen_sensitivities(at);
-    (0..at.len())
-        .map(|index| {
-            let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
-            let walk = Walk {
-                problem: &problem,
-                index,
-                least,
-                minimum: &minimum.parameters,
-                range: (
-                    (mean - 2.0 * WIDER * deviation).max(bounds[index].0),
-                    (mean + 2.0 * WIDER * deviation).min(bounds[index].1),
-                ),
-                step: (2.0 * errors[index]).min(deviation),
-            };
-            let profile = walk.profile(names[index])?;
-            Ok(Profile {
-                sensitivity: specimen[index],
-                ..profile
-            })
-        })
-        .collect()
+    let of_model = &minimum.parameters[..names.len()];
+    let specimen = candidate.model().specimen_sensitivities(of_model);
+    let mut profiles = Vec::with_capacity(names.len());
+    let mut below: Option<(f64, Vec<f64>)> = None;
+    for (index, name) in names.iter().enumerate() {
+        let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
+        let at = minimum.parameters[index];
+        let walk = Walk {
+            problem,
+            index,
+            least,
+            threshold,
+            minimum: &minimum.parameters,
+            range: (
+                (mean - 2.0 * WIDER * deviation).max(bounds[index].0).min(at),
+                (mean + 2.0 * WIDER * deviation).min(bounds[index].1).max(at),
+            ),
+            step: (2.0 * errors[index]).min(deviation),
+        };
+        let (profile, lower) = walk.profile(name)?;
+        profiles.push(Profile {
+            sensitivity: specimen[index],
+            ..profile
+        });
+        if let Some((rise, parameters)) = lower
+            && below.as_ref().is_none_or(|(lowest, _)| rise < *lowest)
+        {
+            below = Some((rise, parameters));
+        }
+    }
+    Ok(Walked {
+        profiles,
+        below: below.map(|(_, parameters)| parameters),
+    })
 }
 
 /// Standard errors by the linearised problem; that of the prior where the data see nothing.
@@ -218,6 +314,8 @@ struct Walk<'a> {
     problem: &'a dyn LeastSquares,
     index: usize,
     least: f64,
+    /// Rise of χ² at the ends of the interval.
+    threshold: f64,
     minimum: &'a [f64],
     range: (f64, f64),
     step: f64,
@@ -227,6 +325,9 @@ struct Walk<'a> {
 /// bisection where it is not.
 const REFINEMENTS: usize = 24;
 
+/// Share of χ² that a point of the profile may leave: of some hundreds a thousandth.
+const REDUCTION: f64 = 1e-6;
+
 /// How near to the threshold the profile is at an end: 0.02 of 3.84 are 0.0025 of a standard error.
 const NEAR: f64 = 0.02;
 
@@ -235,12 +336,17 @@ const NEAR: f64 = 0.02;
     reason = "`index` is that of one of the parameters at the minimum"
 )]
 impl Walk<'_> {
-    fn profile(&self, name: &str) -> Result<Profile, MaxwellidError> {
+    /// The profile, and the lowest of its points below the minimum with its rise.
+    fn profile(
+        &self,
+        name: &str,
+    ) -> Result<(Profile, Option<(f64, Vec<f64>)>), MaxwellidError> {
         let mut curve = vec![(self.minimum[self.index], 0.0)];
-        let lower = self.end(-1.0, &mut curve)?;
-        let upper = self.end(1.0, &mut curve)?;
+        let mut below = None;
+        let lower = self.end(-1.0, &mut curve, &mut below)?;
+        let upper = self.end(1.0, &mut curve, &mut below)?;
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(Profile {
+        let profile = Profile {
             parameter: name.to_owned(),
             value: self.minimum[self.index],
             lower,
@@ -254,7 +360,8 @@ impl Walk<'_> {
             },
             curve,
             sensitivity: SpecimenSensitivity::default(),
-        })
+        };
+        Ok((profile, below))
     }
 
     /// PL - χ²_min with the other parameters, or infinity where the model does not exist.
@@ -269,7 +376,7 @@ impl Walk<'_> {
             let rise = residual.map_or(f64::INFINITY, |r| sum_of_squares(&r) - self.least);
             return Ok((rise, None));
         }
-        Ok(match minimise(&held, others, 0.0)? {
+        Ok(match minimise_to(&held, others, 0.0, REDUCTION)? {
             None => (f64::INFINITY, None),
             Some(found) => (
                 sum_of_squares(&found.linearisation.residual) - self.least,
@@ -278,7 +385,12 @@ impl Walk<'_> {
         })
     }
 
-    fn end(&self, sign: f64, curve: &mut Vec<(f64, f64)>) -> Result<Option<f64>, MaxwellidError> {
+    fn end(
+        &self,
+        sign: f64,
+        curve: &mut Vec<(f64, f64)>,
+        below: &mut Option<(f64, Vec<f64>)>,
+    ) -> Result<Option<f64>, MaxwellidError> {
         let mut others = self.minimum.to_vec();
         others.remove(self.index);
         let limit = if sign < 0.0 {
@@ -296,7 +408,12 @@ impl Walk<'_> {
             }
             let (rise, found) = self.at(value, &others)?;
             curve.push((value, rise));
-            if rise > THRESHOLD {
+            if rise < -LOWER && below.as_ref().is_none_or(|(least, _)| rise < *least) {
+                let mut all = found.clone().unwrap_or_else(|| others.clone());
+                all.insert(self.index, value);
+                *below = Some((rise, all));
+            }
+            if rise > self.threshold {
                 return self.refine(inside, (value, rise), &others, curve).map(Some);
             }
             if is_last {
@@ -323,15 +440,15 @@ impl Walk<'_> {
             let share = if refinement % 3 == 0 {
                 0.5
             } else {
-                (THRESHOLD.sqrt() - low) / (high - low)
+                (self.threshold.sqrt() - low) / (high - low)
             };
             value = inside.0 + share * (outside.0 - inside.0);
             let (rise, _) = self.at(value, others)?;
             curve.push((value, rise));
-            if (rise - THRESHOLD).abs() < NEAR {
+            if (rise - self.threshold).abs() < NEAR {
                 break;
             }
-            if rise > THRESHOLD {
+            if rise > self.threshold {
                 outside = (value, rise);
             } else {
                 inside = (value, rise);
@@ -394,12 +511,14 @@ mod tests {
                 problem,
                 index: 1,
                 least: 0.0,
+                threshold: THRESHOLD,
                 minimum: &[1.0, -12.0],
                 range: (-14.0, 4.0),
                 step: 1.0,
             }
             .profile("b")
             .unwrap()
+            .0
         };
         assert_eq!(walk(&Weighted(1.0)).verdict, Verdict::NotIdentifiable);
         let bounded = walk(&Weighted(10.0));

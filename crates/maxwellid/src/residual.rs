@@ -209,6 +209,10 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     }
 
     /// The rows of one test. With `project` gain and offset are eliminated from residual and columns.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a linear nuisance has an entry for each of its columns, that of an unknown gain being the first"
+    )]
     pub(crate) fn rows(
         &self,
         test: usize,
@@ -257,7 +261,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             linear = orthonormal.take_from(&mut rest);
             linear.iter_mut().for_each(|c| *c = -*c);
             if linear_freedoms[0].is_unknown() {
-                let gain = 1.0 + linear.first().copied().unwrap_or(0.0);
+                // the gain is the first of the linear nuisances
+                let gain = 1.0 + linear[0];
                 columns.iter_mut().flatten().for_each(|d| *d *= gain);
             }
             if project {

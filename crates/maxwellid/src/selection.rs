@@ -4,15 +4,19 @@
 //! Several laws M_i are candidates. How probable is each, given the tests, and does any of them explain the data at all?
 //!
 //! # Method
-//! Each candidate is fitted with its prior; by Laplace's method
+//! Each candidate is fitted with its prior, and its evidence is found by importance sampling about the maximum
 //!
 //! ```text
-//! ln Z_i = ln L(θ̂) - ½ Σ ((θ̂ - μ)/s)² - ½ ln det(1 + S Jᵀ C⁻¹ J S) ,    P(M_i) = w_i Z_i / Σ w_k Z_k
+//! Z_i = ∫ L π dθ ,    P(M_i) = w_i Z_i / Σ w_k Z_k
 //! ```
 //!
-//! with J the derivatives of the response, C the covariance of the residual (noise of both histories, that of the excitation propagated through
-//! each candidate's rod, at the excitation that is most probable for it), S = diag(s) the prior's standard deviations, and w the weights of the laws beforehand. A parameter that
-//! the data do not see costs nothing; one that they see costs the logarithm of what they narrow it by (Occam's factor).
+//! with L the likelihood of the residual, whose covariance C holds the noise of both histories, that of the excitation propagated through
+//! each candidate's rod at the excitation that is most probable for it, and w the weights of the laws beforehand. Excitation and covariance are renewed until χ² no longer
+//! changes, for every candidate. A parameter that the data do not see costs nothing; one that they see costs the logarithm of what they narrow it by
+//! (Occam's factor).
+//!
+//! A law that contains another as a limit is fitted from there too, so that it never explains the data worse. χ² and adequacy are those of the likeliest
+//! parameters, without the prior.
 //!
 //! For known noise ln L = -½ χ². For noise estimated from q samples of rest the common factor is averaged over, ln L = -½ (n + q) ln(1 + χ²/q).
 //! Residuals that are correlated beyond C count for fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
@@ -27,7 +31,7 @@
 //! comes from it.
 //!
 //! # What this does not do
-//! Laplace's method takes a posterior for normal about one maximum. Errors of E from L, ρ or the sensors are not in C.
+//! A posterior of several separate peaks counts by the highest that was found. Errors of E from L, ρ or the sensors are not in C.
 //!
 //! Theory: `docs/theory/model-identification.md`.
 
@@ -41,7 +45,7 @@ pub use candidate::Candidate;
 pub use decision::{Advice, Decision, Doubt};
 
 pub(crate) use candidate::Prior;
-pub(crate) use posterior::{Contest, PosteriorProblem};
+pub(crate) use posterior::Contest;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
@@ -50,7 +54,7 @@ use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
 use crate::least_squares::Termination;
 use crate::model::check_cell;
-use crate::test::{RodTest, modulus_of_all};
+use crate::test::{RodTest, check_distinct, modulus_of_all};
 use evidence::evidence;
 use posterior::{Likeliest, Posterior};
 
@@ -204,6 +208,7 @@ impl Selection {
         for test in tests {
             check_cell(self.cell, test.length)?;
         }
+        check_distinct(tests)?;
         let ground = Ground::of(tests)?;
         for candidate in &self.candidates {
             candidate.check(&ground)?;
@@ -372,9 +377,12 @@ impl Selection {
                     continue;
                 };
                 // what explains the data best may be near another maximum of the probability
-                let probable =
-                    Posterior::better(Some(probable), contest.from(&likeliest.parameters)?);
-                found[index] = probable.map(|probable| Found {
+                let other = if likeliest.is_of_special_case {
+                    contest.from(&likeliest.parameters)?
+                } else {
+                    None
+                };
+                found[index] = Posterior::better(Some(probable), other).map(|probable| Found {
                     probable,
                     likeliest,
                 });

@@ -98,7 +98,7 @@ impl RodTest {
     ///
     /// # Errors
     /// [`MaxwellidError`] naming the test, the quantity and the value: non-physical geometry, samples that are not finite, unequal
-    /// lengths, fewer than 32 samples, or a record that begins after the wave has arrived.
+    /// lengths, fewer than 32 samples, one history as excitation and response, or a record that begins after the wave has arrived.
     pub fn new(data: RodTestData) -> Result<Self, MaxwellidError> {
         let RodTestData {
             name,
@@ -155,6 +155,9 @@ impl RodTest {
                 response: response.len(),
                 excitation: excitation_samples.len(),
             });
+        }
+        if response == excitation_samples && response.iter().any(|v| *v != 0.0) {
+            return Err(MaxwellidError::OneHistory { test: name });
         }
         let window = response.len().saturating_sub(SampledHistory::HALF_WIDTH);
         if window < SampledHistory::HALF_WIDTH {
@@ -331,6 +334,30 @@ const TIME_ERROR: f64 = 2.0;
 /// Difference of ln E between rods of one material that dispersion and amplitude explain, beside the error of the time of flight.
 const MODULUS_SCATTER: f64 = 0.2;
 
+/// Refuses one recording as two tests: its noise would count twice.
+pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
+    for (index, first) in tests.iter().enumerate() {
+        for second in tests.iter().skip(index + 1) {
+            let histories = [
+                ("excitation", &first.excitation_samples, &second.excitation_samples),
+                ("response", &first.response, &second.response),
+            ];
+            for (history, one, other) in histories {
+                // without noise, tests of rods that are linear or at rest may well agree
+                let moves = one.iter().any(|v| *v != 0.0);
+                if moves && first.noise.is_some() && one == other {
+                    return Err(MaxwellidError::SameRecording {
+                        first: first.name.clone(),
+                        second: second.name.clone(),
+                        history,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 /// That every window holds a wave and the times of flight do not contradict each other.
 pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     for test in tests {
@@ -346,7 +373,9 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     let mut sorted = moduli.clone();
     sorted.sort_by(f64::total_cmp);
     // of two, the upper one: they are symmetric
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+    let Some(median) = sorted.get(sorted.len() / 2).copied() else {
+        return Err(MaxwellidError::NoTest);
+    };
     for (test, modulus) in tests.iter().zip(&moduli) {
         let time_error = 2.0 * TIME_ERROR / (test.time_of_flight()? * test.sampling_rate_hz);
         let allowed = MODULUS_SCATTER + time_error;

@@ -45,6 +45,10 @@ pub(crate) struct Transfer {
 
 impl Transfer {
     /// `None` where the model cannot be evaluated.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the impulse response has an entry for each of its times, and a row of the window is `lead` of them further on at most"
+    )]
     pub(crate) fn new<M: RodModel>(
         model: &M,
         parameters: &[f64],
@@ -87,10 +91,11 @@ impl Transfer {
             let impulse = response_of(model, &rod, parameters)?;
             return Some(Self {
                 matrix: Mat::from_fn(window, samples_of(excitation, window), |i, j| {
-                    (i + lead)
-                        .checked_sub(j)
-                        .and_then(|k| impulse.get(k))
-                        .map_or(0.0, |v| v / step)
+                    // a row has `window + lead` samples; before the impulse the rod is at rest
+                    match (i + lead).checked_sub(j) {
+                        Some(k) => impulse[k] / step,
+                        None => 0.0,
+                    }
                 }),
             });
         }
@@ -331,44 +336,21 @@ fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
     if count < 3 {
         return history.to_vec();
     }
+    let Mirrored {
+        period,
+        cosines,
+        spectrum,
+        noise,
+    } = Mirrored::of(history, noise);
     let last = count - 1;
-    let period = 2 * last;
-    let cosines: Vec<f64> = (0..period)
-        .map(|k| (std::f64::consts::TAU * k as f64 / period as f64).cos())
-        .collect();
-    // the ends occur once in a period, all other samples twice
-    let occurs = |k: usize| if k == 0 || k == last { 1.0 } else { 2.0 };
-    let spectrum: Vec<f64> = (0..count)
-        .map(|f| {
-            history
-                .iter()
-                .enumerate()
-                .map(|(k, v)| occurs(k) * v * cosines[f * k % period])
-                .sum()
-        })
-        .collect();
-    let covariance: Vec<f64> = (0..count)
-        .map(|lag| noise.autocovariance(lag))
-        .take_while(|c| *c != 0.0)
-        .collect();
+    let occurs = |k: usize| Mirrored::occurrences(k, last);
     let gains: Vec<f64> = (0..count)
         .map(|f| {
-            let of_noise: f64 = covariance
-                .iter()
-                .enumerate()
-                .map(|(lag, c)| {
-                    if lag == 0 {
-                        *c
-                    } else {
-                        2.0 * c * cosines[f * lag % period]
-                    }
-                })
-                .sum();
             let (low, high) = (f.saturating_sub(SMOOTHED), (f + SMOOTHED).min(last));
             let squares: f64 = spectrum[low..=high].iter().map(|x| x * x).sum();
             let around = squares / (high - low + 1) as f64;
             if around > 0.0 {
-                (1.0 - NOISE_POWER * period as f64 * of_noise / around).max(0.0)
+                (1.0 - NOISE_POWER * noise[f] / around).max(0.0)
             } else {
                 1.0
             }
@@ -385,6 +367,89 @@ fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
             sum / period as f64
         })
         .collect()
+}
+
+/// Cosine transform of a history that is continued by its mirror image.
+struct Mirrored {
+    /// Samples of a period.
+    period: usize,
+    /// Over one period.
+    cosines: Vec<f64>,
+    /// A line for each sample, up to half of the sampling rate [m/s].
+    spectrum: Vec<f64>,
+    /// Expected square of each line of noise alone.
+    noise: Vec<f64>,
+}
+
+impl Mirrored {
+    /// Of three samples or more.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "cosines are asked for modulo their number"
+    )]
+    fn of(history: &[f64], noise: &HistoryNoise) -> Self {
+        let count = history.len();
+        let last = count - 1;
+        let period = 2 * last;
+        let cosines: Vec<f64> = (0..period)
+            .map(|k| (std::f64::consts::TAU * k as f64 / period as f64).cos())
+            .collect();
+        let spectrum: Vec<f64> = (0..count)
+            .map(|f| {
+                history
+                    .iter()
+                    .enumerate()
+                    .map(|(k, v)| Self::occurrences(k, last) * v * cosines[f * k % period])
+                    .sum()
+            })
+            .collect();
+        let covariance: Vec<f64> = (0..count)
+            .map(|lag| noise.autocovariance(lag))
+            .take_while(|c| *c != 0.0)
+            .collect();
+        let noise = (0..count)
+            .map(|f| {
+                let lags = covariance.iter().enumerate();
+                let density: f64 = lags
+                    .map(|(lag, c)| {
+                        if lag == 0 {
+                            *c
+                        } else {
+                            2.0 * c * cosines[f * lag % period]
+                        }
+                    })
+                    .sum();
+                period as f64 * density
+            })
+            .collect();
+        Self {
+            period,
+            cosines,
+            spectrum,
+            noise,
+        }
+    }
+
+    /// How often sample `k` occurs in a period: the ends once, all others twice.
+    fn occurrences(k: usize, last: usize) -> f64 {
+        if k == 0 || k == last { 1.0 } else { 2.0 }
+    }
+}
+
+/// Power of each line of `history`, continued by its mirror image, and that expected of `noise` alone; the lines are evenly spaced from 0 to half of the
+/// sampling rate. Empty for fewer than three samples.
+pub(crate) fn mirrored_spectrum(history: &[f64], noise: &HistoryNoise) -> Vec<(f64, f64)> {
+    if history.len() < 3 {
+        return Vec::new();
+    }
+    let Mirrored {
+        spectrum, noise, ..
+    } = Mirrored::of(history, noise);
+    spectrum.iter().map(|x| x * x).zip(noise).collect()
 }
 
 #[allow(

@@ -21,8 +21,8 @@ pub(crate) struct Evidence {
 const FEWEST_POINTS: usize = 128;
 const MOST_POINTS: usize = 2048;
 
-/// Standard error of ln Z that is good enough. Points that are spread evenly err by less.
-const GOOD_ENOUGH: f64 = 0.05;
+/// Standard error of ln Z, as if the points were random, that is good enough. Points that are spread evenly err by a third of it and less.
+const GOOD_ENOUGH: f64 = 0.08;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];

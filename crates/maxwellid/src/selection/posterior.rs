@@ -122,6 +122,8 @@ pub(crate) struct Likeliest {
     /// The whitened residuals.
     pub(crate) residual: Vec<f64>,
     pub(crate) is_settled: bool,
+    /// Whether it is near a special case and not near the most probable parameters.
+    pub(crate) is_of_special_case: bool,
 }
 
 /// Starts are compared on a coarse grid.
@@ -134,13 +136,21 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 const LINEAR_STARTS: usize = 4;
 
 /// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
-const RENEWALS: usize = 16;
+const RENEWALS: usize = 10;
 
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
 /// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
 const SETTLED: f64 = 0.02;
+
+/// The same as a share of χ², for a law that is refuted anyway: its evidence is known to a ten-thousandth of its logarithm.
+const SETTLED_SHARE: f64 = 1e-4;
+
+/// Whether χ² changes no more.
+fn is_settled(last: f64, next: f64) -> bool {
+    (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
+}
 
 /// χ² by which a law may exceed one of its special cases before it is sought from there too.
 const WORSE: f64 = 0.02;
@@ -257,7 +267,7 @@ impl Contest<'_> {
             let mut next = Posterior::of(&problem, minimum)?;
             next.is_settled = found
                 .as_ref()
-                .is_some_and(|last| (next.chi_square - last.chi_square).abs() < SETTLED);
+                .is_some_and(|last| is_settled(last.chi_square, next.chi_square));
             let is_settled = next.is_settled;
             found = Some(next);
             if is_settled {
@@ -286,7 +296,10 @@ impl Contest<'_> {
                         .as_ref()
                         .is_none_or(|best| next.chi_square < best.chi_square)
                 {
-                    best = Some(next);
+                    best = Some(Likeliest {
+                        is_of_special_case: true,
+                        ..next
+                    });
                 }
             }
         }
@@ -316,12 +329,13 @@ impl Contest<'_> {
             let chi_square = sum_of_squares(&residual);
             let is_settled = found
                 .as_ref()
-                .is_some_and(|last| (chi_square - last.chi_square).abs() < SETTLED);
+                .is_some_and(|last| is_settled(last.chi_square, chi_square));
             found = Some(Likeliest {
                 parameters: minimum.parameters,
                 chi_square,
                 residual,
                 is_settled,
+                is_of_special_case: false,
             });
             if is_settled {
                 break;

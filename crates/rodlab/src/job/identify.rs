@@ -1,6 +1,7 @@
 //! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D): parameters with errors and verdicts, and
 //! which law the data support.
 
+mod answer;
 mod figures;
 mod laws;
 mod tests_of_sheet;
@@ -8,17 +9,18 @@ mod words;
 
 pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
-use maxwellid::profile::{self, Profile};
-use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
+use maxwellid::profile::Profile;
+use maxwellid::recorder::RecorderCheck;
+use maxwellid::selection::{Candidate, Comparison, Selection};
 use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::{About, Surroundings};
-use crate::outcome::{Column, Setting, Table, Verdict};
+use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated};
 use crate::{Outcome, RodlabError};
-use laws::FittedLaw;
-use words::Shown;
+use answer::Left;
+use laws::{FittedLaw, LawFit, Standing};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -108,8 +110,59 @@ struct Found {
     /// Of each test [m/s].
     impact_velocities: Vec<f64>,
     laws: Vec<FittedLaw>,
+    left: Left,
     comparison: Option<Comparison>,
+    /// A check for each test.
+    recorders: Vec<RecorderCheck>,
+    /// Name of the law that the profiles are of.
+    profiled: Option<String>,
     profiles: Vec<Profile>,
+}
+
+impl Found {
+    /// Whether a law was fitted and has no damping that the data determine.
+    fn is_without_damping(&self, name: &str) -> bool {
+        let mut fitted = self.laws.iter().filter(|law| law.name == name);
+        name != "elastic" && fitted.any(|law| !law.has_identified_damping())
+    }
+}
+
+fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderCheck>, RodlabError> {
+    tests
+        .iter()
+        .zip(&sheet.tests)
+        .enumerate()
+        .map(|(number, (test, of_sheet))| {
+            RecorderCheck::of(test, of_sheet.cutoff.as_ref().map(Stated::si))
+                .map_err(|error| RodlabError::step(format!("tests[{number}].cutoff"), error))
+        })
+        .collect()
+}
+
+/// The laws of the sheet, and the linear laws that the comparison leaves beside them.
+fn candidates(
+    sheet: &IdentifySheet,
+    left: &Left,
+    comparison: Option<&Comparison>,
+) -> Result<Vec<Candidate>, RodlabError> {
+    let mut candidates = sheet
+        .laws
+        .iter()
+        .map(|law| laws::candidate(*law))
+        .collect::<Result<Vec<_>, _>>()?;
+    for index in left.places() {
+        let Some(law) = comparison.and_then(|comparison| comparison.laws.get(*index)) else {
+            continue;
+        };
+        let is_there = candidates.iter().any(|c| c.name() == law.name);
+        if law.is_linear
+            && !is_there
+            && let Some(candidate) = laws::standard(&law.name)
+        {
+            candidates.push(candidate);
+        }
+    }
+    Ok(candidates)
 }
 
 pub(crate) fn run(
@@ -125,16 +178,10 @@ pub(crate) fn run(
     }
     around.has_read_all()?;
 
+    let recorders = recorders(sheet, &tests)?;
+    let is_biased = recorders.iter().any(RecorderCheck::is_biased);
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     around.progress.begins("identification", steps);
-    let specimen = sheet.specimen.uncertainty()?;
-    let mut laws = Vec::with_capacity(sheet.laws.len());
-    for law in &sheet.laws {
-        let fitted = laws::fit(*law, sheet.cell.as_ref().map(Exact::si), &tests)?;
-        laws.push(fitted.with_specimen_uncertainty(&specimen));
-        around.progress.one_more();
-        around.go_on()?;
-    }
     let comparison = sheet
         .compare
         .then(|| {
@@ -146,26 +193,63 @@ pub(crate) fn run(
         .map_err(|error| RodlabError::step("comparing the laws", error))?;
     around.progress.one_more();
     around.go_on()?;
-    let identified = laws.iter().any(FittedLaw::has_identified_damping);
-    let profiles = if sheet.profiles && identified {
-        let of_data = profiles(&laws, comparison.as_ref(), &tests, sheet.cell())?;
-        let with_specimen = |profile: &Profile| profile.with_specimen_uncertainty(&specimen);
-        of_data.iter().map(with_specimen).collect()
-    } else {
-        Vec::new()
-    };
+    let left = Left::of(comparison.as_ref(), is_biased);
+    let cell = sheet.cell.as_ref().map(Exact::si);
+    let mut fits = Vec::new();
+    for candidate in candidates(sheet, &left, comparison.as_ref())? {
+        fits.push(LawFit::of(candidate, cell, comparison.as_ref()));
+    }
+    let mut laws = Vec::with_capacity(fits.len());
+    for fit in &fits {
+        let mut law = fit.fitted(&tests)?;
+        law.standing = left.standing(&law, comparison.as_ref(), is_biased);
+        laws.push(law);
+        around.progress.one_more();
+        around.go_on()?;
+    }
+    let profiled = sheet
+        .profiles
+        .then(|| law_to_profile(&laws, &left, comparison.as_ref()))
+        .flatten();
+    let mut profiles: Vec<Profile> = Vec::new();
+    for (fit, law) in fits.iter().zip(&mut laws) {
+        if Some(&law.name) == profiled.as_ref() {
+            let (mut lowest, found) = fit.with_profiles(law, &tests)?;
+            lowest.standing = law.standing.clone();
+            *law = lowest;
+            profiles = found;
+        }
+    }
+    // verdicts are those of the data; the specimen adds to the errors
+    let specimen = sheet.specimen.uncertainty()?;
+    let laws = laws
+        .into_iter()
+        .map(|law| law.with_specimen_uncertainty(&specimen))
+        .collect();
+    let with_specimen = |profile: &Profile| profile.with_specimen_uncertainty(&specimen);
+    let profiles = profiles.iter().map(with_specimen).collect();
     let velocity = |test: &TestSheet| test.impact_velocity.si();
     let found = Found {
         tests,
         impact_velocities: sheet.tests.iter().map(velocity).collect(),
         laws,
+        left,
         comparison,
+        recorders,
+        profiled,
         profiles,
     };
-    answer(&found, &mut outcome);
+    answer::tell(&found, &mut outcome);
     specimen_in_words(&sheet.specimen, &found, &mut outcome);
     for law in &found.laws {
         law.tell(&mut outcome);
+    }
+    for check in &found.recorders {
+        outcome.log.push(LogEntry {
+            what: format!("recorder of test `{}`", check.test),
+            accepted: !check.is_biased(),
+            reasons: vec![check.to_string()],
+        });
     }
     if let Some(comparison) = &found.comparison {
         outcome.tables.push(table_of(comparison));
@@ -175,26 +259,23 @@ pub(crate) fn run(
     Ok(outcome)
 }
 
-/// Of the law that is named; else of the one whose response is nearest.
-fn profiles(
-    laws: &[FittedLaw],
-    comparison: Option<&Comparison>,
-    tests: &[RodTest],
-    cell: f64,
-) -> Result<Vec<Profile>, RodlabError> {
-    let named = comparison.and_then(Comparison::law).map(|law| &law.name);
-    let best = laws
-        .iter()
-        .min_by(|a, b| a.relative_error.total_cmp(&b.relative_error))
-        .map(|law| &law.name);
-    let Some(candidate) = Candidate::standard()
-        .into_iter()
-        .find(|candidate| Some(candidate.name()) == named.or(best).map(String::as_str))
-    else {
-        return Ok(Vec::new());
+/// Name of the law whose profiles are computed: of those that are left and were fitted, the most probable whose damping may be determined;
+/// without a comparison, or where no law is left, the one whose response is nearest.
+fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Comparison>) -> Option<String> {
+    let named = left.places().iter().filter_map(|index| {
+        let name = &comparison?.laws.get(*index)?.name;
+        laws.iter().find(|law| law.name == *name)
+    });
+    let nearest = || {
+        laws.iter()
+            .filter(|_| left.places().is_empty())
+            .min_by(|a, b| a.relative_error.total_cmp(&b.relative_error))
     };
-    profile::profiles(&candidate, tests, cell)
-        .map_err(|error| RodlabError::step("profile likelihoods", error))
+    named
+        .filter(|law| law.standing == Standing::Possible)
+        .find(|law| law.is_worth_profiles())
+        .or_else(|| nearest().filter(|law| law.is_worth_profiles()))
+        .map(|law| law.name.clone())
 }
 
 fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
@@ -228,62 +309,6 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
         format!("{} points, degree {degree}", 2 * half_width + 1),
         sheet.differentiator == DifferentiatorSheet::default(),
     );
-}
-
-/// The first sentences, the verdict and the warnings.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "a decision names the laws by their places in the comparison that it is of"
-)]
-fn answer(found: &Found, outcome: &mut Outcome) {
-    let identified = found.laws.iter().any(FittedLaw::has_identified_damping);
-    match &found.comparison {
-        Some(comparison) => {
-            let name = |index: usize| comparison.laws[index].name.clone();
-            outcome.summary.push(match &comparison.decision {
-                Decision::Law {
-                    candidate,
-                    probability,
-                } => format!(
-                    "The data support the law {} with a probability of {probability:.3}.",
-                    name(*candidate)
-                ),
-                Decision::CannotTell { between, reason } => {
-                    let names: Vec<String> = between.iter().map(|index| name(*index)).collect();
-                    format!(
-                        "The data cannot tell the laws {} apart: {reason}.",
-                        names.join(", ")
-                    )
-                }
-                Decision::NoneOfThese { best, adequacy } => format!(
-                    "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
-                    name(*best)
-                ),
-                other => format!("The comparison ended with {other:?}."),
-            });
-            for advice in &comparison.advice {
-                outcome.warnings.push(advice.to_string());
-            }
-        }
-        None => outcome.warnings.push(
-            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
-                .to_owned(),
-        ),
-    }
-    for law in &found.laws {
-        outcome.summary.push(law.in_words());
-        for flag in &law.flags {
-            outcome.warnings.push(format!("{}: {flag}", law.name));
-        }
-    }
-    for profile in &found.profiles {
-        outcome.summary.push(Shown::of(profile).in_words(profile));
-    }
-    if !identified {
-        outcome.verdict = Verdict::NotAllowed {
-            reason: "no law has a damping that these data determine: within their noise the rod may be elastic".to_owned(),
-        };
-    }
 }
 
 /// How much of the errors is the specimen's; or that nothing of it is in them.

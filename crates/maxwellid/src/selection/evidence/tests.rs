@@ -51,14 +51,17 @@ fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     .unwrap()
 }
 
-/// Step of the grid in the units of the integrand. The sum over a smooth peak errs by exp(-2π²/h²), 1e-13 of a normal one.
-const STEP: f64 = 0.8;
+/// Step of the grid in the units of the integrand. The sum over a smooth peak errs by exp(-2π²/h²), less than rounding of a normal one; the other steps are for peaks that are not.
+fn step_of(axes: usize) -> f64 {
+    if axes < 3 { 0.2 } else { 0.5 }
+}
 
 /// ln of the sum over the grid, by walking outwards from the peak as long as points count.
 fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     let axes = integrand.centre.len();
+    let width = step_of(axes);
     let at = |place: &[i32]| {
-        let z: Vec<f64> = place.iter().map(|k| STEP * f64::from(*k)).collect();
+        let z: Vec<f64> = place.iter().map(|k| width * f64::from(*k)).collect();
         integrand.at(&z)
     };
     let origin = vec![0; axes];
@@ -83,7 +86,7 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
             }
         }
     }
-    top + f64::ln(sum) + axes as f64 * STEP.ln()
+    top + f64::ln(sum) + axes as f64 * width.ln()
 }
 
 /// ln Z of a candidate by importance sampling and by the grid.
@@ -134,7 +137,8 @@ fn r01_the_evidence_is_that_of_a_grid() {
         // nothing to be seen of a damping: what is left of a relaxation time is the prior beyond a bound
         test_of(&Elastic, 0.02, 3),
     ];
-    for test in data {
+    let mut off = Vec::new();
+    for (number, test) in data.into_iter().enumerate() {
         let test = [test];
         for candidate in Candidate::standard() {
             let parameters = candidate.model().parameter_names().len();
@@ -142,11 +146,10 @@ fn r01_the_evidence_is_that_of_a_grid() {
                 continue;
             }
             let (found, expected) = both(&candidate, &test);
-            assert!(
-                (found - expected).abs() < 0.1,
-                "{}: {found} {expected}",
-                candidate.name()
-            );
+            if (found - expected).abs() > 0.1 {
+                off.push((number, candidate.name().to_owned(), found, expected));
+            }
         }
     }
+    assert!(off.is_empty(), "{off:#?}");
 }

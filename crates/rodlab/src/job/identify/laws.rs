@@ -1,81 +1,133 @@
 //! A law fitted to all tests: its parameters with errors and verdicts.
 
+use std::sync::Arc;
+
+use maxwellid::profile::Profile;
+use maxwellid::selection::{Candidate, Comparison};
 use maxwellid::{
-    Estimate, Fit, FitFlag, IdentifiableLaw, Noise, RodTest, Role, Scale, SpecimenUncertainty,
-    Verdict,
+    Estimate, Fit, FitFlag, Identification, Noise, RodModel, RodTest, Role, Scale,
+    SpecimenUncertainty, Verdict,
 };
-use rodwave::inelastic::{
-    DEFAULT_REFERENCE_STRESS, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
-};
+use rodwave::inelastic::Maxwell;
 
 use super::{LawName, words};
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
 
+/// Standing of the parameters of a law.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Standing {
+    /// The data leave the law possible.
+    Possible,
+    /// The data reject the law.
+    Rejected(String),
+    /// The law is nonlinear and the recorder biases it.
+    Biased,
+}
+
 /// A law at its minimum.
 pub(super) struct FittedLaw {
     pub(super) name: String,
+    pub(super) is_linear: bool,
+    pub(super) standing: Standing,
     pub(super) estimates: Vec<Estimate>,
     pub(super) flags: Vec<FitFlag>,
     /// Root mean square of simulated minus measured response, as a share of the impact velocity.
     pub(super) relative_error: f64,
     /// Simulated minus measured response over the impact velocity, a slice for each test.
     pub(super) residuals: Vec<Vec<f64>>,
+    parameters: Vec<f64>,
     termination: String,
     starts: usize,
     skips: usize,
 }
 
-pub(super) fn fit(
-    law: LawName,
-    cell: Option<f64>,
-    tests: &[RodTest],
-) -> Result<FittedLaw, RodlabError> {
-    let refused = |error| RodlabError::step("laws", error);
-    // the rate is scanned; the shapes are those from which paper D starts
-    match law {
-        LawName::Maxwell => of(Maxwell::new(1e6).map_err(refused)?, cell, tests),
-        LawName::Norton => of(
-            MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS)
-                .map_err(refused)?,
-            cell,
-            tests,
-        ),
-        LawName::GurevichRabinovich => of(
-            MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, DEFAULT_REFERENCE_STRESS)
-                .map_err(refused)?,
-            cell,
-            tests,
-        ),
-    }
+/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes are those from which paper D starts.
+pub(super) fn candidate(law: LawName) -> Result<Candidate, RodlabError> {
+    let name = match law {
+        LawName::Maxwell => {
+            let refused = |error| RodlabError::step("laws", error);
+            let law = Maxwell::new(1e6).map_err(refused)?;
+            return Candidate::inelastic(law, &[])
+                .map_err(|error| RodlabError::step("laws", error));
+        }
+        LawName::Norton => "Maxwell-Norton",
+        LawName::GurevichRabinovich => "Maxwell-Gurevich-Rabinovich",
+    };
+    standard(name).ok_or_else(|| {
+        RodlabError::request("laws", name, "one of the candidates of the comparison")
+    })
 }
 
-fn of<L: IdentifiableLaw + 'static>(
-    law: L,
-    cell: Option<f64>,
-    tests: &[RodTest],
-) -> Result<FittedLaw, RodlabError> {
-    let fit = match cell {
-        Some(cell) => Fit::of(law).with_cell(cell),
-        None => Fit::of(law),
-    };
-    let identified = fit
-        .to(tests)
-        .map_err(|error| RodlabError::step(format!("the law {}", L::NAME), error))?;
-    let estimates = identified
-        .identifiability(Noise::Stated)
-        .map(|found| found.estimates)
-        .unwrap_or_default();
-    Ok(FittedLaw {
-        name: L::NAME.to_owned(),
-        estimates,
-        flags: identified.flags().to_vec(),
-        relative_error: identified.relative_error(),
-        residuals: identified.residuals().map(<[f64]>::to_vec).collect(),
-        termination: identified.termination().to_string(),
-        starts: identified.starts().len(),
-        skips: identified.cycle_skips_left(),
-    })
+/// The standard candidate of this name.
+pub(super) fn standard(name: &str) -> Option<Candidate> {
+    let mut all = Candidate::standard().into_iter();
+    all.find(|candidate| candidate.name() == name)
+}
+
+/// The parameters of `candidate` at which the comparison found its law likeliest.
+fn found_by(comparison: &Comparison, candidate: &Candidate) -> Option<Vec<f64>> {
+    let law = comparison
+        .laws
+        .iter()
+        .find(|law| law.name == candidate.name())?;
+    let compared = standard(&law.name)?;
+    if compared.model().parameter_names() == candidate.model().parameter_names() {
+        return Some(law.likeliest.clone());
+    }
+    // one law in two sets of parameters
+    let series = compared.model().prony(&law.likeliest)?;
+    Some(candidate.model().special_case(&series)?.parameters)
+}
+
+/// The fit of a law, also from where the comparison found it.
+pub(super) struct LawFit {
+    candidate: Candidate,
+    fit: Fit<Arc<dyn RodModel>>,
+}
+
+impl LawFit {
+    pub(super) fn of(
+        candidate: Candidate,
+        cell: Option<f64>,
+        comparison: Option<&Comparison>,
+    ) -> Self {
+        let mut fit = Fit::of(Arc::clone(candidate.model()));
+        if let Some(cell) = cell {
+            fit = fit.with_cell(cell);
+        }
+        if let Some(start) = comparison.and_then(|found| found_by(found, &candidate)) {
+            fit = fit.also_from(start);
+        }
+        Self { candidate, fit }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        self.candidate.name()
+    }
+
+    fn refused(&self) -> impl Fn(maxwellid::MaxwellidError) -> RodlabError + use<> {
+        let what = format!("the law {}", self.name());
+        move |error| RodlabError::step(what.as_str(), error)
+    }
+
+    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<FittedLaw, RodlabError> {
+        let identified = self.fit.to(tests).map_err(self.refused())?;
+        Ok(FittedLaw::of(&identified))
+    }
+
+    /// The law at the lowest minimum that its profiles lead to as well, with the profiles.
+    pub(super) fn with_profiles(
+        &self,
+        found: &FittedLaw,
+        tests: &[RodTest],
+    ) -> Result<(FittedLaw, Vec<Profile>), RodlabError> {
+        let fit = self.fit.clone().also_from(found.parameters.clone());
+        let (identified, profiles) = fit
+            .with_profiles(&self.candidate, tests)
+            .map_err(|error| RodlabError::step("profile likelihoods", error))?;
+        Ok((FittedLaw::of(&identified), profiles))
+    }
 }
 
 impl FittedLaw {
@@ -86,7 +138,27 @@ impl FittedLaw {
         self
     }
 
-    /// Whether the data determine more than the modulus.
+    fn of(identified: &Identification<Arc<dyn RodModel>>) -> Self {
+        let estimates = identified
+            .identifiability(Noise::Stated)
+            .map(|found| found.estimates)
+            .unwrap_or_default();
+        Self {
+            name: identified.model().name().to_owned(),
+            is_linear: identified.model().is_linear(),
+            standing: Standing::Possible,
+            estimates,
+            flags: identified.flags().to_vec(),
+            relative_error: identified.relative_error(),
+            residuals: identified.residuals().map(<[f64]>::to_vec).collect(),
+            parameters: identified.parameters().to_vec(),
+            termination: identified.termination().to_string(),
+            starts: identified.starts().len(),
+            skips: identified.cycle_skips_left(),
+        }
+    }
+
+    /// Whether the data determine more than the modulus, whatever its standing.
     pub(super) fn has_identified_damping(&self) -> bool {
         self.estimates
             .iter()
@@ -94,8 +166,30 @@ impl FittedLaw {
             .any(|e| e.role == Role::Coordinate && e.verdict == Verdict::Identified)
     }
 
+    /// Whether a profile may find more than the errors of the linearised problem say.
+    pub(super) fn is_worth_profiles(&self) -> bool {
+        let curved = |flag: &FitFlag| matches!(flag, FitFlag::Curved { .. } | FitFlag::Unsettled);
+        self.has_identified_damping() || self.flags.iter().any(curved)
+    }
+
     /// One sentence.
     pub(super) fn in_words(&self) -> String {
+        let difference = format!(
+            "simulated and measured response differ by {:.2} % of the impact velocity (root mean square)",
+            100.0 * self.relative_error
+        );
+        match &self.standing {
+            Standing::Rejected(reason) => {
+                return format!("{}: {reason}; {difference}.", self.name);
+            }
+            Standing::Biased => {
+                return format!(
+                    "{}: its parameters are not identified, because the recorder biases them; {difference}.",
+                    self.name
+                );
+            }
+            Standing::Possible => {}
+        }
         if self.estimates.is_empty() {
             return format!(
                 "{}: the errors of its parameters could not be found.",
@@ -108,12 +202,7 @@ impl FittedLaw {
             .filter(|estimate| estimate.role == Role::Coordinate)
             .map(words::of_estimate)
             .collect();
-        format!(
-            "{}: {}; simulated and measured response differ by {:.2} % of the impact velocity (root mean square).",
-            self.name,
-            parameters.join("; "),
-            100.0 * self.relative_error
-        )
+        format!("{}: {}; {difference}.", self.name, parameters.join("; "))
     }
 
     /// Quantities and log.
@@ -144,7 +233,12 @@ impl FittedLaw {
             Scale::Ratio => estimate.value.abs() * estimate.standard_error,
             Scale::Difference => estimate.standard_error,
         };
-        let identified = estimate.verdict == Verdict::Identified;
+        let verdict = match (&self.standing, estimate.role) {
+            (Standing::Rejected(reason), _) => reason.clone(),
+            (Standing::Biased, _) => "not identified: the recorder biases it".to_owned(),
+            (Standing::Possible, Role::Derived) => format!("derived; {}", estimate.verdict),
+            (Standing::Possible, Role::Coordinate) => estimate.verdict.to_string(),
+        };
         Quantity {
             name: format!("{}: {} {}", self.name, estimate.name, estimate.symbol),
             unit: if estimate.unit == "1" {
@@ -154,11 +248,8 @@ impl FittedLaw {
             },
             value: Some(estimate.value).filter(|value| value.is_finite()),
             standard_error: Some(error).filter(|error| error.is_finite()),
-            valid: identified,
-            verdict: match estimate.role {
-                Role::Derived => format!("derived; {}", estimate.verdict),
-                Role::Coordinate => estimate.verdict.to_string(),
-            },
+            valid: self.standing == Standing::Possible && estimate.verdict == Verdict::Identified,
+            verdict,
         }
     }
 }

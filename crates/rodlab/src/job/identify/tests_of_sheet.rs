@@ -8,7 +8,7 @@ use super::IdentifySheet;
 use crate::job::Surroundings;
 use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, expect_different_files, expect_quantity};
-use crate::sheet::{Exact, Length, Time, Velocity};
+use crate::sheet::{Exact, Frequency, Length, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
 /// One test.
@@ -37,6 +37,9 @@ pub struct TestSheet {
     /// Range of displacement transducers: what has moved further is out of sight.
     #[serde(default)]
     pub range: Option<Exact<Length>>,
+    /// Cut-off of the recorder's low-pass filter; assumed from the sampling rate unless stated.
+    #[serde(default)]
+    pub cutoff: Option<Exact<Frequency>>,
     /// For a virtual test the name of the solver that made it.
     #[serde(default)]
     pub generator: Option<String>,
@@ -128,6 +131,13 @@ fn one(
         value: test.impact_velocity.to_string(),
         by_default: false,
     });
+    if let Some(cutoff) = &test.cutoff {
+        outcome.settings.push(Setting {
+            name: format!("{field}.cutoff"),
+            value: cutoff.to_string(),
+            by_default: false,
+        });
+    }
     let found = loaded.records.len();
     let Some(record) = loaded.records.pop().filter(|_| found == 1) else {
         return Err(RodlabError::request(

@@ -1,0 +1,183 @@
+//! The bias of a recorder: whether an excitation holds more than a nonlinear rod may be driven by.
+//!
+//! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven by the filtered excitation it gives the filtered response. A nonlinear rod does
+//! not, because the front that the filter has rounded dissipated at its full stress: driven by a record, the exponent of a Norton rod of κ = 2.1 comes out as 1.3 to 1.8,
+//! with a residual that gives no warning. What was lost cannot be seen in the record, but whether the spectrum still stands above the noise
+//! where the filter begins can:
+//!
+//! ```text
+//! R = Σ P(f) / Σ P_noise(f) - 1 ,    0.6 f_c <= f <= f_c
+//! ```
+//!
+//! with P the periodogram of the excitation, continued by its mirror image, and P_noise that of its noise. With R > 1, that is, with more power of
+//! the signal than of the noise, no parameter of a nonlinear law is to be trusted.
+//!
+//! # Validity
+//! The noise is stated ([`RodTest::with_noise`] and its kin). R counts some tens of lines and is good to about 0.2. A cut-off that is not stated is taken as the
+//! usual one of recorders, the sampling rate over 2.56.
+//!
+//! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
+
+use crate::error::MaxwellidError;
+use crate::test::RodTest;
+use crate::whitening::mirrored_spectrum;
+
+/// Usual ratio of sampling rate and cut-off of recorders.
+pub const USUAL_RATIO: f64 = 2.56;
+
+/// Share of the cut-off from which power counts.
+pub const FROM: f64 = 0.6;
+
+/// What the spectrum of an excitation says of its recorder.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RecorderCheck {
+    /// Name of the test.
+    pub test: String,
+    /// Cut-off of the recorder \[Hz\].
+    pub cutoff_hz: f64,
+    /// Whether the cut-off is assumed from the sampling rate.
+    pub is_assumed: bool,
+    /// Power of the signal over that of the noise, from 0.6 of the cut-off to the cut-off; infinite without noise.
+    pub signal_to_noise: f64,
+}
+
+impl RecorderCheck {
+    /// Checks the excitation of one test through a recorder of cut-off `cutoff_hz` \[Hz\], or of one that is not known.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a cut-off that is not above 0 and at most half of the
+    /// sampling rate.
+    pub fn of(test: &RodTest, cutoff_hz: Option<f64>) -> Result<Self, MaxwellidError> {
+        let rate = test.sampling_rate_hz;
+        if let Some(value) = cutoff_hz
+            && !(value > 0.0 && value <= 0.5 * rate)
+        {
+            return Err(MaxwellidError::Setting {
+                setting: "cut-off of the recorder [Hz]",
+                value,
+                expected: "above 0 and at most half of the sampling rate",
+            });
+        }
+        let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
+            test: test.name().to_owned(),
+        })?;
+        let cutoff = cutoff_hz.unwrap_or(rate / USUAL_RATIO);
+        let lines = mirrored_spectrum(&test.excitation_samples, &noise.excitation);
+        let spacing = 0.5 * rate / (lines.len().saturating_sub(1).max(1)) as f64;
+        let (mut of_record, mut of_noise) = (0.0, 0.0);
+        for (line, (power, expected)) in lines.iter().enumerate() {
+            let frequency = line as f64 * spacing;
+            if (FROM * cutoff..=cutoff).contains(&frequency) {
+                of_record += power;
+                of_noise += expected;
+            }
+        }
+        Ok(Self {
+            test: test.name().to_owned(),
+            cutoff_hz: cutoff,
+            is_assumed: cutoff_hz.is_none(),
+            signal_to_noise: if of_noise > 0.0 {
+                of_record / of_noise - 1.0
+            } else {
+                f64::INFINITY
+            },
+        })
+    }
+
+    /// Whether the excitation exceeds what the recorder passes unchanged.
+    #[must_use]
+    pub fn is_biased(&self) -> bool {
+        self.signal_to_noise > 1.0
+    }
+}
+
+/// The finding and what to do, in one sentence.
+impl std::fmt::Display for RecorderCheck {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let cutoff = 1e-3 * self.cutoff_hz;
+        let origin = if self.is_assumed {
+            format!("its cut-off is not stated and taken as {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}")
+        } else {
+            format!("its cut-off is {cutoff:.1} kHz")
+        };
+        if self.is_biased() {
+            write!(
+                f,
+                "test `{}`: beyond {FROM} of the cut-off of the recorder the excitation has {:.1} times the power of its noise ({origin}). The filter does not \
+                 commute with a nonlinear rod and biases all parameters of nonlinear laws; use a striker of smoother pulse or a faster recorder",
+                self.test, self.signal_to_noise
+            )
+        } else {
+            write!(
+                f,
+                "test `{}`: beyond {FROM} of the cut-off of the recorder the excitation is below its noise ({origin})",
+                self.test
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::*;
+    use crate::test::{Provenance, RodTestData};
+
+    const RATE: f64 = 51_200.0;
+
+    /// A front that rises as the integral of a normal density of `width` \[s\], with 0.8 % of noise.
+    fn front(width: f64, seed: u64) -> RodTest {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let white = Normal::new(0.0, 0.08).unwrap();
+        let mut history = |delay: f64| -> Vec<f64> {
+            (0..160)
+                .map(|k| {
+                    let t = (f64::from(k) - 64.0) / RATE - delay;
+                    let rise = 0.5 * statrs::function::erf::erfc(-t / (width * 2.0_f64.sqrt()));
+                    10.0 * rise * (-t.max(0.0) / 1e-3).exp() + white.sample(&mut random)
+                })
+                .collect()
+        };
+        RodTest::new(RodTestData {
+            name: "front".into(),
+            length: 0.4,
+            density: 1000.0,
+            impact_velocity: 10.0,
+            sampling_rate_hz: RATE,
+            excitation: history(0.0),
+            response: history(2.5e-4),
+            provenance: Provenance::Measured,
+        })
+        .unwrap()
+        .with_noise(0.08, 0.08)
+        .unwrap()
+    }
+
+    /// The spectrum of the front falls by exp(-(2π f σ)²/2): at 12 kHz to a half for σ of 16 us and to 1e-5 for 64 us.
+    #[test]
+    fn r02_a_sharp_front_is_biased_and_a_smooth_one_is_not() {
+        for seed in 0..20 {
+            let sharp = RecorderCheck::of(&front(8e-6, seed), None).unwrap();
+            assert!(sharp.is_biased(), "{sharp}");
+            assert!(sharp.is_assumed && sharp.to_string().contains("20.0 kHz"), "{sharp}");
+            let smooth = RecorderCheck::of(&front(64e-6, seed), Some(17_900.0)).unwrap();
+            assert!(!smooth.is_biased(), "{smooth}");
+            // twenty of some forty lines
+            assert!(smooth.signal_to_noise.abs() < 0.8, "{smooth}");
+        }
+    }
+
+    #[test]
+    fn r02_a_cut_off_beyond_half_of_the_rate_is_refused() {
+        for cutoff in [0.0, -1.0, f64::NAN, 26e3] {
+            assert!(matches!(
+                RecorderCheck::of(&front(64e-6, 1), Some(cutoff)),
+                Err(MaxwellidError::Setting { .. })
+            ));
+        }
+    }
+}

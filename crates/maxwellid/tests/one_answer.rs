@@ -1,0 +1,100 @@
+//! The estimate, its errors and its profile are of one minimum.
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
+
+mod virtual_tests;
+
+use std::sync::Arc;
+
+use maxwellid::selection::Candidate;
+use maxwellid::{Fit, MaxwellidError, Noise, RodTest, Verdict};
+use rodwave::inelastic::{Maxwell, MaxwellNorton};
+use virtual_tests::{by_the_chain, in_parallel, noisy};
+
+fn norton() -> Candidate {
+    let mut all = Candidate::standard().into_iter();
+    all.find(|candidate| candidate.name() == "Maxwell-Norton")
+        .unwrap()
+}
+
+/// From one velocity in two per cent of noise, where minima are flat and there are several.
+#[test]
+fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
+    let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
+    let exact = by_the_chain(&truth, 10.0);
+    let seeds: Vec<u64> = (0..6).collect();
+    in_parallel(&seeds, |seed| {
+        let candidate = norton();
+        let tests = [noisy(&exact, 0.02, 300 + seed)];
+        let (found, profiles) = Fit::of(Arc::clone(candidate.model()))
+            .with_cell(8e-3)
+            .with_profiles(&candidate, &tests)
+            .unwrap();
+        let judged = found.identifiability(Noise::Stated).unwrap();
+        for (index, profile) in profiles.iter().enumerate() {
+            let value = found.parameters()[index];
+            assert!((profile.value - value).abs() < 1e-12, "{seed}");
+            assert!(profile.contains(value), "{seed}: {}", profile.reason());
+            let lowest = profile.curve.iter().fold(0.0, |low, p| f64::min(low, p.1));
+            // a thirtieth of the threshold of 3.84
+            assert!(lowest > -0.1, "{seed}: {} {lowest}", profile.parameter);
+            // what is called identified has an interval, and the standard error is its quarter
+            let error = judged.coordinate_errors[index];
+            if judged.estimates[index].verdict == Verdict::Identified {
+                let width = profile.upper.unwrap() - profile.lower.unwrap();
+                let ratio = width / (2.0 * 1.96 * error);
+                assert!((0.7..1.4).contains(&ratio), "{seed}: {ratio}");
+            }
+        }
+    });
+}
+
+/// A start at the wrong exponent and rate of a valley: profiles that meet a lower point take the fit along.
+#[test]
+fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
+    let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
+    let exact = by_the_chain(&truth, 10.0);
+    let tests = [noisy(&exact, 0.01, 9)];
+    let candidate = norton();
+    let at_truth = vec![2.6e9_f64.ln(), 2.0, 8.0_f64.ln()];
+    // a fit that starts where no wave is damped, and one that also starts at the truth
+    let lost = MaxwellNorton::from_reference_rate(0.2, 1e-18, 10e6).unwrap();
+    let alone = Fit::of(lost).starting_from(2.6e9).with_cell(8e-3);
+    let far = alone.to(&tests).unwrap();
+    let near = alone.clone().also_from(at_truth).to(&tests).unwrap();
+    assert!(near.ratio_to_noise() < far.ratio_to_noise() - 0.05);
+    assert!((near.parameters()[1] - 2.0).abs() < 0.5);
+    let (found, _) = alone.with_profiles(&candidate, &tests).unwrap();
+    assert!(found.ratio_to_noise() < near.ratio_to_noise() + 0.01);
+}
+
+#[test]
+fn r21_no_start_is_refused() {
+    let exact = by_the_chain(&Maxwell::new(4e6).unwrap(), 10.0);
+    let tests = [noisy(&exact, 0.01, 1)];
+    let fit = Fit::of(Maxwell::new(1e6).unwrap());
+    assert!(matches!(
+        fit.with_starts(0).to(&tests),
+        Err(MaxwellidError::Setting {
+            setting: "number of starts",
+            ..
+        })
+    ));
+}
+
+#[test]
+fn r10_one_recording_is_not_two_tests() {
+    let exact = by_the_chain(&Maxwell::new(4e6).unwrap(), 10.0);
+    let test = noisy(&exact, 0.01, 1);
+    let other = noisy(&exact, 0.01, 2);
+    let fit = Fit::of(Maxwell::new(1e6).unwrap()).with_cell(8e-3);
+    let refused = |tests: &[RodTest]| fit.to(tests).unwrap_err();
+    assert_eq!(
+        refused(&[test.clone(), other.clone(), test.clone()]),
+        MaxwellidError::SameRecording {
+            first: "10 m/s".into(),
+            second: "10 m/s".into(),
+            history: "excitation",
+        }
+    );
+    assert!(fit.to(&[test, other]).is_ok());
+}

@@ -1,0 +1,238 @@
+//! The answer of an identification: which laws are left, and what may be said of their parameters.
+
+use maxwellid::recorder::RecorderCheck;
+use maxwellid::selection::{Comparison, Decision};
+
+use super::Found;
+use super::laws::{FittedLaw, Standing};
+use super::words::Shown;
+use crate::outcome::{Outcome, Verdict};
+
+/// The laws that the data leave, by their places in the comparison.
+pub(super) enum Left {
+    /// One law.
+    One { law: usize, probability: f64 },
+    /// Several that cannot be told apart, most probable first.
+    Several { laws: Vec<usize>, reason: String },
+    /// None; the best of them.
+    None { best: usize, adequacy: f64 },
+    /// The laws were not compared.
+    Unknown,
+}
+
+/// Why a nonlinear law is neither named nor left out through a recorder that biases it.
+const BIASED: &str = "the recorder biases nonlinear laws, so that none of them can be named or excluded";
+
+impl Left {
+    /// What the comparison leaves, given whether the recorder biases nonlinear laws.
+    pub(super) fn of(comparison: Option<&Comparison>, is_biased: bool) -> Self {
+        let Some(comparison) = comparison else {
+            return Self::Unknown;
+        };
+        let laws = &comparison.laws;
+        let is_linear = |index: usize| laws.get(index).is_some_and(|law| law.is_linear);
+        let with_nonlinear = |mut first: Vec<usize>| {
+            for index in 0..laws.len() {
+                if !is_linear(index) && !first.contains(&index) {
+                    first.push(index);
+                }
+            }
+            Self::Several {
+                laws: first,
+                reason: BIASED.to_owned(),
+            }
+        };
+        match &comparison.decision {
+            Decision::Law { candidate, .. } if is_biased && !is_linear(*candidate) => {
+                with_nonlinear(vec![*candidate])
+            }
+            Decision::Law {
+                candidate,
+                probability,
+            } => Self::One {
+                law: *candidate,
+                probability: *probability,
+            },
+            Decision::CannotTell { between, .. }
+                if is_biased && between.iter().any(|index| !is_linear(*index)) =>
+            {
+                with_nonlinear(between.clone())
+            }
+            Decision::CannotTell { between, reason } => Self::Several {
+                laws: between.clone(),
+                reason: reason.to_string(),
+            },
+            Decision::NoneOfThese { best, adequacy } => Self::None {
+                best: *best,
+                adequacy: *adequacy,
+            },
+            other => Self::Several {
+                laws: (0..laws.len()).collect(),
+                reason: format!("the comparison ended with {other:?}"),
+            },
+        }
+    }
+
+    /// Places of the laws that are left.
+    pub(super) fn places(&self) -> &[usize] {
+        match self {
+            Self::One { law, .. } => std::slice::from_ref(law),
+            Self::Several { laws, .. } => laws,
+            Self::None { .. } | Self::Unknown => &[],
+        }
+    }
+
+    /// Standing of a law of this name.
+    pub(super) fn standing(
+        &self,
+        law: &FittedLaw,
+        comparison: Option<&Comparison>,
+        is_biased: bool,
+    ) -> Standing {
+        if is_biased && !law.is_linear {
+            return Standing::Biased;
+        }
+        let Some(comparison) = comparison else {
+            return Standing::Possible;
+        };
+        let places = || comparison.laws.iter().enumerate();
+        match places().find(|(_, compared)| compared.name == law.name) {
+            Some((place, compared)) if !self.places().contains(&place) => {
+                let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
+                    format!(", a misfit that it would have with a probability of {adequacy:.1e}")
+                });
+                Standing::Rejected(format!(
+                    "rejected (probability {:.3} among the laws{adequacy})",
+                    compared.probability
+                ))
+            }
+            _ => Standing::Possible,
+        }
+    }
+}
+
+/// The first sentences, the verdict and the warnings.
+pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
+    let biased: Vec<&RecorderCheck> = found.recorders.iter().filter(|r| r.is_biased()).collect();
+    tell_comparison(found, !biased.is_empty(), outcome);
+    for law in &found.laws {
+        outcome.summary.push(law.in_words());
+        if law.standing == Standing::Possible {
+            for flag in &law.flags {
+                outcome.warnings.push(format!("{}: {flag}", law.name));
+            }
+        }
+    }
+    if found.laws.iter().any(|law| Some(&law.name) == found.profiled.as_ref() && law.standing == Standing::Possible) {
+        for profile in &found.profiles {
+            outcome.summary.push(Shown::of(profile).in_words(profile));
+        }
+    }
+    for check in &biased {
+        outcome.warnings.push(check.to_string());
+    }
+    tell_verdict(found, !biased.is_empty(), outcome);
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a decision names the laws by their places in the comparison that it is of"
+)]
+fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
+    let Some(comparison) = &found.comparison else {
+        outcome.warnings.push(
+            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
+                .to_owned(),
+        );
+        return;
+    };
+    let name = |index: usize| comparison.laws[index].name.clone();
+    let names = |laws: &[usize]| -> String {
+        let names: Vec<String> = laws.iter().map(|index| name(*index)).collect();
+        names.join(", ")
+    };
+    match &found.left {
+        Left::One { law, .. } if found.is_without_damping(&name(*law)) => {
+            outcome.summary.push(format!(
+                "The data cannot tell the laws elastic, {} apart: they determine no damping of it.",
+                name(*law)
+            ));
+        }
+        Left::One { law, probability } => outcome.summary.push(format!(
+            "The data support the law {} with a probability of {probability:.3}.",
+            name(*law)
+        )),
+        Left::Several { laws, reason } => outcome.summary.push(format!(
+            "The data cannot tell the laws {} apart: {reason}.",
+            names(laws)
+        )),
+        Left::None { best, adequacy } => outcome.summary.push(format!(
+            "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.{}",
+            name(*best),
+            if is_biased {
+                " The recorder may be the reason: it biases nonlinear laws, the true one included."
+            } else {
+                ""
+            }
+        )),
+        Left::Unknown => {}
+    }
+    for index in found.left.places() {
+        let law = &comparison.laws[*index];
+        if !law.limits.is_empty() {
+            outcome.summary.push(format!(
+                "{}; the data do not exclude this limit.",
+                law.with_limit()
+            ));
+        }
+    }
+    if is_biased
+        && let Left::One { law, .. } = &found.left
+        && comparison.laws[*law].is_linear
+    {
+        outcome.summary.push(
+            "The probability is that among laws as the recorder shows them: it biases nonlinear laws, which a test at another impact velocity excludes or not."
+                .to_owned(),
+        );
+    }
+    for advice in &comparison.advice {
+        outcome.warnings.push(advice.to_string());
+    }
+}
+
+fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
+    let is_none = matches!(found.left, Left::None { .. });
+    let has_damping = |law: &FittedLaw| law.has_identified_damping();
+    let stands = |law: &FittedLaw| law.standing == Standing::Possible && has_damping(law);
+    let nonlinear_is_left = || match &found.comparison {
+        None => found.laws.iter().any(|law| law.standing == Standing::Biased),
+        Some(comparison) => found
+            .left
+            .places()
+            .iter()
+            .filter_map(|index| comparison.laws.get(*index))
+            .any(|law| !law.is_linear),
+    };
+    if !found.laws.iter().any(has_damping) {
+        outcome.verdict = Verdict::NotAllowed {
+            reason: "no law has a damping that these data determine: within their noise the rod may be elastic".to_owned(),
+        };
+        return;
+    }
+    if !found.laws.iter().any(stands) {
+        let reason = if is_none {
+            "none of the laws explains the data, so that none of their parameters is one of the material"
+        } else if is_biased {
+            "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified"
+        } else {
+            "no law that the data leave has a damping that they determine"
+        };
+        outcome.verdict = Verdict::NotAllowed {
+            reason: reason.to_owned(),
+        };
+        return;
+    }
+    if is_biased && nonlinear_is_left() {
+        outcome.doubt("nonlinear laws are not identified: the excitation has more power beyond 0.6 of the recorder's cut-off than its noise; use a striker of smoother pulse or a faster recorder");
+    }
+}
