@@ -250,7 +250,11 @@ impl<M: RodModel> Fit<M> {
         let noise_is_known = noise_is_known(tests)?;
         self.nuisances.check(noise_is_known)?;
         let parameters = self.model.step_limits().len();
-        if let Some(start) = self.also_from.iter().find(|start| start.len() != parameters) {
+        if let Some(start) = self
+            .also_from
+            .iter()
+            .find(|start| start.len() != parameters)
+        {
             return Err(MaxwellidError::InconsistentModel {
                 model: self.model.name().to_owned(),
                 what: "starting values",

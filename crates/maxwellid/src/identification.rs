@@ -181,7 +181,10 @@ impl<M: RodModel> Identification<M> {
 
     fn flag_curvature(&mut self) {
         let names = self.model.parameter_names();
-        let curved = names.iter().zip(&self.curved).filter(|(_, curved)| **curved);
+        let curved = names
+            .iter()
+            .zip(&self.curved)
+            .filter(|(_, curved)| **curved);
         let flags: Vec<FitFlag> = curved
             .map(|(name, _)| FitFlag::Curved {
                 parameter: (*name).to_owned(),

@@ -134,8 +134,16 @@ pub trait LinearLaw: Debug + Send + Sync {
                     name: logarithm.unwrap_or(name),
                     symbol: logarithm.unwrap_or(name),
                     unit: if name.contains("time") { "s" } else { "1" },
-                    value: if logarithm.is_some() { value.exp() } else { *value },
-                    scale: if logarithm.is_some() { Scale::Ratio } else { Scale::Difference },
+                    value: if logarithm.is_some() {
+                        value.exp()
+                    } else {
+                        *value
+                    },
+                    scale: if logarithm.is_some() {
+                        Scale::Ratio
+                    } else {
+                        Scale::Difference
+                    },
                     gradient,
                     role: Role::Coordinate,
                 }

@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 use crate::error::MaxwellidError;
 use crate::fit::{Fit, Lowest, value};
-use crate::identification::Identification;
 use crate::identifiability::Verdict;
+use crate::identification::Identification;
 use crate::least_squares::{
     LeastSquares, Linearisation, ScaledDecomposition, minimise_to, sum_of_squares,
 };
@@ -225,8 +225,12 @@ fn walked<M: RodModel>(
             threshold,
             minimum: &minimum.parameters,
             range: (
-                (mean - 2.0 * WIDER * deviation).max(bounds[index].0).min(at),
-                (mean + 2.0 * WIDER * deviation).min(bounds[index].1).max(at),
+                (mean - 2.0 * WIDER * deviation)
+                    .max(bounds[index].0)
+                    .min(at),
+                (mean + 2.0 * WIDER * deviation)
+                    .min(bounds[index].1)
+                    .max(at),
             ),
             step: (2.0 * errors[index]).min(deviation),
         };
@@ -337,10 +341,7 @@ const NEAR: f64 = 0.02;
 )]
 impl Walk<'_> {
     /// The profile, and the lowest of its points below the minimum with its rise.
-    fn profile(
-        &self,
-        name: &str,
-    ) -> Result<(Profile, Option<(f64, Vec<f64>)>), MaxwellidError> {
+    fn profile(&self, name: &str) -> Result<(Profile, Option<(f64, Vec<f64>)>), MaxwellidError> {
         let mut curve = vec![(self.minimum[self.index], 0.0)];
         let mut below = None;
         let lower = self.end(-1.0, &mut curve, &mut below)?;

@@ -97,7 +97,9 @@ impl std::fmt::Display for RecorderCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cutoff = 1e-3 * self.cutoff_hz;
         let origin = if self.is_assumed {
-            format!("its cut-off is not stated and taken as {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}")
+            format!(
+                "its cut-off is not stated and taken as {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}"
+            )
         } else {
             format!("its cut-off is {cutoff:.1} kHz")
         };
@@ -163,7 +165,10 @@ mod tests {
         for seed in 0..20 {
             let sharp = RecorderCheck::of(&front(8e-6, seed), None).unwrap();
             assert!(sharp.is_biased(), "{sharp}");
-            assert!(sharp.is_assumed && sharp.to_string().contains("20.0 kHz"), "{sharp}");
+            assert!(
+                sharp.is_assumed && sharp.to_string().contains("20.0 kHz"),
+                "{sharp}"
+            );
             let smooth = RecorderCheck::of(&front(64e-6, seed), Some(17_900.0)).unwrap();
             assert!(!smooth.is_biased(), "{smooth}");
             // twenty of some forty lines

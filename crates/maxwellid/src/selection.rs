@@ -107,8 +107,8 @@ pub struct Selection {
     adequacy_level: f64,
 }
 
-/// Impact velocities that differ by less are one velocity.
-const DISTINCT_VELOCITIES: f64 = 1.2;
+/// Ratio of impact velocities below which they count as one velocity.
+pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
 /// Independent samples are said to be fewer than the samples from here on: white residuals give at most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
@@ -366,8 +366,10 @@ impl Selection {
                         Some((case.parameters, likeliest.chi_square))
                     })
                     .collect();
-                let starts: Vec<Vec<f64>> =
-                    special_cases.iter().map(|(start, _)| start.clone()).collect();
+                let starts: Vec<Vec<f64>> = special_cases
+                    .iter()
+                    .map(|(start, _)| start.clone())
+                    .collect();
                 let Some(probable) = contest.search(modulus, ground.duration, &starts)? else {
                     continue;
                 };

@@ -339,7 +339,11 @@ pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     for (index, first) in tests.iter().enumerate() {
         for second in tests.iter().skip(index + 1) {
             let histories = [
-                ("excitation", &first.excitation_samples, &second.excitation_samples),
+                (
+                    "excitation",
+                    &first.excitation_samples,
+                    &second.excitation_samples,
+                ),
                 ("response", &first.response, &second.response),
             ];
             for (history, one, other) in histories {

@@ -105,7 +105,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     let folder = TempDir::new().unwrap();
     let (kappa, rate) = (1.8, 8.0);
     let truth = MaxwellNorton::from_reference_rate(kappa, rate, 10e6).unwrap();
-    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 12.0, 2)] {
+    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)] {
         let path = folder.path().join(file);
         // 0.5 % of the impact velocity
         velocities(&truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
@@ -113,7 +113,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     let to = r#"to: "2.5 ms","#;
     let tests = [
         test_entry("slow.csv", "3 m/s", to),
-        test_entry("fast.csv", "12 m/s", to),
+        test_entry("fast.csv", "24 m/s", to),
     ];
     let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered);
@@ -203,7 +203,10 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     assert!(reason.contains("recorder"), "{reason}");
     for name in ["Young's modulus E", "exponent kappa"] {
         let found = quantity(&norton, &format!("Maxwell-Norton: {name}"));
-        assert!(!found.valid && found.verdict.contains("recorder"), "{found:?}");
+        assert!(
+            !found.valid && found.verdict.contains("recorder"),
+            "{found:?}"
+        );
     }
     let said = norton.warnings.join(" ");
     assert!(
@@ -211,9 +214,19 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
         "{said}"
     );
     // a linear rod commutes with the filter
-    let maxwell = of("Maxwell");
+    velocities_of_a_flat_striker(&Maxwell::new(4e6).unwrap(), 10.0).write(
+        &folder.path().join("linear.csv"),
+        0.02,
+        3,
+        "m/s",
+        1.0,
+    );
+    let test = test_entry("linear.csv", "10 m/s", r#"to: "2.5 ms""#);
+    let only = format!("laws: [Maxwell], compare: false, profiles: false, {QUICK}");
+    let maxwell = attempt(folder.path(), &sheet(&[test], &only)).unwrap();
     assert_eq!(maxwell.verdict, Verdict::Answered);
-    assert!(quantity(&maxwell, "Maxwell: Young's modulus E").valid);
+    let off = standard_errors_off(&maxwell, "Maxwell: viscosity eta", 4e6, 0.1);
+    assert!(off < 3.5, "{off}");
 }
 
 /// The law that is named has its values with errors, a linear one too; those of the others are not the material's.
@@ -232,7 +245,10 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
     let path = folder.path().join("one.csv");
     linear_velocities(&material, 10.0).write(&path, 0.02, 3, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
-    let text = sheet(&[test], &format!("laws: [Maxwell], profiles: false, {QUICK}"));
+    let text = sheet(
+        &[test],
+        &format!("laws: [Maxwell], profiles: false, {QUICK}"),
+    );
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:#?}", outcome.summary);
     for (name, truth) in [
@@ -266,7 +282,10 @@ fn r24_an_elastic_rod_supports_no_law_of_damping() {
     let outcome = attempt(folder.path(), &text).unwrap();
     let first = &outcome.summary[0];
     assert!(first.contains("elastic"), "{first}");
-    assert!(matches!(outcome.verdict, Verdict::NotAllowed { .. }), "{outcome:?}");
+    assert!(
+        matches!(outcome.verdict, Verdict::NotAllowed { .. }),
+        "{outcome:?}"
+    );
 }
 
 /// One recording is one test.
@@ -286,7 +305,8 @@ fn r10_one_recording_as_two_tests_is_refused() {
         "the law Maxwell: tests `10 m/s` and `11 m/s` have the same excitation sample for sample: one recording counts once, so give each \
          test its own"
     );
-    let swapped = test_entry("two.csv", "10 m/s", "").replace(r#"response: "free end""#, r#"response: "near end""#);
+    let swapped = test_entry("two.csv", "10 m/s", "")
+        .replace(r#"response: "free end""#, r#"response: "near end""#);
     assert_eq!(
         refused(folder.path(), &sheet(&[swapped], only)),
         "tests[0]: test `10 m/s`: excitation and response are equal sample for sample, expected the motion of two sections; check the \
@@ -405,14 +425,26 @@ fn what_is_wrong_with_tests_is_said() {
     ]
     .map(|text| {
         let said = refused(folder.path(), &text);
-        said.replace(&folder.path().display().to_string(), "FOLDER")
+        let said = said.replace(&folder.path().display().to_string(), "FOLDER");
+        // the arrival belongs to the pulse, not to the message
+        match said.split_once("arrives at ") {
+            Some((before, after)) => {
+                let (time, after) = after.split_once(" s and").unwrap();
+                assert!(
+                    (1.35e-3..1.5e-3).contains(&time.parse::<f64>().unwrap()),
+                    "{time}"
+                );
+                format!("{before}arrives at TIME s and{after}")
+            }
+            None => said,
+        }
     });
     insta::assert_snapshot!(errors.join("\n"), @r"
     the law Maxwell: test `10 m/s` was generated by `rodwave::characteristics`, the solver that would invert it; ask for a round trip if that is meant
     tests[0].noise is that of displacements, expected Velocities(..), which the histories are
     tests[0].from is 1 s, expected a time before the end of the record, 0.00310546875 s
     tests[0].to: test `10 m/s`: the window ends at 0.009 s, but the excitation is known to 0.00279296875 s only
-    the law Maxwell: test `10 m/s`: the window ends at 0.00130859375 s, but the wave arrives at 0.0014845381942696822 s and has to be seen for 0.00015625 s
+    the law Maxwell: test `10 m/s`: the window ends at 0.00130859375 s, but the wave arrives at TIME s and has to be seen for 0.00015625 s
     tests[0].excitation is `end`, expected one of the channels `near end`, `free end`
     tests[0].records.channels[1].from is `far end`, expected one of `near end`, `free end` (one.csv)
     tests[0].excitation is `near end`, a channel of force, expected a channel of velocity [m/s]

@@ -194,13 +194,20 @@ impl LinearLaw for MaxwellBranches {
             .chain(branches.iter().map(|branch| branch.time.ln()))
             .collect();
         let no_spring = self.has_spring && series.spring == 0.0;
+        let have = |count: usize| match count {
+            1 => "one has".to_owned(),
+            more => format!("{more} have"),
+        };
         let limit = match (takes_the_spring, missing, no_spring) {
             _ if series.branches.is_empty() => "without relaxation".to_owned(),
             (true, 0, _) => "of which one is unbounded".to_owned(),
-            (true, n, _) => format!("of which one is unbounded and {n} without share"),
+            (true, n, _) => format!("of which one is unbounded and {} no share", have(n)),
             (false, 0, true) => "whose spring has no share".to_owned(),
-            (false, n, true) => format!("whose spring and {n} branches have no share"),
-            (false, n, false) => format!("of which {n} without share"),
+            (false, n, true) => format!(
+                "whose spring has no share and of which {} none either",
+                have(n)
+            ),
+            (false, n, false) => format!("of which {} no share", have(n)),
         };
         Some(SpecialCase { parameters, limit })
     }

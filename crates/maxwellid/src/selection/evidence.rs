@@ -166,10 +166,14 @@ fn proposed(index: usize, scales: &[[f64; 2]]) -> (Vec<f64>, f64) {
             let (scale, quantile) = if share < left {
                 (*below, t4_quantile(0.5 * share / left))
             } else {
-                (*above, t4_quantile(0.5 + 0.5 * (share - left) / (1.0 - left)))
+                (
+                    *above,
+                    t4_quantile(0.5 + 0.5 * (share - left) / (1.0 - left)),
+                )
             };
             // ⅜ (1 + t²/4)^(-5/2), times 2/(below + above)
-            ln_density += (0.75 / (below + above)).ln() - 2.5 * (0.25 * quantile * quantile).ln_1p();
+            ln_density +=
+                (0.75 / (below + above)).ln() - 2.5 * (0.25 * quantile * quantile).ln_1p();
             scale * quantile
         })
         .collect();

@@ -11,7 +11,7 @@ pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
 use maxwellid::profile::Profile;
 use maxwellid::recorder::RecorderCheck;
-use maxwellid::selection::{Candidate, Comparison, Selection};
+use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Selection};
 use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
@@ -120,6 +120,17 @@ struct Found {
 }
 
 impl Found {
+    /// Whether the fastest test is distinctly faster than the slowest, as the comparison understands it.
+    fn has_several_velocities(&self) -> bool {
+        let fastest = self.impact_velocities.iter().copied().fold(0.0, f64::max);
+        let slowest = self
+            .impact_velocities
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        fastest >= DISTINCT_VELOCITIES * slowest
+    }
+
     /// Whether a law was fitted and has no damping that the data determine.
     fn is_without_damping(&self, name: &str) -> bool {
         let mut fitted = self.laws.iter().filter(|law| law.name == name);
@@ -261,7 +272,11 @@ pub(crate) fn run(
 
 /// Name of the law whose profiles are computed: of those that are left and were fitted, the most probable whose damping may be determined;
 /// without a comparison, or where no law is left, the one whose response is nearest.
-fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Comparison>) -> Option<String> {
+fn law_to_profile(
+    laws: &[FittedLaw],
+    left: &Left,
+    comparison: Option<&Comparison>,
+) -> Option<String> {
     let named = left.places().iter().filter_map(|index| {
         let name = &comparison?.laws.get(*index)?.name;
         laws.iter().find(|law| law.name == *name)

@@ -21,7 +21,8 @@ pub(super) enum Left {
 }
 
 /// Why a nonlinear law is neither named nor left out through a recorder that biases it.
-const BIASED: &str = "the recorder biases nonlinear laws, so that none of them can be named or excluded";
+const BIASED: &str =
+    "the recorder biases nonlinear laws, so that none of them can be named or excluded";
 
 impl Left {
     /// What the comparison leaves, given whether the recorder biases nonlinear laws.
@@ -123,12 +124,16 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
             }
         }
     }
-    if found.laws.iter().any(|law| Some(&law.name) == found.profiled.as_ref() && law.standing == Standing::Possible) {
+    let is_shown = |law: &FittedLaw| {
+        Some(&law.name) == found.profiled.as_ref() && law.standing == Standing::Possible
+    };
+    if found.laws.iter().any(is_shown) {
         for profile in &found.profiles {
             outcome.summary.push(Shown::of(profile).in_words(profile));
         }
     }
-    for check in &biased {
+    let asks_nonlinear = found.comparison.is_some() || found.laws.iter().any(|law| !law.is_linear);
+    for check in biased.iter().filter(|_| asks_nonlinear) {
         outcome.warnings.push(check.to_string());
     }
     tell_verdict(found, !biased.is_empty(), outcome);
@@ -187,11 +192,12 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         }
     }
     if is_biased
+        && !found.has_several_velocities()
         && let Left::One { law, .. } = &found.left
         && comparison.laws[*law].is_linear
     {
         outcome.summary.push(
-            "The probability is that among laws as the recorder shows them: it biases nonlinear laws, which a test at another impact velocity excludes or not."
+            "The nonlinear laws were compared as this recorder shows them, with a bias; only a test at another impact velocity excludes them."
                 .to_owned(),
         );
     }
@@ -205,7 +211,10 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let has_damping = |law: &FittedLaw| law.has_identified_damping();
     let stands = |law: &FittedLaw| law.standing == Standing::Possible && has_damping(law);
     let nonlinear_is_left = || match &found.comparison {
-        None => found.laws.iter().any(|law| law.standing == Standing::Biased),
+        None => found
+            .laws
+            .iter()
+            .any(|law| law.standing == Standing::Biased),
         Some(comparison) => found
             .left
             .places()

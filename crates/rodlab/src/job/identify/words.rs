@@ -77,6 +77,7 @@ fn named(parameter: &str) -> Named {
     let (name, unit) = match name {
         "modulus" => ("Young's modulus", "Pa"),
         "reference_rate" => ("inelastic strain rate at 10 MPa", "1/s"),
+        time if time.starts_with("relaxation_time") => (time, "s"),
         other => (other, "1"),
     };
     Named {
