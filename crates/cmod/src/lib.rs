@@ -130,7 +130,9 @@ pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};
 pub use free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 pub use lateral_inertia::LateralInertia;
-pub use multi_point::{GaugeSpectra, GaugeUncertainty, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint};
+pub use multi_point::{
+    GaugeSpectra, GaugeUncertainty, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint,
+};
 pub use one_gauge::OneGauge;
 pub use pulses::{PulsedRod, SeparatePulses, noise_of_cut_pulse};
 pub use resonance::Resonances;

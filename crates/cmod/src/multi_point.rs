@@ -28,8 +28,8 @@ mod uncertainty;
 mod waves;
 
 pub use spectra::{GaugeSpectra, GaugedRod};
-pub use uncertainty::GaugeUncertainty;
 pub use three_point::{MOST_NOISE_AT_THE_MIDDLE, ThreePoint};
+pub use uncertainty::GaugeUncertainty;
 pub use waves::{Quantity, WavesAtSection};
 
 use std::f64::consts::TAU;

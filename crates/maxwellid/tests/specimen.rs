@@ -1,8 +1,5 @@
 //! How the parameters move with length and density of the specimen: by fits of the same histories to another specimen.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a failing test should say so at once"
-)]
+#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use std::sync::Arc;
 
@@ -93,8 +90,8 @@ fn moves_as_its_sensitivity_says(model: Arc<dyn RodModel>, data: &RodTestData) {
             Scale::Ratio => (after.value / before.value).ln(),
             Scale::Difference => after.value - before.value,
         };
-        let expected = before.sensitivity.length * LONGER.ln()
-            + before.sensitivity.density * DENSER.ln();
+        let expected =
+            before.sensitivity.length * LONGER.ln() + before.sensitivity.density * DENSER.ln();
         // the fits end within a thousandth of a standard error
         let tolerance = 3e-3 * before.standard_error + 0.01 * expected.abs();
         assert!(

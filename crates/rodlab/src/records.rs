@@ -27,7 +27,7 @@ use ndarray::Axis;
 use serde::Deserialize;
 
 use crate::outcome::{InputFile, LogEntry, Setting};
-use crate::sheet::{Frequency, NotFollowed};
+use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
 /// Which files, and what their channels are.
@@ -76,6 +76,29 @@ pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, Rodl
 }
 
 impl Records {
+    /// Refuses uncertain sensitivities, gains and bridges, for a job that does not follow them; `field` is the place of the records in
+    /// the sheet, `why` completes "because …".
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for a calibration that is none.
+    pub fn refuse_uncertain_calibrations(&self, field: &str, why: &str) -> Result<(), RodlabError> {
+        for (at, channel) in self.channels.iter().enumerate() {
+            let place = format!("{field}.channels[{at}]");
+            let uncertainty = channel
+                .chain(&place)?
+                .map_or(0.0, |chain| chain.relative_uncertainty());
+            if uncertainty > 0.0 {
+                return Err(RodlabError::request(
+                    place,
+                    format!("calibrated to {} %", 100.0 * uncertainty),
+                    format!("a calibration without ±, because {why}. {}", sheet::ADVICE),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Reads and calibrates everything; `field` is the place of these records in the sheet.
     ///
     /// # Errors

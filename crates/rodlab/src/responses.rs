@@ -19,7 +19,7 @@ pub use support::{CompletionSheet, SupportSheet, measured_body};
 use labio::{FrequencyResponse, LineValidity};
 
 use crate::RodlabError;
-use crate::sheet::{Frequency, Exact};
+use crate::sheet::{Exact, Frequency};
 
 /// Fewest lines of a response that something is made of.
 const FEWEST_LINES: usize = 8;

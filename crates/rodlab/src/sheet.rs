@@ -26,6 +26,7 @@ pub(crate) mod replacement;
 mod stated;
 
 pub use diagnostic::SheetError;
+pub(crate) use exact::ADVICE;
 pub use exact::{ByDefinition, Exact, NoWay, NotFollowed, Reason};
 pub use kind::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, PoissonRatio,

@@ -72,19 +72,19 @@ fn known(unit: &Unit) {
 fn quantity<K: Kind + std::fmt::Debug>(text: &str) {
     match text.parse::<Stated<K>>() {
         Ok(stated) => {
-            let si = stated.si();
+            let read = stated.with_uncertainty();
+            let si = read.value;
             assert!(
                 si.is_finite() && (!K::POSITIVE || si > 0.0),
                 "`{text}` is {si}"
             );
-            let uncertainty = stated.standard_uncertainty();
+            let uncertainty = read.standard_uncertainty;
             assert!(
                 uncertainty.is_none_or(|u| u.is_finite() && u >= 0.0),
                 "`{text}`"
             );
             let again: Stated<K> = stated.to_string().parse().expect("as it is written");
-            assert_eq!(again.si().to_bits(), si.to_bits());
-            assert_eq!(again.standard_uncertainty(), uncertainty);
+            assert_eq!(again.with_uncertainty(), read);
         }
         Err(error) => prints(&error),
     }

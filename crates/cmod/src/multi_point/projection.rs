@@ -293,7 +293,11 @@ impl Projection {
 
     /// ∂γ/∂x of each gauge [1/m²] at the solution `gamma`: what a gauge measures more where it is dx further on, q' dx, moves γ by
     /// d^H q' dx/d^H d.
-    pub(super) fn by_position(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<Complex64>> {
+    pub(super) fn by_position(
+        &mut self,
+        gamma: Complex64,
+        line: &WhiteLine,
+    ) -> Option<Vec<Complex64>> {
         let information = self.evaluate(gamma, line)?.information;
         let mut by_position = vec![Complex64::ZERO; self.n_gauges()];
         for values in line.values.chunks_exact(self.n_gauges()) {

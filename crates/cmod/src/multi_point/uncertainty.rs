@@ -60,16 +60,18 @@ impl GaugeUncertainty {
         let of_positions = self.positions.iter().zip(by_position).enumerate();
         of_density
             .into_iter()
-            .chain(of_positions.filter(|(_, (position, _))| **position > 0.0).map(
-                |(gauge, (position, by_position))| {
-                    let of_gamma = by_position * position;
-                    SystematicShift::new(
-                        ErrorSource::GaugePosition(gauge),
-                        -2.0 * modulus / gamma * of_gamma,
-                        of_gamma,
-                    )
-                },
-            ))
+            .chain(
+                of_positions
+                    .filter(|(_, (position, _))| **position > 0.0)
+                    .map(|(gauge, (position, by_position))| {
+                        let of_gamma = by_position * position;
+                        SystematicShift::new(
+                            ErrorSource::GaugePosition(gauge),
+                            -2.0 * modulus / gamma * of_gamma,
+                            of_gamma,
+                        )
+                    }),
+            )
             .collect()
     }
 }

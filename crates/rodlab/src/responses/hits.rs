@@ -10,7 +10,7 @@ use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise};
 use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_quantity};
-use crate::sheet::{Ratio, Exact, Time};
+use crate::sheet::{Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.

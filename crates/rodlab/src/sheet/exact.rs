@@ -10,7 +10,7 @@ use super::kind::Kind;
 use super::stated::{Written, from_text, parsed, value_and_uncertainty};
 
 /// The advice to a sheet that states an uncertainty which its job cannot follow.
-pub(super) const ADVICE: &str = "To see what the uncertainty does, run a second sheet with the value larger by one standard uncertainty: the results differ by the error that \
+pub(crate) const ADVICE: &str = "To see what the uncertainty does, run a second sheet with the value larger by one standard uncertainty: the results differ by the error that \
                                  it causes";
 
 /// The reason why a field takes no uncertainty.
@@ -26,7 +26,8 @@ pub trait Reason {
 pub enum ByDefinition {}
 
 impl Reason for ByDefinition {
-    const PROBLEM: &'static str = "has an uncertainty, and this field is exact by definition: it is chosen, not measured";
+    const PROBLEM: &'static str =
+        "has an uncertainty, and this field is exact by definition: it is chosen, not measured";
     const ADVICE: &'static str = "";
 }
 
@@ -115,7 +116,8 @@ impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
         let si = parsed::<K>(quantity)
             .map_err(|problem| wrong(problem, ""))?
             .value;
-        if uncertainty.is_some() && !parsed::<K>(text).is_ok_and(|stated| stated.uncertainty() == 0.0)
+        if uncertainty.is_some()
+            && !parsed::<K>(text).is_ok_and(|stated| stated.uncertainty() == 0.0)
         {
             return Err(wrong(R::PROBLEM.to_owned(), R::ADVICE));
         }

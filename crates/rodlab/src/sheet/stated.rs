@@ -196,7 +196,9 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
         ));
     }
     if in_percent && value == 0.0 && number != 0.0 {
-        return Err("has a relative uncertainty, and a part of 0 is 0: state it with a unit".to_owned());
+        return Err(
+            "has a relative uncertainty, and a part of 0 is 0: state it with a unit".to_owned(),
+        );
     }
     let uncertainty = if in_percent {
         value.abs() * number / 100.0
@@ -282,6 +284,7 @@ where
 
 #[cfg(test)]
 mod tests {
+    use super::super::*;
     use super::*;
 
     fn written<K: Kind>(text: &str) -> String {
@@ -291,33 +294,34 @@ mod tests {
     #[test]
     fn a_quantity_is_a_number_with_a_unit_and_an_uncertainty() {
         let of = |text: &str| text.parse::<Stated<Density>>().unwrap();
-        assert!((of("912 kg/m3").si() - 912.0).abs() < 1e-12);
-        assert_eq!(of("912 kg/m3").standard_uncertainty(), None);
+        assert!((of("912 kg/m3").with_uncertainty().value - 912.0).abs() < 1e-12);
+        assert_eq!(
+            of("912 kg/m3").with_uncertainty().standard_uncertainty,
+            None
+        );
         for text in [
             "912 kg/m^3 ± 1.824 kg/m3",
             "9.12e2kg/m³ +- 0.2 %",
             "912 kg/m3 +/- 0.2%",
         ] {
-            let density = of(text);
+            let density = of(text).with_uncertainty();
             // two roundings
-            assert!((density.si() - 912.0).abs() < 1e-12, "{text}");
-            assert!(
-                (density.standard_uncertainty().unwrap() - 1.824).abs() < 1e-12,
-                "{text}"
-            );
+            assert!((density.value - 912.0).abs() < 1e-12, "{text}");
+            assert!((density.uncertainty() - 1.824).abs() < 1e-12, "{text}");
         }
         let room: Stated<Temperature> = "23 degC ± 0.5 degC".parse().unwrap();
-        assert!((room.si() - 296.15).abs() < 1e-12);
-        assert!((room.standard_uncertainty().unwrap() - 0.5).abs() < 1e-12);
+        let room = room.with_uncertainty();
+        assert!((room.value - 296.15).abs() < 1e-12);
+        assert!((room.uncertainty() - 0.5).abs() < 1e-12);
         let energetic: Stated<Time> = "1e-3 s".parse().unwrap();
-        assert!((energetic.si() - 1e-3).abs() < 1e-18);
+        assert!((energetic.with_uncertainty().value - 1e-3).abs() < 1e-18);
     }
 
     #[test]
     fn what_is_beyond_the_range_of_numbers_is_said_to_be() {
         assert_eq!(
             written::<Coordinate>("-1e999 m"),
-            "`-1e999 m` is beyond the range of numbers, expected a coordinate, as \"0 mm\" or \"-12 mm\""
+            "`-1e999 m` is beyond the range of numbers, expected a coordinate, as \"0 mm\" or \"-12 mm\", with or without ±"
         );
         let uncertain = written::<Coordinate>("1 m ± 1e999 m");
         assert!(
@@ -339,5 +343,35 @@ mod tests {
         ]
         .join("\n");
         insta::assert_snapshot!(errors);
+    }
+
+    #[test]
+    fn r09_a_per_cent_behind_the_sign_is_relative_for_every_quantity() {
+        let of = |text: &str| text.parse::<Stated<Ratio>>().unwrap().with_uncertainty();
+        for (text, expected) in [
+            ("0.025 ± 1 %", 0.000_25),
+            ("0.025 +- 0.001", 0.001),
+            ("0.40 ± 0.02", 0.02),
+            ("0.40 ± 5%", 0.02),
+        ] {
+            let error = of(text).uncertainty() / expected - 1.0;
+            assert!(error.abs() < 1e-12, "{text}: {error}");
+        }
+        let stress: Stated<Stress> = "-45 MPa ± 2 %".parse().unwrap();
+        assert!((stress.with_uncertainty().uncertainty() - 0.9e6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn r09_a_per_cent_that_says_two_things_or_nothing_is_refused() {
+        let errors = [
+            written::<Ratio>("2.5 % ± 1 %"),
+            written::<Ratio>("2.5 % ± 0.001"),
+            written::<Temperature>("23 degC ± 1 %"),
+            written::<Coordinate>("0 mm ± 1 %"),
+        ]
+        .join("\n");
+        insta::assert_snapshot!(errors);
+        let exact: Stated<Coordinate> = "0 mm ± 0 %".parse().unwrap();
+        assert_eq!(exact.with_uncertainty().standard_uncertainty, Some(0.0));
     }
 }

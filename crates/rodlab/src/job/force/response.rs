@@ -61,6 +61,14 @@ pub(super) fn run(
     around: &Surroundings<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
+    let why = "the error of the force by that of a calibration is not followed";
+    sheet
+        .record
+        .refuse_uncertain_calibrations("problem.record", why)?;
+    if let PathSheet::Hits(hits) = &sheet.path {
+        hits.records
+            .refuse_uncertain_calibrations("problem.path.records", why)?;
+    }
     let file = match &sheet.path {
         PathSheet::File(file) => Some(file.read(around.folder, "problem.path", outcome)?),
         PathSheet::Hits(_) => None,

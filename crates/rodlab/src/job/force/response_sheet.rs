@@ -6,7 +6,7 @@ use super::impact_lines::UncertaintySheet;
 use crate::hits::{HitsSheet, Reading, Stretch};
 use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};
-use crate::sheet::{Frequency, Exact, Time};
+use crate::sheet::{Exact, Frequency, Time};
 
 /// A force that was not measured, from a response that was.
 #[derive(Debug, Clone, Deserialize)]

@@ -123,6 +123,10 @@ fn one(
     outcome: &mut Outcome,
 ) -> Result<RodTest, RodlabError> {
     let records_field = format!("{field}.records");
+    test.records.refuse_uncertain_calibrations(
+        &records_field,
+        "the errors of the parameters by those of the transducers are not followed",
+    )?;
     let mut loaded = test.records.load(around.folder, &records_field)?;
     outcome.inputs.append(&mut loaded.inputs);
     outcome.settings.append(&mut loaded.settings);

@@ -6,9 +6,9 @@ use cmod::section_ratio::RatioLines;
 use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
-    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugeUncertainty, GaugedRod, LateralInertia, ModulusEstimate,
-    MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd, SectionUncertainty,
-    SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
+    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugeUncertainty, GaugedRod, LateralInertia,
+    ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd,
+    SectionUncertainty, SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
 };
 use num_complex::Complex64;
 use rodwave::slenderness::Theory;
@@ -278,7 +278,10 @@ pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
 
 fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedRod {
     GaugedRod {
-        positions: gauges.iter().map(|gauge| gauge.at.with_uncertainty().value).collect(),
+        positions: gauges
+            .iter()
+            .map(|gauge| gauge.at.with_uncertainty().value)
+            .collect(),
         diameter: sheet.specimen.diameter.with_uncertainty().value,
         density: sheet.specimen.density.with_uncertainty().value,
     }

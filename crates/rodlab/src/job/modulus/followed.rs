@@ -30,11 +30,17 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             exact(
                 Some(&specimen.diameter),
                 "specimen.diameter",
-                &format!("{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"),
+                &format!(
+                    "{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"
+                ),
             )?;
             exact(specimen.length.as_ref(), "specimen.length", &unused(name))?;
             let mass = specimen.accelerometer_mass.as_ref();
-            exact(mass, "specimen.accelerometer_mass", &format!("{name} does not follow it"))
+            exact(
+                mass,
+                "specimen.accelerometer_mass",
+                &format!("{name} does not follow it"),
+            )
         }
     }
 }
@@ -58,7 +64,8 @@ fn on_the_end(section: &SectionSheet, field: &str) -> Result<(), RodlabError> {
     if section.from_free_end.with_uncertainty().value > 0.0 {
         return Ok(());
     }
-    let why = "the errors are followed of distances above 0 alone, not of a sensor on the end itself";
+    let why =
+        "the errors are followed of distances above 0 alone, not of a sensor on the end itself";
     exact(
         Some(&section.from_free_end),
         &format!("{field}.from_free_end"),

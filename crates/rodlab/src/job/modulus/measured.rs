@@ -21,7 +21,7 @@ use crate::job::Surroundings;
 use crate::job::frf::BandSheet;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
-use crate::sheet::{Duration, Ratio as RatioKind, Exact};
+use crate::sheet::{Duration, Exact, Ratio as RatioKind};
 
 /// Where the spectra come from.
 #[derive(Debug, Clone, Deserialize)]

@@ -262,7 +262,12 @@ fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
 
 fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
     let specimen = &found.sheet.specimen;
-    if specimen.density.with_uncertainty().standard_uncertainty.is_none() {
+    if specimen
+        .density
+        .with_uncertainty()
+        .standard_uncertainty
+        .is_none()
+    {
         outcome.warnings.push(
             "The density is stated without an uncertainty: its relative error is that of every modulus, and not in the errors."
                 .to_owned(),

@@ -23,7 +23,10 @@ fn change_axis(found: &Found<'_>) -> (f64, Axis) {
         || (1.0, Axis::linear("change of the loss factor", "")),
         |virgin| {
             let label = "change of the loss factor by its virgin value";
-            (100.0 / virgin.with_uncertainty().value, Axis::linear(label, "%"))
+            (
+                100.0 / virgin.with_uncertainty().value,
+                Axis::linear(label, "%"),
+            )
         },
     )
 }

@@ -11,7 +11,7 @@ use super::instrument::{History, InstrumentSheet};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Attachment, LogEntry};
-use crate::sheet::{Duration, Force, Ratio, Exact};
+use crate::sheet::{Duration, Exact, Force, Ratio};
 
 /// The last of so many parts of a record shows whether everything has died out.
 const LATE_PART: usize = 16;

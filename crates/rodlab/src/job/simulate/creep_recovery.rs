@@ -16,7 +16,7 @@ use crate::RodlabError;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
-use crate::sheet::{Duration, Frequency, Pressure, Ratio, Exact};
+use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
 const FIELD: &str = "experiment: CreepRecovery";
 /// The stress of the dashpot is integrated through the load; the recovery is its closed form (paper C, eq. 4). The evaluation has both

@@ -11,7 +11,7 @@ use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, analytic};
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::{AddedMass, Length, Exact};
+use crate::sheet::{AddedMass, Exact, Length};
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";

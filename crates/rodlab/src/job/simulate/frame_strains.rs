@@ -12,7 +12,7 @@ use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, analytic};
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::{AddedMass, Coordinate, Length, SpecificImpedance, Exact, Stiffness};
+use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
 
 const FIELD: &str = "experiment: StrainsInFrame";
 /// Distances of gauges are equal if they differ by less than this part.

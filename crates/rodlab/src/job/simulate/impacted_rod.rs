@@ -21,7 +21,7 @@ use super::{Made, Request};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
-use crate::sheet::{Density, Frequency, Length, Pressure, Ratio, Exact, Velocity, Viscosity};
+use crate::sheet::{Density, Exact, Frequency, Length, Pressure, Ratio, Velocity, Viscosity};
 
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use super::level::{Level, LevelText};
 use crate::RodlabError;
 use crate::outcome::Setting;
-use crate::sheet::{Duration, Frequency, Exact};
+use crate::sheet::{Duration, Exact, Frequency};
 
 /// Histories are this much finer than they are sampled.
 const FINER: usize = 8;

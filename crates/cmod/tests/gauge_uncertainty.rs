@@ -1,0 +1,192 @@
+//! Uncertain density and positions of gauges: against estimates from gauges that are elsewhere than stated.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a failing test should say so at once"
+)]
+
+use std::f64::consts::TAU;
+
+use cmod::estimate::{ErrorSource, ModulusLine};
+use cmod::{GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoint, ThreePoint};
+use num_complex::Complex64;
+
+const DENSITY: f64 = 919.0;
+/// By how much a gauge is off \[m\].
+const OFF: f64 = 2e-5;
+
+fn gamma(frequency_hz: f64) -> Complex64 {
+    Complex64::new(0.05, 1.0) * (TAU * frequency_hz / 1700.0)
+}
+
+fn frequencies() -> Vec<f64> {
+    (1..=60).map(|line| 50.0 * f64::from(line)).collect()
+}
+
+/// Two waves at gauges at these places, in two tests with waves of their own.
+fn spectra(positions: &[f64]) -> Vec<Vec<Vec<Complex64>>> {
+    let backward = [Complex64::new(0.5, 0.2), Complex64::new(-0.3, 0.6)];
+    backward
+        .iter()
+        .map(|backward| {
+            let at =
+                |x: f64, f: f64| (-gamma(f) * x).exp() + backward * (gamma(f) * (x - 0.4)).exp();
+            positions
+                .iter()
+                .map(|x| frequencies().iter().map(|f| at(*x, *f)).collect())
+                .collect()
+        })
+        .collect()
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    Three,
+    Multi,
+}
+
+/// The estimate by a sheet that says `stated` of gauges that are at `true_positions`.
+fn estimate(
+    method: Method,
+    stated: &[f64],
+    true_positions: &[f64],
+    uncertainty: GaugeUncertainty,
+) -> ModulusEstimate {
+    let rod = GaugedRod {
+        positions: stated.to_vec(),
+        diameter: 0.016,
+        density: DENSITY,
+    };
+    let tests = spectra(true_positions);
+    let tests: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
+    let frequency_hz = frequencies();
+    let spectra = GaugeSpectra {
+        frequency_hz: &frequency_hz,
+        tests: &tests,
+        noise: &vec![vec![1e-5; frequency_hz.len()]; stated.len()],
+    };
+    match method {
+        Method::Three => ThreePoint::new(rod)
+            .and_then(|method| method.with_uncertainty(uncertainty))
+            .and_then(|method| method.estimate(&spectra))
+            .unwrap(),
+        Method::Multi => MultiPoint::new(rod)
+            .and_then(|method| method.with_uncertainty(uncertainty))
+            .and_then(|method| method.estimate(&spectra))
+            .unwrap()
+            .modulus()
+            .clone(),
+    }
+}
+
+fn positions_of(n_gauges: usize, of: f64) -> GaugeUncertainty {
+    GaugeUncertainty {
+        density: 0.0,
+        positions: vec![of; n_gauges],
+    }
+}
+
+/// dγ and dE of a line by one gauge.
+fn shift(line: &ModulusLine, gauge: usize) -> (Complex64, Complex64) {
+    let shifts = &line.uncertainty.systematic;
+    let of = shifts
+        .iter()
+        .find(|shift| shift.source == ErrorSource::GaugePosition(gauge))
+        .unwrap();
+    (of.propagation_coefficient, of.modulus)
+}
+
+const CASES: [(Method, &[f64]); 3] = [
+    (Method::Three, &[0.0, 0.2, 0.4]),
+    (Method::Multi, &[0.0, 0.2, 0.4]),
+    (Method::Multi, &[0.0, 0.07, 0.12, 0.2, 0.4]),
+];
+
+#[test]
+fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
+    for (method, stated) in CASES {
+        let right = estimate(method, stated, stated, positions_of(stated.len(), OFF));
+        assert_eq!(right.lines().len(), frequencies().len());
+        for gauge in 0..stated.len() {
+            let mut elsewhere = stated.to_vec();
+            elsewhere[gauge] += OFF;
+            let wrong = estimate(method, stated, &elsewhere, GaugeUncertainty::default());
+            for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
+                let (of_gamma, of_modulus) = shift(right, gauge);
+                let moved = wrong.propagation_coefficient - right.propagation_coefficient;
+                // the second order is (OFF k)² of γ near a singular line, of which there is none here
+                let tolerance = 0.01 * of_gamma.norm() + 1e-7 * right.wave_number();
+                assert!(
+                    (moved - of_gamma).norm() < tolerance,
+                    "{method:?}, gauge {gauge}, {} Hz: {moved}, expected {of_gamma}",
+                    right.frequency_hz
+                );
+                let moved = wrong.modulus - right.modulus;
+                let tolerance = 0.01 * of_modulus.norm() + 1e-7 * right.modulus.norm();
+                assert!((moved - of_modulus).norm() < tolerance);
+            }
+        }
+    }
+}
+
+/// A common shift of all gauges changes nothing, and a common scale is one of the length.
+#[test]
+fn r08_shifts_of_all_gauges_together_are_those_of_the_whole_rod() {
+    for (method, stated) in CASES {
+        let estimate = estimate(method, stated, stated, positions_of(stated.len(), OFF));
+        for line in estimate.lines() {
+            let by = |gauge: usize| shift(line, gauge).0 / OFF;
+            let together: Complex64 = (0..stated.len()).map(by).sum();
+            let scaled: Complex64 = (0..stated.len())
+                .map(|gauge| stated[gauge] * by(gauge))
+                .sum();
+            let size: f64 = (0..stated.len()).map(|gauge| by(gauge).norm()).sum();
+            assert!(together.norm() < 1e-9 * size, "{method:?}: {together}");
+            let gamma = line.propagation_coefficient;
+            assert!(
+                (scaled - gamma).norm() < 1e-9 * size,
+                "{method:?}: {scaled} {gamma}"
+            );
+        }
+    }
+}
+
+#[test]
+fn r08_an_uncertain_density_is_a_plain_factor_that_is_the_same_on_all_lines() {
+    for (method, stated) in CASES {
+        let exact = estimate(method, stated, stated, GaugeUncertainty::default());
+        let uncertain = GaugeUncertainty {
+            density: 0.001 * DENSITY,
+            positions: Vec::new(),
+        };
+        let uncertain = estimate(method, stated, stated, uncertain);
+        for (exact, uncertain) in exact.lines().iter().zip(uncertain.lines()) {
+            assert!(exact.uncertainty.systematic.is_empty());
+            let shift = uncertain.uncertainty.systematic[0];
+            assert_eq!(shift.source, ErrorSource::Density);
+            assert!((shift.modulus / uncertain.modulus - 0.001).norm() < 1e-12);
+            assert_eq!(uncertain.random_error(), exact.random_error());
+            let loss = uncertain.standard_error.loss_factor / exact.standard_error.loss_factor;
+            assert!((loss - 1.0).abs() < 1e-9, "a factor of E leaves E''/E'");
+        }
+    }
+}
+
+#[test]
+fn uncertainties_are_as_many_as_gauges_and_not_below_0() {
+    let rod = || GaugedRod {
+        positions: vec![0.0, 0.2, 0.4],
+        diameter: 0.016,
+        density: DENSITY,
+    };
+    for positions in [vec![1e-3; 2], vec![1e-3, -1e-3, 0.0], vec![f64::NAN; 3]] {
+        let uncertainty = GaugeUncertainty {
+            density: 0.0,
+            positions,
+        };
+        let three = ThreePoint::new(rod()).unwrap();
+        assert!(three.with_uncertainty(uncertainty.clone()).is_err());
+        let multi = MultiPoint::new(rod()).unwrap();
+        assert!(multi.with_uncertainty(uncertainty).is_err());
+    }
+}

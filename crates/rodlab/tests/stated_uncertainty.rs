@@ -1,0 +1,426 @@
+//! A stated uncertainty reaches the result, or the sheet is refused: every quantity of every kind of sheet is stated with one.
+//!
+//! The quantities are found in the texts of the sheets, and the fields that take an uncertainty in the sources: nothing is listed here.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::indexing_slicing,
+    reason = "a sheet that should have a result and has none is the failure that the test reports"
+)]
+
+mod two_masses;
+
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use num_complex::Complex64;
+use rodlab::outcome::Outcome;
+use rodlab::sheet::parse;
+use rodlab::templates::JobName;
+use tempfile::TempDir;
+use two_masses::{BODY, HAMMER, Hammer, attempt, strike};
+
+/// A text in quotes with the field that it belongs to.
+struct Quoted {
+    field: String,
+    /// Without the quotes.
+    place: Range<usize>,
+}
+
+/// All texts in quotes of a sheet, without its comments.
+fn quoted(text: &str) -> Vec<Quoted> {
+    let mut found = Vec::new();
+    // the field at each depth of brackets
+    let mut fields = vec![String::new()];
+    let mut word = String::new();
+    let mut letters = text.char_indices().peekable();
+    while let Some((at, letter)) = letters.next() {
+        match letter {
+            '/' if text[at..].starts_with("//") => {
+                while letters.next_if(|(_, c)| *c != '\n').is_some() {}
+            }
+            '"' => {
+                while letters.next_if(|(_, c)| *c != '"').is_some() {}
+                let end = letters.next().unwrap().0;
+                found.push(Quoted {
+                    field: fields.last().unwrap().clone(),
+                    place: at + 1..end,
+                });
+            }
+            '(' | '[' | '{' => {
+                let inner = if word.is_empty() {
+                    fields.last().unwrap().clone()
+                } else {
+                    word.clone()
+                };
+                fields.push(inner);
+                word.clear();
+            }
+            ')' | ']' | '}' => {
+                fields.pop();
+                word.clear();
+            }
+            ':' => {
+                if !word.is_empty() {
+                    *fields.last_mut().unwrap() = std::mem::take(&mut word);
+                }
+            }
+            c if c.is_ascii_alphanumeric() || c == '_' => word.push(c),
+            ',' => word.clear(),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Number and unit of a text that is a quantity.
+fn quantity(text: &str) -> Option<(f64, &str)> {
+    let text = text.split('±').next().unwrap().trim();
+    let end = text
+        .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
+        .unwrap_or(text.len());
+    let number = text[..end].parse().ok()?;
+    let unit = text[end..].trim();
+    let is_unit = unit.is_empty() || unit == "samples" || labio::Unit::parse(unit).is_ok();
+    is_unit.then_some((number, unit))
+}
+
+/// The quantity with an uncertainty: 1 % of it, or where it is 0 a thousandth of its unit.
+fn uncertain(text: &str) -> Option<String> {
+    let (number, unit) = quantity(text)?;
+    let stated = text.split('±').next().unwrap().trim();
+    Some(if number == 0.0 {
+        format!("{stated} ± 0.001 {unit}")
+    } else {
+        format!("{stated} ± 1 %")
+    })
+}
+
+fn sources(folder: &Path) -> String {
+    let mut all = String::new();
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            all.push_str(&sources(&path));
+        } else {
+            all.push_str(&fs::read_to_string(&path).unwrap());
+        }
+    }
+    all
+}
+
+/// Names of the fields and variants of sheets with a type whose text holds `of`.
+fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for line in sources.lines().map(str::trim) {
+        let is_code = !line.starts_with("//") && !line.contains("fn ") && !line.contains("let ");
+        if is_code && of.iter().any(|of| line.contains(of)) && line.ends_with([',', ')']) {
+            let line = line
+                .trim_start_matches("pub ")
+                .trim_start_matches("(super) ");
+            let end = line.find([':', '(']).unwrap_or(0);
+            let name = line[..end].trim_end();
+            if !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+                found.insert(name.to_owned());
+            }
+        }
+    }
+    found
+}
+
+/// Fields that take an uncertainty, as the sources declare them.
+fn taking_an_uncertainty() -> BTreeSet<String> {
+    let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let found = declared(&of_crate, &["Stated<", "Option<Sensitivity>"]);
+    // what must be among them, or this reads the sources wrongly
+    for field in ["density", "velocity", "poisson_ratio", "at", "sensitivity"] {
+        assert!(found.contains(field), "{field} is not among {found:?}");
+    }
+    found
+}
+
+fn texts() -> BTreeSet<String> {
+    let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let mut found = declared(&of_crate, &["String", "Selector"]);
+    // keys of maps
+    found.extend(["materials", "full_scales", "noise_of"].map(str::to_owned));
+    found
+}
+
+/// Everything that was found, as another program reads it: quantities and tables.
+fn numbers(outcome: &Outcome) -> String {
+    let whole = serde_json::to_value(outcome).unwrap();
+    format!(
+        "{} {} {}",
+        whole["verdict"], whole["quantities"], whole["tables"]
+    )
+}
+
+/// States an uncertainty of each quantity of the sheet, one after the other. Each must change the numbers of the outcome, or be refused with
+/// words about it. Returns the fields whose uncertainty changed something.
+fn walk(folder: &Path, text: &str) -> BTreeSet<String> {
+    let before = attempt(folder, text).unwrap_or_else(|error| unreachable!("{error}\n{text}"));
+    let texts = texts();
+    let mut followed = BTreeSet::new();
+    let mut n_quantities = 0;
+    for Quoted { field, place } in quoted(text) {
+        let Some(stated) = uncertain(&text[place.clone()]) else {
+            continue;
+        };
+        if texts.contains(&field) && !taking_an_uncertainty().contains(&field) {
+            continue;
+        }
+        n_quantities += 1;
+        let changed = format!("{}{stated}{}", &text[..place.start], &text[place.end..]);
+        match attempt(folder, &changed) {
+            Err(error) => {
+                let words = error.to_string();
+                let says_why = ["uncertainty", "without ±", "no unit", "whole number"];
+                assert!(says_why.iter().any(|why| words.contains(why)), "{words}");
+            }
+            Ok(outcome) => {
+                // what the sensors leave uncertain in a modulus is a warning with its size
+                let of_sensors = ["sensitivity", "gain"].contains(&field.as_str())
+                    && outcome.warnings != before.warnings;
+                assert!(
+                    of_sensors || numbers(&outcome) != numbers(&before),
+                    "`{stated}` of {field} changes nothing in\n{text}"
+                );
+                followed.insert(field);
+            }
+        }
+    }
+    assert!(n_quantities > 2, "{n_quantities} quantities in\n{text}");
+    followed
+}
+
+fn example(name: &str, sheet: &str) -> (PathBuf, String) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name);
+    let text = fs::read_to_string(folder.join(sheet)).unwrap();
+    (folder, text)
+}
+
+fn replaced(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from} is not in\n{text}");
+    text.replacen(from, to, 1)
+}
+
+/// Sheets for the modulus from hits.
+fn moduli_of_hits() -> Vec<(PathBuf, String)> {
+    let (folder, ends) = example("polypropylene", "modulus.ron");
+    // fewer lines and no laws take less time
+    let laws = ends.find("    // a law for").unwrap()..ends.find("    report_at").unwrap();
+    let mut ends = replaced(&ends, &ends[laws].to_owned(), "");
+    ends = replaced(&ends, "to: \"15 kHz\"", "to: \"3 kHz\"");
+    ends = replaced(
+        &ends,
+        "unit: \"m/s2\"",
+        "unit: \"m/s2\", sensitivity: \"1\", gain: \"1\", time_skew: \"0 us\", position: \"0 mm\"",
+    );
+    ends = replaced(
+        &ends,
+        "    report_at",
+        "    lateral_inertia: (poisson_ratio: \"0.40\"),\n    report_at",
+    );
+    let (frame, three) = example("frame", "modulus.ron");
+    let several = replaced(
+        &three,
+        "ThreePoint(gauges: [",
+        "MultiPoint(wave_speed: \"1700 m/s\", free_end_at: \"800 mm\", gauges: [",
+    );
+    vec![(folder, ends), (frame.clone(), three), (frame, several)]
+}
+
+/// Sheets for the modulus from ratios in closed form, by each method that takes one, with and without a mass on the end.
+fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
+    let gamma = |f: f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
+    let write = |name: &str, ratio: &dyn Fn(f64) -> Complex64| {
+        let mut file = "frequency [Hz],real,imaginary\n".to_owned();
+        for line in 1..=60 {
+            let f = 25.0 * f64::from(line);
+            let value = ratio(f);
+            writeln!(file, "{f},{},{}", value.re, value.im).unwrap();
+        }
+        fs::write(folder.join(name), file).unwrap();
+    };
+    // strains at the free end vanish: motions
+    write("end.csv", &|f| {
+        (gamma(f) * 0.6).cosh() / (gamma(f) * 0.2).cosh()
+    });
+    write("pulse.csv", &|f| (-gamma(f) * 0.6).exp());
+    write("ends.csv", &|f| (gamma(f) * 0.8).cosh());
+    let methods = [
+        (
+            "end.csv",
+            r#"FreeEnd(first: (channel: "a", from_free_end: "600 mm", quantity: Velocity), second: (channel: "b", from_free_end: "200 mm", quantity: Velocity), wave_speed: "1700 m/s")"#,
+        ),
+        (
+            "ends.csv",
+            r#"FreeEnd(first: (channel: "a", from_free_end: "800 mm", quantity: Velocity), second: (channel: "b", from_free_end: "0 mm", quantity: Velocity))"#,
+        ),
+        (
+            "pulse.csv",
+            r#"SeparatePulses(first: (channel: "a", from: "1 ms", to: "2 ms"), second: (channel: "b", from: "2 ms", to: "3 ms"), distance: "600 mm", wave_speed: "1700 m/s")"#,
+        ),
+        (
+            "pulse.csv",
+            r#"OneGauge(section: (channel: "a", from_free_end: "300 mm", quantity: Velocity), incident: ("1 ms", "2 ms"), reflected: ("2 ms", "3 ms"))"#,
+        ),
+        (
+            "ends.csv",
+            r#"Resonances(impacted_end: "a", free_end: "b")"#,
+        ),
+        ("ends.csv", r#"TwoPoint(impacted_end: "a", free_end: "b")"#),
+    ];
+    let mut sheets = Vec::new();
+    for (file, method) in methods {
+        for mass in ["", r#", accelerometer_mass: "1 gram""#] {
+            sheets.push((folder.to_owned(), format!(
+                r#"Modulus(title: "{file}", specimen: (length: "800 mm", diameter: "16 mm", density: "912 kg/m3"{mass}), method: {method},
+                source: Ratio(path: "{file}", values: Parts(real: "real", imaginary: "imaginary"), errors: Relative(of_value: "0.1 %")),
+                band: (from: "20 Hz", to: "1.5 kHz"), limits: (storage_modulus: "1 %", loss_factor: "5 %", error_amplification: "10"),
+                checks: (level: "1 %"), report_at: ["500 Hz"])"#
+            )));
+        }
+    }
+    sheets
+}
+
+/// Sheets about a body of two masses that is struck.
+fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
+    let hammer = Hammer { hits: 4, ..HAMMER };
+    strike(folder, "hit", BODY, hammer);
+    let channels = r#"records: (files: ["hit*.csv"], channels: [(name: "hammer", from: "force", sensitivity: "1"), (name: "face", from: "acceleration", gain: "1")])"#;
+    let mobility = format!(
+        r#"Mobility(title: "two masses", source: Hits({channels}, force: "hammer", response: "face"), support: Free(mass: "1.54 kg"), head_mass: "40 gram",
+        up_to: "4 kHz", complete: (below: "100 Hz", fitted_to: "400 Hz"), front_impedance: "1000 kg/s")"#
+    );
+    let made = attempt(folder, &mobility).unwrap();
+    fs::write(folder.join("body.uff"), &made.attachments[0].bytes).unwrap();
+    let frf = format!(
+        r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], band: (from: "20 Hz", to: "3 kHz"),
+        window: Tukey(taper: "1 %"), force_window: (start: "3 ms", end: "10 ms", taper: "1 ms"), exponential_window: EndWeight(weight: "10 %"))"#
+    );
+    let weighed = format!(
+        r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], weighed_mass: (mass: "1.5 kg", below: "100 Hz", fitted_to: "400 Hz"))"#
+    );
+    let measured = r#"Force(title: "measured", materials: {"pp": (density: "912 kg/m3", law: Elastic(modulus: "2.6 GPa"))}, problem: Impact(
+        first: Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s"),
+        second: LongRod(material: "pp", diameter: "30 mm"), velocity: "2 m/s", duration: "1 ms", time_step: "20 us",
+        lines: (up_to: "3 kHz", roll_off_from: "2 kHz"), uncertainty: (draws: 20, level: "90 %")))"#;
+    let file = r#"Force(title: "response", problem: Response(path: Hits(RECORDS, force: "hammer", response: "face"),
+        record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
+        noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 20, seed: 1, level: "95 %")))"#
+        .replace("RECORDS", channels);
+    [mobility, frf, weighed, measured.to_owned(), file]
+        .map(|text| (folder.to_owned(), text))
+        .to_vec()
+}
+
+fn others() -> Vec<(PathBuf, String)> {
+    let (cone, force) = example("cone", "force.ron");
+    let (nylon, _) = example("nylon", "identify.ron");
+    let identify = r#"Identify(title: "one", specimen: (length: "394 mm", density: "1140 kg/m3"), tests: [(name: "a",
+        records: (files: ["shots-1.csv"], channels: [(name: "near end", from: "near end", sensitivity: "1"), (name: "free end", from: "free end")]),
+        excitation: "near end", response: "free end", impact_velocity: "3 m/s", from: "0 ms", to: "1.5 ms",
+        noise: Velocities(excitation: "50 mm/s", response: "50 mm/s"), generator: "rodwave::lumped")],
+        laws: [Maxwell], compare: false, profiles: false, cell: "20 mm")"#;
+    let simulate = r#"Simulate(title: "creep", experiment: CreepRecovery(
+        series_modulus: "3.1 GPa", parallel_modulus: "13.1 kPa", exponent: "1.8", coefficient: 4.55e-21,
+        virgin_loss_factor: "0.025", frequency: "10 kHz", error: "0.0004",
+        loads: [(stress: "45 MPa", duration: "30 min"), (stress: "19 MPa", duration: "30 min")], read_at: ["1 min", "5 min", "10 min"]), output: "a.csv")"#;
+    let here = PathBuf::from(".");
+    vec![
+        (cone, force),
+        (nylon, identify.to_owned()),
+        (here.clone(), JobName::Recovery.template().to_owned()),
+        (here, simulate.to_owned()),
+    ]
+}
+
+#[test]
+fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let mut sheets = moduli_of_hits();
+    sheets.extend(moduli_of_ratios(folder.path()));
+    sheets.extend(struck_bodies(folder.path()));
+    sheets.extend(others());
+    let followed: BTreeSet<String> = sheets
+        .iter()
+        .flat_map(|(folder, text)| walk(folder, text))
+        .collect();
+    // a field that is declared to take an uncertainty was seen to follow it
+    let declared = taking_an_uncertainty();
+    let unseen: Vec<&String> = declared.difference(&followed).collect();
+    assert!(
+        unseen.is_empty(),
+        "{unseen:?} take an uncertainty, and no sheet here states them"
+    );
+}
+
+/// Templates and plans state what no sheet above does; where they are read they are refused, or are of a field that follows it above.
+#[test]
+fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_it() {
+    let mut sheets: Vec<String> = JobName::ALL
+        .iter()
+        .map(|job| job.template().to_owned())
+        .collect();
+    for name in ["polypropylene", "frame", "nylon"] {
+        sheets.push(example(name, "plan.ron").1);
+    }
+    let (taking, texts) = (taking_an_uncertainty(), texts());
+    let mut n_refused = 0;
+    for text in &sheets {
+        for Quoted { field, place } in quoted(text) {
+            let Some(stated) = uncertain(&text[place.clone()]) else {
+                continue;
+            };
+            let changed = format!("{}{stated}{}", &text[..place.start], &text[place.end..]);
+            match parse(Path::new("sheet.ron"), &changed) {
+                Ok(_) => assert!(
+                    taking.contains(&field) || texts.contains(&field),
+                    "`{stated}` of {field} is read, and nothing follows it"
+                ),
+                Err(error) => {
+                    // its place in the text is shown
+                    assert!(error.line() > 1, "{error}");
+                    n_refused += 1;
+                }
+            }
+        }
+    }
+    assert!(n_refused > 60, "{n_refused}");
+}
+
+/// The place, the value, the reason and what is possible instead.
+#[test]
+fn r08_the_refusal_says_why_and_what_to_do() {
+    let refused = |text: &str| parse(Path::new("s.ron"), text).unwrap_err().to_string();
+    let impact = |modulus: &str, duration: &str| {
+        format!(
+            r#"Force(title: "a", materials: {{"pp": (density: "912 kg/m3", law: Elastic(modulus: "{modulus}"))}},
+ problem: Impact(first: RigidMass("1 kg"), second: LongRod(material: "pp", diameter: "10 mm"), velocity: "1 m/s ± 1 %", duration: "{duration}"))"#
+        )
+    };
+    insta::assert_snapshot!(
+        [
+            refused(&impact("2.6 GPa ± 2 %", "4 ms")),
+            refused(&impact("2.6 GPa", "4 ms ± 0.1 ms")),
+        ]
+        .join("\n")
+    );
+    assert!(
+        parse(Path::new("s.ron"), &impact("2.6 GPa ± 0 GPa", "4 ms ± 0 %")).is_ok(),
+        "0 is exact"
+    );
+}
