@@ -92,7 +92,7 @@ impl Records {
                 return Err(RodlabError::request(
                     place,
                     format!("calibrated to {} %", 100.0 * uncertainty),
-                    format!("a calibration without ±, because {why}. {}", sheet::ADVICE),
+                    format!("a calibration without ±, because {why}{}", sheet::ADVICE),
                 ));
             }
         }

@@ -62,7 +62,7 @@ fn sheet(tests: &[String], more: &str) -> String {
     format!(
         r#"Identify(
     title: "a virtual rod",
-    specimen: (length: "394 mm", density: "912 kg/m3"),
+    specimen: (length: "394 mm ± 0 mm", density: "912 kg/m3 ± 0 %"),
     tests: [{}],
     {more}
 )"#,

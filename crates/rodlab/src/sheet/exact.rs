@@ -9,15 +9,15 @@ use serde::de::{Deserialize, Deserializer};
 use super::kind::Kind;
 use super::stated::{Written, from_text, parsed, value_and_uncertainty};
 
-/// The advice to a sheet that states an uncertainty which its job cannot follow.
-pub(crate) const ADVICE: &str = "To see what the uncertainty does, run a second sheet with the value larger by one standard uncertainty: the results differ by the error that \
-                                 it causes";
+/// Advice to a sheet that states an uncertainty which its job cannot follow, behind another sentence.
+pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a second sheet with the value larger by one standard \
+                                 uncertainty: the results differ by the error that it causes";
 
 /// The reason why a field takes no uncertainty.
 pub trait Reason {
     /// Completes "`10 kHz ± 1 %` has an uncertainty".
     const PROBLEM: &'static str;
-    /// A sentence on what to do.
+    /// What is possible instead, after the expected text.
     const ADVICE: &'static str;
 }
 
@@ -101,16 +101,10 @@ impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
     type Err = Written;
 
     fn from_str(text: &str) -> Result<Self, Written> {
-        let wrong = |problem: String, advice: &str| {
-            let mut expected = format!("{}, as {}, without ±", K::NAME, K::EXAMPLE);
-            if !advice.is_empty() {
-                expected = format!("{expected}. {advice}");
-            }
-            Written {
-                text: text.to_owned(),
-                problem,
-                expected,
-            }
+        let wrong = |problem: String, without: &str| Written {
+            text: text.to_owned(),
+            problem,
+            expected: format!("{}, as {}{without}", K::NAME, K::EXAMPLE),
         };
         let (quantity, uncertainty) = value_and_uncertainty(text);
         let si = parsed::<K>(quantity)
@@ -119,7 +113,8 @@ impl<K: Kind, R: Reason> FromStr for Exact<K, R> {
         if uncertainty.is_some()
             && !parsed::<K>(text).is_ok_and(|stated| stated.uncertainty() == 0.0)
         {
-            return Err(wrong(R::PROBLEM.to_owned(), R::ADVICE));
+            let without = format!(", without ±{}", R::ADVICE);
+            return Err(wrong(R::PROBLEM.to_owned(), &without));
         }
         Ok(Self {
             si,

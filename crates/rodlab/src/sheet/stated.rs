@@ -115,7 +115,7 @@ impl<K> Stated<K> {
                 field,
                 format!("`{self}`"),
                 format!(
-                    "the value without ±, because {why}. {}",
+                    "the value without ±, because {why}{}",
                     super::exact::ADVICE
                 ),
             ));
