@@ -339,16 +339,32 @@ fn result_of(
 }
 
 /// A table as comma-separated values: names, units, rows. What is not a number is an empty cell.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for columns that differ in length.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "every column has as many rows as the first, and `row` counts them"
+)]
 fn csv_of(table: &Table) -> Result<Vec<u8>, RodlabError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let rows = table.columns.iter().map(|c| c.cells.len()).max();
+    let rows = table.columns.first().map_or(0, |c| c.cells.len());
+    if let Some(other) = table.columns.iter().find(|c| c.cells.len() != rows) {
+        let error = io::Error::other(format!(
+            "the column `{}` has {} rows, expected {rows} as in the first",
+            other.name,
+            other.cells.len()
+        ));
+        return Err(RodlabError::step(
+            format!("writing {}.csv", table.name),
+            error,
+        ));
+    }
     let cell = |cells: &Cells, row: usize| match cells {
-        Cells::Numbers(values) => values
-            .get(row)
-            .filter(|value| value.is_finite())
-            .map(ToString::to_string)
-            .unwrap_or_default(),
-        Cells::Words(words) => words.get(row).cloned().unwrap_or_default(),
+        Cells::Numbers(values) if values[row].is_finite() => values[row].to_string(),
+        Cells::Numbers(_) => String::new(),
+        Cells::Words(words) => words[row].clone(),
     };
     let refused = |error| RodlabError::step(format!("writing {}.csv", table.name), error);
     let columns = || table.columns.iter();
@@ -358,7 +374,7 @@ fn csv_of(table: &Table) -> Result<Vec<u8>, RodlabError> {
     writer
         .write_record(columns().map(|c| &c.unit))
         .map_err(refused)?;
-    for row in 0..rows.unwrap_or(0) {
+    for row in 0..rows {
         writer
             .write_record(columns().map(|c| cell(&c.cells, row)))
             .map_err(refused)?;

@@ -22,6 +22,7 @@ mod exact;
 mod kind;
 pub mod material;
 pub mod measured;
+pub(crate) mod plausible;
 pub(crate) mod replacement;
 mod stated;
 
@@ -102,7 +103,8 @@ impl Sheet {
     pub fn read(path: &Path) -> Result<Self, RodlabError> {
         let bytes = input::read(path)?;
         let text = encoding::text_of(path, &bytes)?;
-        let job = parse(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
+        let job =
+            parse(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
         Ok(Self {
             path: path.to_path_buf(),
             text,

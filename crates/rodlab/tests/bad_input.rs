@@ -138,3 +138,103 @@ fn too_few_hits() {
     not allowed: 1 hit is accepted of 5 found, expected at least 2: the coherence of one is 1 whatever was measured
     ");
 }
+
+/// What is said of a sheet of the job `job` with this text, within a few seconds.
+fn said_at_once(job: &str, text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("sheet.ron"), text).unwrap();
+    let began = std::time::Instant::now();
+    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder.path())
+        .args([job, "sheet.ron", "--quiet"])
+        .output()
+        .unwrap();
+    assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
+    assert_eq!(run.status.code(), Some(2));
+    assert!(!folder.path().join("sheet-result").exists());
+    String::from_utf8(run.stderr).unwrap()
+}
+
+fn of_ends(modulus: &str, hits: &str, length: &str) -> String {
+    format!(
+        r#"Simulate(title: "t", materials: {{"m": (density: "900 kg/m3", law: Elastic(modulus: "{modulus}"))}},
+        experiment: EndAccelerations(material: "m", length: "1 m", diameter: "10 mm",
+            blows: (hits: {hits}, peak: "100 N", duration: "80 us")),
+        instrument: (sampling_rate: "10 kHz", length: "{length}"), output: "hits.npy")"#
+    )
+}
+
+fn of_rod(velocity: &str, cell: &str, modulus: &str) -> String {
+    format!(
+        r#"Simulate(title: "t", experiment: ImpactedRod(length: "1 m", diameter: "10 mm", density: "1000 kg/m3",
+            modulus: "{modulus}", law: Elastic, section_distance: "0.9 m", velocities: ["2 m/s", "{velocity}"], cell: "{cell}",
+            striker: (length: "30 mm", diameter: "10 mm", density: "2700 kg/m3", modulus: "69 GPa")),
+        instrument: (sampling_rate: "100 kHz", length: "5 ms"), output: "shots.csv")"#
+    )
+}
+
+fn of_bodies(elements: usize, step: &str) -> String {
+    let cone = r#"Cone(material: "m", near: "75 mm", far: "30 mm", length: "400 mm"), "#;
+    format!(
+        r#"Force(title: "t", materials: {{"m": (density: "900 kg/m3", law: Elastic(modulus: "2 GPa"))}},
+        problem: Impact(first: Chain(elements: [{}]), second: LongRod(material: "m", diameter: "10 mm"),
+            velocity: "1 m/s", duration: "4 ms", time_step: "{step}"))"#,
+        cone.repeat(elements)
+    )
+}
+
+#[test]
+fn r20_what_is_absurd_is_refused_with_its_numbers() {
+    let said = [
+        said_at_once("simulate", &of_ends("1 mPa", "2", "100 ms")),
+        said_at_once("simulate", &of_ends("1e20 GPa", "2", "100 ms")),
+        said_at_once("simulate", &of_ends("2 GPa", "999", "9 s")),
+        said_at_once("simulate", &of_ends("2 GPa", "2", "1000 s")),
+        said_at_once("simulate", &of_rod("1e9 m/s", "1 mm", "2 GPa")),
+        said_at_once("simulate", &of_rod("3 m/s", "1 um", "2 GPa")),
+        said_at_once("simulate", &of_rod("3 m/s", "1 mm", "2 mPa")),
+        said_at_once("force", &of_bodies(3000, "1 us")),
+        said_at_once("force", &of_bodies(1, "1 ns")),
+    ];
+    insta::assert_snapshot!(said.concat(), @"");
+}
+
+#[test]
+fn r20_an_unusual_material_is_taken_if_the_sheet_says_so() {
+    let slow = of_ends("100 kPa", "1", "100 ms");
+    assert!(said_at_once("simulate", &slow).contains("unusual: true"));
+    let meant = slow.replace(
+        "density: \"900 kg/m3\"",
+        "density: \"900 kg/m3\", unusual: true",
+    );
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("sheet.ron"), meant).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder.path())
+        .args(["check", "sheet.ron"])
+        .output()
+        .unwrap();
+    assert_eq!(
+        run.status.code(),
+        Some(0),
+        "{:?}",
+        String::from_utf8(run.stderr)
+    );
+}
+
+#[test]
+fn r20_a_recording_given_for_a_sheet_is_named() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
+    let run = |arguments: &[&str]| {
+        let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .current_dir(&example)
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert_eq!(run.status.code(), Some(2));
+        String::from_utf8(run.stderr).unwrap()
+    };
+    insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a recording (NPY), expected a test sheet in RON; `rodlab init modulus` writes one");
+    assert!(run(&["check", "strains-1.npy"]).contains("is a recording (NPY)"));
+    assert!(!example.join("strains-1-result").exists());
+}

@@ -507,7 +507,10 @@ fn r19_results_stay_in_their_folder() {
     let absolute = here.join("b/c").display().to_string();
     let cases: [(&[&str], &[&str]); 3] = [
         (&["../a", "b"], &["a/x", "here/b/c/z", "here/b/y"]),
-        (&["../here/b/y.ron", "b/../../a/x.ron"], &["a/x", "here/b/y"]),
+        (
+            &["../here/b/y.ron", "b/../../a/x.ron"],
+            &["a/x", "here/b/y"],
+        ),
         (&["b", &absolute, "./b/*.ron"], &["c/z", "y"]),
     ];
     let sheets = files_below(folder.path());
@@ -560,7 +563,10 @@ fn r19_a_folder_behind_links_is_looked_into_once() {
     assert_eq!(tests_in(&at("results")), ["first/2", "m/1"]);
     // by the name of a link the tests are the same
     symlink("campaign", at("link")).unwrap();
-    rodlab(folder.path(), &["batch", "link", "campaign", "--out", "by-link"]);
+    rodlab(
+        folder.path(),
+        &["batch", "link", "campaign", "--out", "by-link"],
+    );
     assert_same_files(&at("results"), &at("by-link"));
 }
 
@@ -584,7 +590,10 @@ fn r19_resume_does_again_what_has_new_recordings_or_is_spoilt() {
         let json = fs::read_to_string(result.join("result.json")).unwrap();
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let written = fs::metadata(result.join("result.json")).unwrap();
-        (json["inputs"].as_array().unwrap().len(), written.modified().unwrap())
+        (
+            json["inputs"].as_array().unwrap().len(),
+            written.modified().unwrap(),
+        )
     };
     let first = resumed();
     assert_eq!(first.0, 4);
@@ -629,7 +638,11 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
         assert_eq!(rodlab(folder.path(), command).status.code(), Some(2));
         let now = files_below(&result);
         let has = |name: &str| now.contains_key(Path::new(name));
-        assert!(!has("report.html") && !has("result.json"), "{:?}", now.keys());
+        assert!(
+            !has("report.html") && !has("result.json"),
+            "{:?}",
+            now.keys()
+        );
         assert!(now[Path::new("failure.json")].contains("0.5 m"));
         assert_eq!(now[Path::new("earlier-report.html")], report);
         // it fails again, and is mended
@@ -640,7 +653,10 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
         assert!(files_below(&result).keys().eq(whole.keys()));
     }
     // a sheet that is not there has not failed, nor has one that was given to another command
-    for command in [["force", "hti.ron", "--out", "results/hit"], ["frf", "hit.ron", "--out", "results/hit"]] {
+    for command in [
+        ["force", "hti.ron", "--out", "results/hit"],
+        ["frf", "hit.ron", "--out", "results/hit"],
+    ] {
         assert_eq!(rodlab(folder.path(), &command).status.code(), Some(2));
         assert!(result.join("result.json").is_file());
     }
@@ -659,6 +675,23 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
 }
 
 #[test]
+fn r20_a_sheet_with_a_byte_order_mark_is_as_one_without() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("hit.ron");
+    fs::write(&path, format!("\u{feff}{}", sheet("2 m/s", "4 ms"))).unwrap();
+    let result = folder.path().join("results/hit/result.json");
+    let written = || {
+        let run = rodlab(
+            folder.path(),
+            &["batch", "hit.ron", "--out", "results", "--resume"],
+        );
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        fs::metadata(&result).unwrap().modified().unwrap()
+    };
+    assert_eq!(written(), written(), "its hash is that of the file");
+}
+
+#[test]
 fn r19_a_summary_replaces_no_file_of_somebody_else() {
     let folder = campaign();
     fs::create_dir(folder.path().join("results")).unwrap();
@@ -666,7 +699,11 @@ fn r19_a_summary_replaces_no_file_of_somebody_else() {
     fs::write(&page, "a page of mine").unwrap();
     let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
     assert_eq!(run.status.code(), Some(2));
-    assert!(text(&run.stderr).contains("index.html"), "{}", text(&run.stderr));
+    assert!(
+        text(&run.stderr).contains("index.html"),
+        "{}",
+        text(&run.stderr)
+    );
     assert_eq!(fs::read_to_string(&page).unwrap(), "a page of mine");
     fs::remove_file(&page).unwrap();
     for _ in 0..2 {
@@ -688,7 +725,9 @@ fn r19_a_report_is_dated_by_its_inputs_and_is_the_same_again() {
     let result = folder.path().join("hit-result");
     let run = |epoch: Option<&str>| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
-        command.current_dir(folder.path()).args(["force", "hit.ron"]);
+        command
+            .current_dir(folder.path())
+            .args(["force", "hit.ron"]);
         match epoch {
             Some(epoch) => command.env("SOURCE_DATE_EPOCH", epoch),
             None => command.env_remove("SOURCE_DATE_EPOCH"),
@@ -716,7 +755,10 @@ fn time_to_end(folder: &Path, arguments: &[&str]) -> Duration {
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(700));
-    assert!(child.try_wait().unwrap().is_none(), "it should still compute");
+    assert!(
+        child.try_wait().unwrap().is_none(),
+        "it should still compute"
+    );
     let id = child.id().to_string();
     let told = Instant::now();
     Command::new("kill").args(["-INT", &id]).status().unwrap();

@@ -143,6 +143,18 @@ fn r19_a_result_of_another_program_opens_no_folder() {
     }
 }
 
+#[test]
+fn r21_columns_that_differ_in_length_are_refused() {
+    let mut outcome = rich::outcome();
+    let column = rodlab::outcome::Column::numbers("one row", "", vec![1.0]);
+    outcome.tables[0].columns.push(column);
+    let folder = tempfile::tempdir().unwrap();
+    let error = output::write(&outcome, &rich::sheet(), folder.path(), &[]);
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("`one row` has 1 rows, expected "), "{error}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
 #[cfg(unix)]
 #[test]
 fn r19_a_link_to_a_result_opens_no_folder() {
@@ -153,7 +165,10 @@ fn r19_a_link_to_a_result_opens_no_folder() {
     std::os::unix::fs::symlink(result, folder.path().join(output::RESULT)).unwrap();
     fs::write(folder.path().join("modulus.csv"), "measured").unwrap();
     let error = output::write(&rich::outcome(), &rich::sheet(), folder.path(), &[]).unwrap_err();
-    assert!(matches!(error, rodlab::RodlabError::Taken { .. }), "{error}");
+    assert!(
+        matches!(error, rodlab::RodlabError::Taken { .. }),
+        "{error}"
+    );
     let kept = fs::read_to_string(folder.path().join("modulus.csv")).unwrap();
     assert_eq!(kept, "measured");
 }

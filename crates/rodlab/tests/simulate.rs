@@ -472,7 +472,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     experiment: EndAccelerations.material is `nylon`, expected one of the materials `polypropylene`, `steel`
     experiment: EndAccelerations.material is `polypropylene`, whose law is known for real frequencies only, expected a material with a causal law: a history is wanted
     instrument.length is 2 ms, expected more than `before`, 0.002 s, and 40 samples
-    instrument.before is 7 samples, expected 40 to 16777216
+    instrument.before is 7 samples, expected 40 to 2097152
     instrument.anti_alias.cutoff is 40000 Hz, expected below half the sampling rate, 32768 Hz
     instrument.noise is `1 N`, expected a part of the largest value in % or a level of `struck end`, which is acceleration [m/s^2]
     instrument.noise_of is `end`, expected one of the channels `struck end`, `free end`

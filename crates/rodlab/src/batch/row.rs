@@ -151,7 +151,7 @@ pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabErr
             row,
             files,
         })
-            .map_err(|error| RodlabError::step("writing failure.json", error))?;
+        .map_err(|error| RodlabError::step("writing failure.json", error))?;
         text.push(b'\n');
         Ok(text)
     })

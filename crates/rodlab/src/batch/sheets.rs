@@ -134,7 +134,11 @@ impl Search {
         for entry in entries {
             let place = folder.child(&entry.file_name());
             if !place.shown.is_dir() {
-                if place.shown.extension().is_some_and(|ending| ending == "ron") {
+                if place
+                    .shown
+                    .extension()
+                    .is_some_and(|ending| ending == "ron")
+                {
                     self.sheets.entry(place.full).or_insert(place.shown);
                 }
             } else if entry.file_type().map_err(fail)?.is_symlink() {

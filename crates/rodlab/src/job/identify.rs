@@ -17,10 +17,13 @@ use serde::Deserialize;
 
 use super::{About, Surroundings};
 use crate::outcome::{Column, LogEntry, Setting, Table};
-use crate::sheet::{Density, Exact, Length, Stated};
+use crate::sheet::{Density, Exact, Length, Stated, plausible};
 use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, LawFit, Standing};
+
+/// Most cells of a rod: the time goes with their square.
+const MOST_CELLS: f64 = 2000.0;
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -186,6 +189,10 @@ pub(crate) fn run(
     let tests = tests_of_sheet::read(sheet, around, &mut outcome)?;
     if sheet.laws.is_empty() {
         return Err(RodlabError::request("laws", "empty", "at least one law"));
+    }
+    let cells = sheet.specimen.length.with_uncertainty().value / sheet.cell();
+    if sheet.cell.is_some() {
+        plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
     }
     around.has_read_all()?;
 

@@ -78,11 +78,7 @@ impl FolderLock {
         }
     }
 
-    fn taken(
-        path: PathBuf,
-        file: File,
-        passage: Passage<'static>,
-    ) -> Result<Self, RodlabError> {
+    fn taken(path: PathBuf, file: File, passage: Passage<'static>) -> Result<Self, RodlabError> {
         let mut lock = Self {
             path,
             file,

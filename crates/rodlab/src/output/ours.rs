@@ -46,7 +46,9 @@ pub(crate) fn holds_result(folder: &Path) -> bool {
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Option<T> {
     // a link may lead to a result of another folder
-    path.symlink_metadata().ok().filter(|found| found.is_file())?;
+    path.symlink_metadata()
+        .ok()
+        .filter(|found| found.is_file())?;
     serde_json::from_slice(&input::read(path).ok()?).ok()
 }
 

@@ -73,10 +73,7 @@ pub(crate) fn replace_by_failure(
     for name in [RESULT, FAILURE].into_iter().chain(changed) {
         earlier.may_change(&folder.join(name), name, &[])?;
     }
-    let failure = [(
-        FAILURE.to_owned(),
-        text(others.iter().cloned().collect())?,
-    )];
+    let failure = [(FAILURE.to_owned(), text(others.iter().cloned().collect())?)];
     let staged = stage(folder, &failure)?;
     let listed = others.iter().map(String::as_str).chain([REPORT, FAILURE]);
     lock.list(listed.filter(|name| renamed || *name != REPORT))?;

@@ -72,6 +72,11 @@ fn class_of(cells: &Cells) -> &'static str {
 }
 
 impl<'a> TableRows<'a> {
+    /// The rows of `table`, whose columns have one length.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the files of a result are put together only of tables whose columns have one length, `total`"
+    )]
     pub(super) fn of(table: &'a Table) -> Self {
         let total = table
             .columns
@@ -86,13 +91,13 @@ impl<'a> TableRows<'a> {
             .columns
             .iter()
             .map(|column| match &column.cells {
-                Cells::Numbers(values) => in_line(values.get(..shown).unwrap_or(values)),
+                Cells::Numbers(values) => in_line(&values[..shown]),
                 Cells::Words(words) => words.iter().take(shown).cloned().collect(),
             })
             .collect();
         let row = |row: usize| -> Vec<Cell> {
             let cell = |(column, texts): (&Column, &Vec<String>)| Cell {
-                text: texts.get(row).cloned().unwrap_or_default(),
+                text: texts[row].clone(),
                 class: class_of(&column.cells),
             };
             table.columns.iter().zip(&texts).map(cell).collect()

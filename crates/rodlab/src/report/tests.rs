@@ -108,6 +108,8 @@ fn a_long_table_is_folded_and_says_what_it_leaves_to_the_file() {
 fn r19_the_page_names_its_sheet_with_the_hash_and_the_date_of_its_inputs() {
     let page = page(&Outcome::of("force", "no files but the sheet"));
     let hash = "0123456789abcdef".repeat(4);
-    assert!(page.contains(&format!("<code>rod.ron</code>, SHA-256 <code class=\"hash\">{hash}</code>")));
+    assert!(page.contains(&format!(
+        "<code>rod.ron</code>, SHA-256 <code class=\"hash\">{hash}</code>"
+    )));
     assert!(page.contains("inputs of 2026-11-22 12:24:59 UTC"));
 }

@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use super::material::{Material, Materials, material_called};
 use super::measured::MeasuredBodySheet;
+use super::plausible;
 use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 use crate::RodlabError;
 
@@ -164,12 +165,17 @@ struct Placed {
     end: Option<Material>,
 }
 
+/// Most elements of a body.
+const MOST_ELEMENTS: f64 = 200.0;
+
 fn chain(
     elements: &[ElementSheet],
     end: &EndSheet,
     materials: &Materials,
     field: &str,
 ) -> Result<ComputedBody, RodlabError> {
+    let place = format!("{field}.elements");
+    plausible::at_most(elements.len() as f64, MOST_ELEMENTS, "elements", place)?;
     let mut placed = Placed {
         elements: Vec::with_capacity(elements.len()),
         end: None,

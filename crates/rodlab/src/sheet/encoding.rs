@@ -72,7 +72,10 @@ fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let found = bytes.get(at).map_or_else(String::new, |&byte| {
         // 0x80 to 0x9f are control characters of Latin-1, and signs of Windows-1252
         let meant = if byte >= 0xa0 {
-            format!(", `{}` in Latin-1 (ISO 8859-1, Windows-1252)", char::from(byte))
+            format!(
+                ", `{}` in Latin-1 (ISO 8859-1, Windows-1252)",
+                char::from(byte)
+            )
         } else {
             " of no character".to_owned()
         };
@@ -95,16 +98,18 @@ mod tests {
     fn said(name: &str, bytes: &[u8]) -> String {
         let path = Path::new(name);
         let text = text_of(path, bytes);
-        let parsed = text.and_then(|text| {
-            parse(path, &text).map_err(|error| or_recording(path, bytes, error))
-        });
+        let parsed = text
+            .and_then(|text| parse(path, &text).map_err(|error| or_recording(path, bytes, error)));
         parsed.unwrap_err().to_string()
     }
 
     #[test]
     fn r20_what_is_no_sheet_is_named() {
         let sheet = "// length 799 mm\nForce(title: \"\u{e5}\u{b1}\")";
-        let latin: Vec<u8> = sheet.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+        let latin: Vec<u8> = sheet
+            .chars()
+            .map(|c| u8::try_from(u32::from(c)).unwrap())
+            .collect();
         let wide = |mark: bool| -> Vec<u8> {
             let mark = mark.then_some(MARK).into_iter();
             let text: String = mark.chain(sheet.chars()).collect();

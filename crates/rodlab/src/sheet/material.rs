@@ -13,8 +13,12 @@ use rodwave::modulus::{
 };
 use serde::Deserialize;
 
+use super::plausible;
 use super::{Density, Duration, Frequency, Pressure, Ratio, Stated, Viscosity};
 use crate::RodlabError;
+
+/// Frequency \[Hz\] of the waves whose speed is checked: rods of a laboratory ring there.
+const SOMEWHERE_HZ: f64 = 1e3;
 
 /// Materials by the names that the rest of the sheet calls them.
 pub type Materials = BTreeMap<String, MaterialSheet>;
@@ -27,6 +31,9 @@ pub struct MaterialSheet {
     pub density: Stated<Density>,
     /// Law of the modulus.
     pub law: LawSheet,
+    /// Whether a wave speed that no solid has is meant.
+    #[serde(default)]
+    pub unusual: bool,
 }
 
 /// Laws of the modulus.
@@ -160,8 +167,15 @@ impl MaterialSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with what `rodwave` says of its numbers.
+    /// [`RodlabError::Step`] with what `rodwave` says of its numbers; [`RodlabError::Request`] for a wave speed that no solid has.
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
+        let material = self.any_material(field)?;
+        let wave_number = material.propagation_coefficient(SOMEWHERE_HZ).im;
+        plausible::wave_speed(TAU * SOMEWHERE_HZ / wave_number, self.unusual, field)?;
+        Ok(material)
+    }
+
+    fn any_material(&self, field: &str) -> Result<Material, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match &self.law {
             LawSheet::Elastic { modulus } => Arc::new(Elastic::new(modulus.nominal()).map_err(refused)?),

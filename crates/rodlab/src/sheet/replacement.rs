@@ -20,6 +20,7 @@ pub(crate) trait Replacement {
             let drawn = MaterialSheet {
                 density: self.stated(&material.density, &field)?,
                 law: self.law(&material.law, &field)?,
+                unusual: material.unusual,
             };
             Ok((name.clone(), drawn))
         });

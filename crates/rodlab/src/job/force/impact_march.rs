@@ -14,12 +14,15 @@ use super::draws::Draws;
 use super::impact::ImpactSheet;
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::Exact;
+use crate::sheet::{Exact, plausible};
 use crate::sheet::material::Materials;
 use crate::sheet::replacement::Replacement;
 
 /// Fewest steps of a march.
 const FEWEST_STEPS: f64 = 4096.0;
+
+/// Most steps of a march whose step is stated.
+const MOST_STEPS: f64 = 1e6;
 
 /// Draws of the march unless the sheet says how many: a standard deviation is then known to 5 %.
 const DRAWS: usize = 200;
@@ -226,7 +229,15 @@ pub(super) fn march(
     };
     let resolved = setup.band.time_step();
     let step = match &sheet.time_step {
-        Some(step) => step.si(),
+        Some(step) => {
+            plausible::at_most(
+                setup.duration / step.si(),
+                MOST_STEPS,
+                "steps",
+                "problem.time_step",
+            )?;
+            step.si()
+        }
         None => setup.step(resolved.min(setup.duration / FEWEST_STEPS)),
     };
     let Run {

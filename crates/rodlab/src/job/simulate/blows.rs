@@ -11,7 +11,7 @@ use super::instrument::{History, InstrumentSheet};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Attachment, LogEntry};
-use crate::sheet::{Duration, Exact, Force, Ratio};
+use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 
 /// The last of so many parts of a record shows whether everything has died out.
 const LATE_PART: usize = 16;
@@ -19,6 +19,9 @@ const LATE_PART: usize = 16;
 const QUIET: f64 = 5e-4;
 /// Parts by which the strengths of blows differ, unless stated.
 const USUAL_SCATTER: f64 = 0.05;
+
+/// Most samples of all records of a sheet, which are in memory.
+const MOST_SAMPLES: f64 = 5e7;
 
 /// The blows of a hammer.
 #[derive(Debug, Clone, Deserialize)]
@@ -192,6 +195,13 @@ pub(super) fn record(
     around: &Surroundings<'_>,
 ) -> Result<Recorded, RodlabError> {
     let sampled = instrument.sampled(history)?;
+    let samples = blows.hits as f64 * sampled.samples().len() as f64;
+    plausible::at_most(
+        samples,
+        MOST_SAMPLES,
+        "samples of all hits",
+        "instrument.length",
+    )?;
     let peaks = peaks(&sampled);
     let mut recorded = Recorded::by(&history.generator);
     recorded.warnings.extend(cut_off(&sampled, &peaks));

@@ -21,13 +21,18 @@ use super::{Made, Request};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
-use crate::sheet::{Density, Exact, Frequency, Length, Pressure, Ratio, Velocity, Viscosity};
+use crate::sheet::{
+    Density, Exact, Frequency, Length, Pressure, Ratio, Velocity, Viscosity, plausible,
+};
 
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
 /// Cells in the shortest wave that the recorder passes, unless stated: the chain then errs by some thousandths of its front.
 const CELLS_PER_WAVE: f64 = 100.0;
+
+/// Most cells times steps of all tests of a sheet, which take some minutes.
+const MOST_CELL_STEPS: f64 = 4e9;
 
 /// What is said of records of a rod that is not linear.
 const NOT_COMMUTING: &str = "the law is not linear, and the recorder filters what the rod has done: the recorded motion of the near end is not \
@@ -60,6 +65,9 @@ pub struct ImpactedRodSheet {
     /// Longest cell of the chain, as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
+    /// Whether a wave speed that no solid has is meant.
+    #[serde(default)]
+    pub unusual: bool,
 }
 
 /// A law of paper D.
@@ -212,6 +220,28 @@ impl ImpactedRodSheet {
         Ok(())
     }
 
+    /// Checks that the tests end within reasonable time: a wave takes at least a step for a cell.
+    fn check_extent<L>(&self, struck: &Struck<'_, L>, wave_speed: f64) -> Result<(), RodlabError> {
+        for (number, velocity) in self.velocities.iter().enumerate() {
+            if velocity.si().abs() >= wave_speed {
+                return Err(RodlabError::request(
+                    format!("{FIELD}.velocities[{number}]"),
+                    velocity.to_string(),
+                    format!("less than the wave speed of the rod, {wave_speed:.4} m/s"),
+                ));
+            }
+        }
+        let cells = self.length.si() / struck.cell;
+        let steps = struck.duration * wave_speed / struck.cell;
+        let all = self.velocities.len() as f64 * cells * steps;
+        plausible::at_most(
+            all,
+            MOST_CELL_STEPS,
+            "cells times steps of all velocities",
+            FIELD,
+        )
+    }
+
     fn with<L: InelasticLaw>(
         &self,
         law: L,
@@ -222,7 +252,9 @@ impl ImpactedRodSheet {
         let refused = |error| RodlabError::step(FIELD, error);
         let (length, density) = (self.length.si(), self.density.si());
         let rod = InelasticRod::new(length, density, self.modulus.si(), law).map_err(refused)?;
-        let shortest_wave = rod.wave_speed() / instrument.cutoff_hz();
+        let wave_speed = rod.wave_speed();
+        plausible::wave_speed(wave_speed, self.unusual, FIELD)?;
+        let shortest_wave = wave_speed / instrument.cutoff_hz();
         let struck = Struck {
             sheet: self,
             cell: self
@@ -232,6 +264,7 @@ impl ImpactedRodSheet {
             rod,
             duration: instrument.duration(),
         };
+        self.check_extent(&struck, wave_speed)?;
         around.has_read_all()?;
 
         let steps = self.velocities.len() + sections::COUNT;

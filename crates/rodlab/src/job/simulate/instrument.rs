@@ -21,8 +21,8 @@ const FINER: usize = 8;
 const USUAL_CUTOFF: f64 = 0.3125;
 /// Samples that the filter of linear phase reaches ahead, and those of rest that the evaluations want before them.
 const LEAST_BEFORE: usize = 24 + 16;
-/// Most samples of a channel.
-const MOST_SAMPLES: f64 = 16_777_216.0;
+/// Most samples of a channel: the history behind them is finer, and in memory.
+const MOST_SAMPLES: f64 = 2_097_152.0;
 /// How long a record runs before the blow, unless stated \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
 /// Full scale of a converter over the largest value of its channel, unless stated.

@@ -1,0 +1,66 @@
+//! Numbers of a sheet that no laboratory means, and those that nobody waits for: refused before anything is computed.
+
+use crate::RodlabError;
+
+/// Wave speeds of solids \[m/s\], from soft foams to diamond.
+const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
+
+/// Checks the speed \[m/s\] of waves in the material at `field`, which follows from its modulus and density.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for a speed that no solid has, unless the sheet says that it is meant.
+pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), RodlabError> {
+    let [least, most] = WAVE_SPEEDS;
+    if unusual || (least..=most).contains(&speed) {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field,
+        format!("a material of modulus and density with a wave speed of {speed:.3e} m/s"),
+        format!("{least} to {most} m/s, or `unusual: true` beside the density if it is meant"),
+    ))
+}
+
+/// Checks a count of `what` that the sheet asks for at `field`.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for more than `most`, with both numbers.
+pub(crate) fn at_most(
+    count: f64,
+    most: f64,
+    what: &str,
+    field: impl Into<String>,
+) -> Result<(), RodlabError> {
+    if count <= most {
+        return Ok(());
+    }
+    Err(RodlabError::request(
+        field,
+        format!("{count:.0} {what}"),
+        format!("at most {most:.0} {what}"),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn r20_a_number_that_is_none_is_not_plausible() {
+        for speed in [f64::NAN, f64::INFINITY, 0.0, 19.9, 20_001.0] {
+            assert!(wave_speed(speed, false, "materials: x").is_err(), "{speed}");
+            assert!(wave_speed(speed, true, "materials: x").is_ok());
+        }
+        assert!(wave_speed(20.0, false, "materials: x").is_ok());
+        assert!(at_most(f64::NAN, 10.0, "cells", "cell").is_err());
+        let said = at_most(1e9, 2000.0, "cells", "cell")
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            said,
+            "cell is 1000000000 cells, expected at most 2000 cells"
+        );
+    }
+}
