@@ -242,6 +242,6 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if is_biased && nonlinear_is_left() {
-        outcome.doubt("nonlinear laws are not identified: the excitation has more power beyond 0.6 of the recorder's cut-off than its noise; use a striker of smoother pulse or a faster recorder");
+        outcome.doubt("nonlinear laws are not identified: the excitation stands above its noise beyond 0.6 of the recorder's cut-off; use a striker of smoother pulse or a faster recorder");
     }
 }
