@@ -153,12 +153,12 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
 fn one_impact_velocity_cannot_tell_the_laws_apart() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("one.csv");
-    // 1 % of the impact velocity
-    velocities(&Maxwell::new(4e6).unwrap(), 10.0).write(&path, 0.1, 3, "m/s", 1.0);
+    // 0.5 % of the impact velocity
+    velocities(&Maxwell::new(4e6).unwrap(), 10.0).write(&path, 0.05, 3, "m/s", 1.0);
     let test = test_entry(
         "one.csv",
         "10 m/s",
-        r#"to: "2.5 ms", noise: Velocities(excitation: "0.1 m/s", response: "0.1 m/s")"#,
+        r#"to: "2.5 ms", noise: Velocities(excitation: "0.05 m/s", response: "0.05 m/s")"#,
     );
     let text = sheet(&[test], &format!("profiles: false, {QUICK}"));
     let outcome = attempt(folder.path(), &text).unwrap();
@@ -369,7 +369,8 @@ fn displacements_are_differentiated_and_give_the_law() {
 fn an_elastic_rod_has_no_damping_to_identify() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("one.csv");
-    velocities(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
+    // an elastic rod commutes with the filter of the recorder
+    velocities_of_a_flat_striker(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
     let text = sheet(
         &[test],
