@@ -209,9 +209,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     assert_eq!(run.status.code(), Some(1));
     let said = text(&run.stderr);
     assert!(
-        said.starts_with(
-            "not allowed: the time step is too long for the contact"
-        ),
+        said.starts_with("not allowed: the time step is too long for the contact"),
         "{said}"
     );
     // what was found out nevertheless is there
