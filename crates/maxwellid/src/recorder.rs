@@ -67,7 +67,7 @@ impl RecorderCheck {
         let cutoff = cutoff_hz.unwrap_or(rate / USUAL_RATIO);
         let lines = mirrored_spectrum(&test.excitation_samples, &noise.excitation);
         let spacing = 0.5 * rate / (lines.len().saturating_sub(1).max(1)) as f64;
-        let (mut of_record, mut of_noise, mut count) = (0.0, 0.0, 0.0);
+        let (mut of_record, mut of_noise, mut count) = (0.0, 0.0, 0.0_f64);
         for (line, (power, expected)) in lines.iter().enumerate() {
             let frequency = line as f64 * spacing;
             if (FROM * cutoff..=cutoff).contains(&frequency) {
