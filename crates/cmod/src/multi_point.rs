@@ -38,9 +38,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::branch::BranchDoubt;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{
-    Method, ModulusEstimate, Refusal, RefusedLine, VarianceFreedom,
-};
+use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, VarianceFreedom};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;

@@ -111,11 +111,7 @@ impl BandLimit {
                 *sample += weight * value;
             }
         }
-        ForceHistory::new(
-            history.time_at(0) - reach as f64 * step,
-            step,
-            limited,
-        )
+        ForceHistory::new(history.time_at(0) - reach as f64 * step, step, limited)
     }
 }
 

@@ -150,14 +150,12 @@ pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
-pub use impact::{
-    DiscreteImpact, FirstForce, Impact, LineBand, Pair, Prediction, PredictionFlag,
-};
+pub use impact::{DiscreteImpact, FirstForce, Impact, LineBand, Pair, Prediction, PredictionFlag};
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine,
-    ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
+    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint,
+    ExcludedLine, ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
     RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
     ResponseNoise, Sensor, TimeInterval, noise_between_blows,
 };

@@ -210,10 +210,7 @@ impl StickProblem<'_> {
         ForceHistory::new(history.time_at(0), history.time_step(), force)
     }
 
-    fn whole_history_of(
-        &self,
-        lines: &[Complex64],
-    ) -> Result<(ForceHistory, f64), ImpulseError> {
+    fn whole_history_of(&self, lines: &[Complex64]) -> Result<(ForceHistory, f64), ImpulseError> {
         let (n_samples, n_shown) = self.n_whole();
         let lines = self.interpolated(lines.to_vec(), 0.5);
         let period: Vec<f64> = fourier::to_samples(&lines, n_samples)

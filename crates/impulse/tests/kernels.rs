@@ -118,7 +118,9 @@ fn no_force_gains_energy() {
     )
     .unwrap()
     .with_front_impedance(
-        printed.specific_characteristic_impedance(std::f64::consts::TAU * 20e3).re
+        printed
+            .specific_characteristic_impedance(std::f64::consts::TAU * 20e3)
+            .re
             * CrossSection::from(circle(30.0)).area(),
     )
     .unwrap();

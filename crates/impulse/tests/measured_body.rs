@@ -7,8 +7,8 @@
 use std::f64::consts::TAU;
 
 use impulse::{
-    Impact, ImpactBody, ImpulseError, LineBand, LowFrequency, MobilityLaw, MeasuredBody, Reciprocity, ScreeningFlag, WeighedMass,
-    lines_of,
+    Impact, ImpactBody, ImpulseError, LineBand, LowFrequency, MeasuredBody, MobilityLaw,
+    Reciprocity, ScreeningFlag, WeighedMass, lines_of,
 };
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -351,14 +351,11 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
         .unwrap();
     let mobility = lines_of(&long, STEP_HZ, 1001).unwrap();
     for (factor, contradicted) in [(1.0, false), (1.25, true), (0.8, true)] {
-        let body = MeasuredBody::from_mobility(
-            &mobility,
-            STEP_HZ,
-            weighed(long.free_mass().unwrap()),
-        )
-        .unwrap()
-        .with_front_impedance(factor * front_impedance())
-        .unwrap();
+        let body =
+            MeasuredBody::from_mobility(&mobility, STEP_HZ, weighed(long.free_mass().unwrap()))
+                .unwrap()
+                .with_front_impedance(factor * front_impedance())
+                .unwrap();
         let screening = body.screen();
         let front = screening.front.unwrap();
         assert!(

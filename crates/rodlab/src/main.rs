@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     };
     if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(work) {
         let _ = writeln!(io::stderr(), "error: starting a thread: {error}");
-        return ExitCode::from(Ending::Wrong.status());
+        return ExitCode::from(Ending::WRONG.status());
     }
     let mut event = events.recv().ok();
     if matches!(event, Some(Event::Interrupted)) {

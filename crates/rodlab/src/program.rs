@@ -35,7 +35,7 @@ impl Ending {
     /// What was asked for is done.
     const DONE: Self = Self::With(Standing::Answered);
     /// A sheet, a file or a folder is wrong.
-    const WRONG: Self = Self::With(Standing::WrongInput);
+    pub const WRONG: Self = Self::With(Standing::WrongInput);
 
     /// The exit status.
     #[must_use]

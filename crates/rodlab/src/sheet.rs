@@ -30,8 +30,9 @@ pub use diagnostic::SheetError;
 pub(crate) use exact::ADVICE;
 pub use exact::{ByDefinition, Exact, NoWay, NotFollowed, Reason};
 pub use kind::{
-    AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length, PoissonRatio,
-    Pressure, Ratio, SpecificImpedance, Stiffness, Stress, Temperature, Time, Velocity, Viscosity,
+    AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length,
+    PoissonRatio, Pressure, Ratio, SpecificImpedance, Stiffness, Stress, Temperature, Time,
+    Velocity, Viscosity,
 };
 pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};

@@ -175,7 +175,11 @@ fn r07_the_peak_is_one_number_whatever_the_step_and_the_record() {
     let reference = attempt(&cone("1 ms", draws)).unwrap();
     let peak = value(&reference, "peak force in the band");
     let numerical = "numerical error of the peak force in the band";
-    for (duration, step) in [("0.25 ms", ""), ("4 ms", ""), ("1 ms", r#"time_step: "3 us","#)] {
+    for (duration, step) in [
+        ("0.25 ms", ""),
+        ("4 ms", ""),
+        ("1 ms", r#"time_step: "3 us","#),
+    ] {
         let outcome = attempt(&cone(duration, &format!("{step} {draws}"))).unwrap();
         let away = (value(&outcome, "peak force in the band") - peak).abs();
         let allowed = value(&outcome, numerical) + value(&reference, numerical);

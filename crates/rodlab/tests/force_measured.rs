@@ -92,8 +92,17 @@ fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
     assert!(!names.contains(&"peak force") && !names.contains(&"end of the last contact"));
     let tables: Vec<&str> = outcome.tables.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(tables, ["force", "stick_force"]);
-    assert!(outcome.warnings.iter().any(|w| w.contains("front_impedance")));
-    assert!(outcome.summary[0].starts_with("On lines up to 6 kHz"), "{:?}", outcome.summary);
+    assert!(
+        outcome
+            .warnings
+            .iter()
+            .any(|w| w.contains("front_impedance"))
+    );
+    assert!(
+        outcome.summary[0].starts_with("On lines up to 6 kHz"),
+        "{:?}",
+        outcome.summary
+    );
     // what needs a march is refused
     for rest in [r#"contact: Linear("20 MN/m")"#, r#"time_step: "1 us""#] {
         let refused = attempt(folder.path(), &sheet(FIRST, rest)).unwrap_err();

@@ -341,7 +341,8 @@ impl Prediction {
                 let mut remaining = others.clone();
                 let blow = remaining.remove(index);
                 let (window, force) = force_of(blow, &remaining)?;
-                let inside = |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();
+                let inside =
+                    |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();
                 let reconstructed =
                     ForceHistory::new(0.0, force.time_step(), inside(force.force()))?;
                 Ok((reconstructed, inside(&blow.channel(FORCE)?.to_vec())))
@@ -404,8 +405,9 @@ fn force_of(
     }
     let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
     let at_peak = divided.index_near(divided.peak().time).unwrap_or(0);
-    let window = BlowSpan::of(&forces)?
-        .map_or(0..response.len(), |span| span.about(at_peak, response.len()));
+    let window = BlowSpan::of(&forces)?.map_or(0..response.len(), |span| {
+        span.about(at_peak, response.len())
+    });
     let variance = h1.variance.as_deref().unwrap_or_default();
     let noise = noise_between_blows(variance, &forces)?;
     let sensor = Sensor::new(&response, &h1.values)?

@@ -61,7 +61,10 @@ pub fn kramers_kronig_on(
     if lines.len() < 3 {
         return Err(CmodError::NoLines);
     }
-    let omega: Vec<f64> = lines.iter().map(|line| TAU * line.line.frequency_hz).collect();
+    let omega: Vec<f64> = lines
+        .iter()
+        .map(|line| TAU * line.line.frequency_hz)
+        .collect();
     let modulus: Vec<Complex64> = lines.iter().map(|line| line.line.modulus).collect();
     let common = common_errors(&lines);
     let nearest_by = |scale: &[f64]| {
@@ -171,7 +174,10 @@ fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
 /// δE of every source over the lines, 0 where a line does not depend on it.
 fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
     let mut sources: Vec<ErrorSource> = Vec::new();
-    for shift in lines.iter().flat_map(|line| &line.line.uncertainty.systematic) {
+    for shift in lines
+        .iter()
+        .flat_map(|line| &line.line.uncertainty.systematic)
+    {
         if !sources.contains(&shift.source) {
             sources.push(shift.source);
         }

@@ -105,7 +105,10 @@ impl AveragedVariance<'_> {
             return Ok(pooled);
         };
         let most = law.inverse_cdf(1.0 - STRANGE) / alone.line;
-        let window = Window { lines: &lines, width };
+        let window = Window {
+            lines: &lines,
+            width,
+        };
         let all = vec![true; lines.len()];
         let takes_part: Vec<bool> = lines
             .iter()
@@ -116,8 +119,7 @@ impl AveragedVariance<'_> {
             })
             .collect();
         for (place, line) in lines.iter().enumerate() {
-            let (Some(true), Some(fit)) =
-                (takes_part.get(place), window.fit(place, &takes_part))
+            let (Some(true), Some(fit)) = (takes_part.get(place), window.fit(place, &takes_part))
             else {
                 continue;
             };
@@ -147,12 +149,12 @@ impl AveragedVariance<'_> {
                 power: variance * denominator,
                 denominator: *denominator,
             })
-            .filter(|line| {
-                line.ratio.is_finite() && line.power.is_finite() && line.power > 0.0
-            })
+            .filter(|line| line.ratio.is_finite() && line.power.is_finite() && line.power > 0.0)
             .collect();
         // squares of a power in any unit stay within the range of a double
-        let unit = lines.iter().fold(0.0, |most: f64, line| most.max(line.power));
+        let unit = lines
+            .iter()
+            .fold(0.0, |most: f64, line| most.max(line.power));
         for line in &mut lines {
             line.power /= unit;
             line.denominator /= unit;
@@ -206,7 +208,9 @@ impl Window<'_> {
             reason = "a width is above 0, and the cast saturates"
         )]
         let width = (self.width as usize | 1).max(5).min(self.lines.len());
-        let first = place.saturating_sub(width / 2).min(self.lines.len() - width);
+        let first = place
+            .saturating_sub(width / 2)
+            .min(self.lines.len() - width);
         let around = || {
             let lines = self.lines.iter().zip(takes_part);
             let within = lines.skip(first).take(width);

@@ -44,7 +44,10 @@ fn assert_freedom([few, known]: &[ModulusEstimate; 2], expected: f64, method: &s
     assert!(known.lines().len() >= 3, "{method}");
     for (line, certain) in few.lines().iter().zip(known.lines()) {
         let freedom = line.uncertainty.degrees_of_freedom.unwrap();
-        assert!((freedom / expected - 1.0).abs() < 1e-9, "{method}: {freedom}");
+        assert!(
+            (freedom / expected - 1.0).abs() < 1e-9,
+            "{method}: {freedom}"
+        );
         assert!(certain.uncertainty.degrees_of_freedom.is_none());
         let (a, b) = (line.modulus, certain.modulus);
         assert!((a - b).norm() < 1e-3 * b.norm(), "{method}");

@@ -143,10 +143,7 @@ impl CalibrationScatter {
 /// # Errors
 ///
 /// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a force.
-pub fn noise_between_blows(
-    variance: &[f64],
-    forces: &[&[f64]],
-) -> Result<Vec<f64>, ImpulseError> {
+pub fn noise_between_blows(variance: &[f64], forces: &[&[f64]]) -> Result<Vec<f64>, ImpulseError> {
     let n_blows = forces.len();
     if n_blows < 2 {
         return Err(ImpulseError::TooShort {
@@ -173,7 +170,9 @@ pub fn noise_between_blows(
     let n_blows = n_blows as f64;
     let of_one = n_blows / (n_blows - 1.0);
     let lines = variance.iter().zip(power);
-    Ok(lines.map(|(variance, power)| of_one * variance * power).collect())
+    Ok(lines
+        .map(|(variance, power)| of_one * variance * power)
+        .collect())
 }
 
 #[cfg(test)]

@@ -152,8 +152,12 @@ fn samples_left(n_silent: usize, segment: usize) -> f64 {
     let weight = |sample: usize| -> f64 {
         let starts = (0..=n_silent - segment).step_by(hop);
         let over = starts.filter(|start| (*start..start + segment).contains(&sample));
-        over.map(|start| (PI * (sample - start) as f64 / segment as f64).sin().powi(4))
-            .sum()
+        over.map(|start| {
+            (PI * (sample - start) as f64 / segment as f64)
+                .sin()
+                .powi(4)
+        })
+        .sum()
     };
     let weights = (0..n_silent).map(weight);
     let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), g| (sum + g, squares + g * g));

@@ -9,9 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Test;
 use crate::input;
 use crate::outcome::{InputFile, Quantity, Verdict};
-use crate::output::{
-    self, FAILURE, OutputFile, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity,
-};
+use crate::output::{self, FAILURE, OutputFile, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
 use crate::{RodlabError, Standing, records};
 
 /// One test in a summary.

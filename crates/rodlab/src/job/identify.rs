@@ -147,7 +147,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .zip(&sheet.tests)
         .enumerate()
         .map(|(number, (test, of_sheet))| {
-            RecorderCheck::of(test, of_sheet.cutoff.as_ref().map(Stated::si))
+            RecorderCheck::of(test, of_sheet.cutoff.as_ref().map(Exact::si))
                 .map_err(|error| RodlabError::step(format!("tests[{number}].cutoff"), error))
         })
         .collect()

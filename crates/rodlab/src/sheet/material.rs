@@ -178,13 +178,16 @@ impl MaterialSheet {
     fn any_material(&self, field: &str) -> Result<Material, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match &self.law {
-            LawSheet::Elastic { modulus } => Arc::new(Elastic::new(modulus.nominal()).map_err(refused)?),
+            LawSheet::Elastic { modulus } => {
+                Arc::new(Elastic::new(modulus.nominal()).map_err(refused)?)
+            }
             LawSheet::ConstantQ {
                 modulus,
                 loss_factor,
                 at,
             } => Arc::new(
-                ConstantQ::new(modulus.nominal(), loss_factor.nominal(), TAU * at.nominal()).map_err(refused)?,
+                ConstantQ::new(modulus.nominal(), loss_factor.nominal(), TAU * at.nominal())
+                    .map_err(refused)?,
             ),
             LawSheet::KelvinVoigt { modulus, viscosity } => {
                 Arc::new(KelvinVoigt::new(modulus.nominal(), viscosity.nominal()).map_err(refused)?)
@@ -197,7 +200,12 @@ impl MaterialSheet {
                 unrelaxed,
                 relaxation_time,
             } => Arc::new(
-                Zener::new(relaxed.nominal(), unrelaxed.nominal(), relaxation_time.nominal()).map_err(refused)?,
+                Zener::new(
+                    relaxed.nominal(),
+                    unrelaxed.nominal(),
+                    relaxation_time.nominal(),
+                )
+                .map_err(refused)?,
             ),
             LawSheet::FractionalZener {
                 relaxed,

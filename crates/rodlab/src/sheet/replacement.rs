@@ -106,9 +106,7 @@ pub(crate) trait Replacement {
                 material: material.clone(),
                 diameter: self.stated(diameter, field)?,
             },
-            BodySheet::Impedance(impedance) => {
-                BodySheet::Impedance(self.stated(impedance, field)?)
-            }
+            BodySheet::Impedance(impedance) => BodySheet::Impedance(self.stated(impedance, field)?),
             BodySheet::Measured(_) => body.clone(),
         })
     }
@@ -151,9 +149,7 @@ pub(crate) trait Replacement {
                 length: self.stated(length, field)?,
             },
             ElementSheet::Mass(mass) => ElementSheet::Mass(self.stated(mass, field)?),
-            ElementSheet::Spring(stiffness) => {
-                ElementSheet::Spring(self.stated(stiffness, field)?)
-            }
+            ElementSheet::Spring(stiffness) => ElementSheet::Spring(self.stated(stiffness, field)?),
             ElementSheet::Dashpot(resistance) => {
                 ElementSheet::Dashpot(self.stated(resistance, field)?)
             }

@@ -114,10 +114,7 @@ impl<K> Stated<K> {
             return Err(RodlabError::request(
                 field,
                 format!("`{self}`"),
-                format!(
-                    "the value without ±, because {why}{}",
-                    super::exact::ADVICE
-                ),
+                format!("the value without ±, because {why}{}", super::exact::ADVICE),
             ));
         }
         Ok(self.stated.value)

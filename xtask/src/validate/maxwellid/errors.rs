@@ -41,7 +41,10 @@ pub(super) fn claims(claims: &mut Claims) {
             format!("{name}: intervals of 95 % that hold the truth"),
             "1",
             0.95,
-            Within(0.031, "200 draws of correlated parameters, 1.5 %; two of it"),
+            Within(
+                0.031,
+                "200 draws of correlated parameters, 1.5 %; two of it",
+            ),
             of(&found, |found| found.inside),
         );
         claims.claim(

@@ -100,16 +100,29 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
         assert!(n > 0.95 * all, "{count}: {n} of {all}");
         // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; 2 % is what a non-negative fit is biased
         assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
-        assert!((scatter / said - 1.0).abs() < 0.25, "{count}: {scatter} {said}");
+        assert!(
+            (scatter / said - 1.0).abs() < 0.25,
+            "{count}: {scatter} {said}"
+        );
         // two coefficients to 80 degrees of freedom
-        assert!((2.0 * n / said - 40.0).abs() < 8.0, "{count}: {}", 2.0 * n / said);
+        assert!(
+            (2.0 * n / said - 40.0).abs() < 8.0,
+            "{count}: {}",
+            2.0 * n / said
+        );
     }
 }
 
 /// The mains: one line with a hundred times the noise keeps its own variance, and its neighbours keep theirs.
 #[test]
 fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
-    let noise = |line: usize| if line == 100 { [1e-3, 0.0] } else { [1e-5, 0.0] };
+    let noise = |line: usize| {
+        if line == 100 {
+            [1e-3, 0.0]
+        } else {
+            [1e-5, 0.0]
+        }
+    };
     for seed in 0..20 {
         let hits = Hits::drawn(seed, 4, noise);
         let pooled = hits.pooled();
@@ -121,7 +134,12 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
         let beside = hits.quotient(&pooled, 102, noise(102));
         assert!((0.3..2.5).contains(&beside), "{beside}");
         // what a line adds to all stays its own
-        assert!(pooled.freedom.iter().all(|freedom| (freedom.own - 6.0).abs() < 1e-12));
+        assert!(
+            pooled
+                .freedom
+                .iter()
+                .all(|freedom| (freedom.own - 6.0).abs() < 1e-12)
+        );
     }
 }
 
@@ -153,15 +171,24 @@ fn lines_without_noise_and_wrong_arrays_are_told() {
     assert_eq!(given.pooled().unwrap().variance, given.variance);
     let text = |given: AveragedVariance<'_>| given.pooled().unwrap_err().to_string();
     assert_eq!(
-        text(AveragedVariance { averages: 1.0, ..given }),
+        text(AveragedVariance {
+            averages: 1.0,
+            ..given
+        }),
         "1 averages, expected at least 2: the coherence of one is 1 whatever was measured"
     );
     assert_eq!(
-        text(AveragedVariance { denominator_power: &[1.0; 5], ..given }),
+        text(AveragedVariance {
+            denominator_power: &[1.0; 5],
+            ..given
+        }),
         "power of the denominator has 5 lines, expected 6 as the frequencies have"
     );
     assert_eq!(
-        text(AveragedVariance { lines_per_independent_line: 0.5, ..given }),
+        text(AveragedVariance {
+            lines_per_independent_line: 0.5,
+            ..given
+        }),
         "lines per independent line is 0.5, expected 1 or more"
     );
 }

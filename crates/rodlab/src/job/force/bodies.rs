@@ -13,8 +13,8 @@ use crate::responses::{cut, measured_body};
 use crate::sheet::Exact;
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::material::Materials;
-use crate::sheet::replacement::Replacement;
 use crate::sheet::measured::MeasuredBodySheet;
+use crate::sheet::replacement::Replacement;
 use crate::{Outcome, RodlabError};
 
 /// A body of an impact.

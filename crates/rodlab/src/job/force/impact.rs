@@ -105,8 +105,10 @@ impl ContactSheet {
                 material(&moduli.1, &poisson_ratios.1),
             ),
             Self::Table(points) => {
-                let points: Vec<(f64, f64)> =
-                    points.iter().map(|(d, f)| (d.nominal(), f.nominal())).collect();
+                let points: Vec<(f64, f64)> = points
+                    .iter()
+                    .map(|(d, f)| (d.nominal(), f.nominal()))
+                    .collect();
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
             }
         }
@@ -174,7 +176,9 @@ pub(super) fn run(
         impact_tables::quantities(march, outcome);
         outcome.tables.push(impact_tables::limited(march));
         outcome.tables.push(impact_tables::history(march));
-        outcome.tables.push(impact_tables::contacts(&march.prediction));
+        outcome
+            .tables
+            .push(impact_tables::contacts(&march.prediction));
     }
     if let Some(lines) = &found.on_lines {
         if found.march.is_none() {
@@ -186,10 +190,17 @@ pub(super) fn run(
                     .to_owned(),
             );
         }
-        outcome.quantities.extend(lines.quantities(found.march.is_none()));
+        outcome
+            .quantities
+            .extend(lines.quantities(found.march.is_none()));
         outcome.tables.push(lines.table());
     }
-    if sheet.velocity.with_uncertainty().standard_uncertainty.is_none() {
+    if sheet
+        .velocity
+        .with_uncertainty()
+        .standard_uncertainty
+        .is_none()
+    {
         outcome.warnings.push(
             "No uncertainty of the velocity is stated: it is in no error of the force, and the relative error of the force is at least that of the velocity."
                 .to_owned(),

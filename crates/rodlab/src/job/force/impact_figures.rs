@@ -4,8 +4,8 @@ use impulse::ForceHistory;
 
 use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
-use super::impact_march::March;
 use super::impact_lines::OnLines;
+use super::impact_march::March;
 use crate::RodlabError;
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 

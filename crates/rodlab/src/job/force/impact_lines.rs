@@ -2,8 +2,7 @@
 
 use impulse::{
     ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ForceHistory, ForcePeak, ImpactForce,
-    MonteCarlo,
-    StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
+    MonteCarlo, StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -179,7 +178,13 @@ pub(super) fn on_lines(
         "errors of mobilities, scales, masses and velocity"
     };
     let bands = if anything && draws.n_drawn == 0 && matches!(sheet.contact, ContactSheet::Rigid) {
-        Some(bands(sheet, &problem, &uncertainty, (&stick, &impact), outcome)?)
+        Some(bands(
+            sheet,
+            &problem,
+            &uncertainty,
+            (&stick, &impact),
+            outcome,
+        )?)
     } else {
         None
     };
@@ -349,7 +354,11 @@ impl OnLines {
         ];
         if let Some(bands) = &self.bands {
             let errors = bands.error.standard_error().to_vec();
-            columns.push(Column::numbers("standard error of the stick force", "N", errors));
+            columns.push(Column::numbers(
+                "standard error of the stick force",
+                "N",
+                errors,
+            ));
         }
         Table {
             name: "force".to_owned(),
@@ -367,9 +376,9 @@ impl OnLines {
         let stated = |error: Option<f64>, unit: &str, digits: usize| {
             error.map_or_else(String::new, |error| format!(" ± {error:.digits$} {unit}"))
         };
-        let roll_off = self
-            .roll_off_from_hz
-            .map_or_else(String::new, |from| format!(", rolled off from {} kHz on", 1e-3 * from));
+        let roll_off = self.roll_off_from_hz.map_or_else(String::new, |from| {
+            format!(", rolled off from {} kHz on", 1e-3 * from)
+        });
         let (end, end_error) = self.end();
         let parted = end.map_or_else(
             || "The faces do not part within the history".to_owned(),
@@ -525,11 +534,7 @@ impl OnLines {
 
 /// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with what the band limit has smeared ahead of the touch over `ahead` \[s\]; none
 /// if the faces do not part.
-fn impulse_of_first_contact(
-    stick: &ForceHistory,
-    impact: &ImpactForce,
-    ahead: f64,
-) -> Option<f64> {
+fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;
     };

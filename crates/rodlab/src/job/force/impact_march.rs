@@ -14,9 +14,9 @@ use super::draws::Draws;
 use super::impact::ImpactSheet;
 use crate::RodlabError;
 use crate::job::Surroundings;
-use crate::sheet::{Exact, plausible};
 use crate::sheet::material::Materials;
 use crate::sheet::replacement::Replacement;
+use crate::sheet::{Exact, plausible};
 
 /// Fewest steps of a march.
 const FEWEST_STEPS: f64 = 4096.0;
@@ -111,8 +111,19 @@ impl Numbers {
     }
 
     fn from_all(
-        [peak, time_of_peak, limited_peak, time_of_limited_peak, end, impulse, restitution, v1, v2, w1, w2]: [Option<f64>;
-            11],
+        [
+            peak,
+            time_of_peak,
+            limited_peak,
+            time_of_limited_peak,
+            end,
+            impulse,
+            restitution,
+            v1,
+            v2,
+            w1,
+            w2,
+        ]: [Option<f64>; 11],
     ) -> Self {
         Self {
             peak,
@@ -187,10 +198,7 @@ impl Setup {
 }
 
 /// The band of the force: that of the sheet, or 10 kHz as in paper E, or as far as a body was measured.
-pub(super) fn band(
-    sheet: &ImpactSheet,
-    bodies: [&FaceBody; 2],
-) -> Result<BandLimit, RodlabError> {
+pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
         .filter_map(|body| body.measured())
@@ -259,13 +267,16 @@ pub(super) fn march(
     // of first order the finer step leaves as much again, of second a third
     let numerical = deviations(&limited, &check.limited, |a, b| 2.0 * (a - b).abs());
     let numerical_numbers = numbers.with(&of_check, |a, b| 2.0 * (a - b).abs());
-    let spread = spread(sheet, materials, bodies, &setup, step, around)?.map(|(spread, coarse)| {
-        Spread {
+    let spread =
+        spread(sheet, materials, bodies, &setup, step, around)?.map(|(spread, coarse)| Spread {
             limited: resampled(&coarse.limited, &spread.limited, &limited),
-            force: resampled(&coarse.prediction.history, &spread.force, &prediction.history),
+            force: resampled(
+                &coarse.prediction.history,
+                &spread.force,
+                &prediction.history,
+            ),
             ..spread
-        }
-    });
+        });
     Ok(March {
         prediction,
         first_force,
@@ -456,7 +467,9 @@ fn resampled(of: &ForceHistory, values: &[f64], to: &ForceHistory) -> Vec<f64> {
     (0..to.force().len())
         .map(|index| {
             let position = (to.time_at(index) - start) / step;
-            while pairs.peek().is_some_and(|(at, _)| *at as f64 + 1.0 < position)
+            while pairs
+                .peek()
+                .is_some_and(|(at, _)| *at as f64 + 1.0 < position)
                 && pairs.len() > 1
             {
                 pairs.next();
@@ -502,10 +515,10 @@ pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2]
 
 /// Band of the sheet, in words.
 pub(super) fn band_in_words(sheet: &ImpactSheet, band: BandLimit) -> (String, bool) {
-    let text = sheet
-        .band
-        .as_ref()
-        .map_or_else(|| format!("{} kHz", 1e-3 * band.upper_hz()), Exact::to_string);
+    let text = sheet.band.as_ref().map_or_else(
+        || format!("{} kHz", 1e-3 * band.upper_hz()),
+        Exact::to_string,
+    );
     (
         format!("up to {text}, Gaussian, -3 dB at its end"),
         sheet.band.is_none(),

@@ -20,9 +20,13 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
     let about_errors = in_words(march.spread.as_ref());
     let band = format!("in the band up to {} kHz", 1e-3 * march.band.upper_hz());
     let peak = match march.first_force {
-        FirstForce::Unbounded => format!("{band}: without a limit to it the first force has no bound"),
+        FirstForce::Unbounded => {
+            format!("{band}: without a limit to it the first force has no bound")
+        }
         FirstForce::Jump(jump) => {
-            format!("without a limit to the band; the faces meet with the plane-wave value {jump:.1} N")
+            format!(
+                "without a limit to the band; the faces meet with the plane-wave value {jump:.1} N"
+            )
         }
         _ => "without a limit to the band".to_owned(),
     };
@@ -149,7 +153,10 @@ pub(super) fn limited(march: &March) -> Table {
     ));
     Table {
         name: "force_in_band".to_owned(),
-        title: format!("Force in the band up to {} kHz", 1e-3 * march.band.upper_hz()),
+        title: format!(
+            "Force in the band up to {} kHz",
+            1e-3 * march.band.upper_hz()
+        ),
         columns,
     }
 }

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use impulse::{
-    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand, ImpulseError,
-    Parameter, Penalty, PivotingEnd, ReconstructedForce, Reconstruction, Regularisation,
-    ResponseNoise, Sensor, TimeInterval, noise_between_blows,
+    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand,
+    ImpulseError, Parameter, Penalty, PivotingEnd, ReconstructedForce, Reconstruction,
+    Regularisation, ResponseNoise, Sensor, TimeInterval, noise_between_blows,
 };
 use labio::{FrequencyResponse, LineValidity, Record};
 use num_complex::Complex64;
@@ -146,7 +146,14 @@ pub(super) fn solve(
 ) -> Result<Result<ReconstructedForce, String>, RodlabError> {
     let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
     let noise = problem.noise.of_response();
-    let found = reconstruct(problem.sheet, &problem.path, samples, noise, problem.acting, None);
+    let found = reconstruct(
+        problem.sheet,
+        &problem.path,
+        samples,
+        noise,
+        problem.acting,
+        None,
+    );
     let solved = match found {
         Ok(solved) => solved,
         // what the data lack, not the sheet
@@ -243,7 +250,9 @@ pub(super) fn acting_like_hits(
     sensor = sensor.without_lines(problem.path.invalid_lines());
     let divided = Reconstruction::of_sensors(vec![sensor], samples.1).and_then(|r| r.solve());
     // what is wrong with the data is said where the force itself is sought
-    let Ok(divided) = divided else { return Ok(None) };
+    let Ok(divided) = divided else {
+        return Ok(None);
+    };
     let force = divided.history.force();
     let peak = divided.history.peak();
     let Some(at) = divided.history.index_near(peak.time) else {

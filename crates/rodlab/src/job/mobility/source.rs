@@ -14,7 +14,7 @@ use crate::records::expect_different_files;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
-use crate::sheet::{Frequency, Exact};
+use crate::sheet::{Exact, Frequency};
 use crate::{Outcome, RodlabError};
 
 /// Where the mobility comes from.

@@ -49,7 +49,10 @@ fn of_ratio(
         freedom: ratio.freedom.as_deref(),
         coherence: ratio.coherence.as_deref(),
     };
-    let (diameter, density) = (specimen.diameter.with_uncertainty(), specimen.density.with_uncertainty());
+    let (diameter, density) = (
+        specimen.diameter.with_uncertainty(),
+        specimen.density.with_uncertainty(),
+    );
     match &sheet.method {
         MethodSheet::TwoPoint { solver, .. } => {
             let length = length(sheet)?;
