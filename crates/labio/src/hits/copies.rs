@@ -380,7 +380,7 @@ mod tests {
         let force = of(&|t| (-(t - 12.0).powi(2) / 18.0).exp());
         let end = of(&|t| {
             let t = (t - 12.0).max(0.0);
-            let modes = [(0.05, 0.004), (0.13, 0.006), (0.31, 0.01)];
+            let modes: [(f64, f64); 3] = [(0.05, 0.004), (0.13, 0.006), (0.31, 0.01)];
             modes
                 .iter()
                 .map(|(omega, decay)| (omega * t).sin() * (-decay * t).exp())
