@@ -52,14 +52,19 @@ fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
 }
 
 /// Step of the grid in the units of the integrand. The sum over a smooth peak errs by exp(-2π²/h²), less than rounding of a normal one; the other steps are for peaks that are not.
-fn step_of(axes: usize) -> f64 {
-    if axes < 3 { 0.2 } else { 0.5 }
+fn step_of(axes: usize, is_linear: bool) -> f64 {
+    match (axes, is_linear) {
+        (0..=2, _) => 0.2,
+        // a response that costs little
+        (_, true) => 0.3,
+        (_, false) => 0.5,
+    }
 }
 
 /// ln of the sum over the grid, by walking outwards from the peak as long as points count.
 fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     let axes = integrand.centre.len();
-    let width = step_of(axes);
+    let width = step_of(axes, integrand.problem.model.is_linear());
     let at = |place: &[i32]| {
         let z: Vec<f64> = place.iter().map(|k| width * f64::from(*k)).collect();
         integrand.at(&z)
