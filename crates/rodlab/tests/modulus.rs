@@ -42,6 +42,8 @@ fn sheet(method: &str, rest: &str) -> String {
     title: "Polypropylene, Test 6",
     specimen: (length: "799 mm ± 0.29 mm", diameter: "15.8 mm ± 0.03 mm", density: "912 kg/m3 ± 0.29 kg/m3",
         accelerometer_mass: "2.9 gram ± 0.03 gram"),
+    // the waves of the rig are one-dimensional
+    lateral_inertia: (poisson_ratio: "0"),
     method: {method},
     source: Hits(
         records: (
@@ -56,7 +58,6 @@ fn sheet(method: &str, rest: &str) -> String {
             cut: Trigger(level: "2000 m/s2", length: "{SAMPLES} samples", pre_trigger: "1 ms"),
         ),
     ),
-    lateral_inertia: (poisson_ratio: "0"),
     {rest}
 )"#
     )
@@ -269,6 +270,7 @@ fn gauge_sheet(method: &str, positions: &[(usize, &str)], rest: &str) -> String 
         silent: "1.5 ms",
     ),
     band: (from: "200 Hz", to: "12 kHz"),
+    lateral_inertia: (poisson_ratio: "0"),
 )"#,
         gauges.join(", "),
         channels.join(", ")
