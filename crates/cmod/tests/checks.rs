@@ -603,7 +603,7 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());
 }
 
-/// Ψ of a rod whose accelerometer is 5 % heavier than it is said to be: no relaxing material, unless the mass is known to 4 % only.
+/// Ψ of a rod whose accelerometer is a quarter heavier than it is said to be: no relaxing material, unless the mass is known to a fifth only.
 #[test]
 fn r14_declared_errors_of_the_specimen_are_no_violation() {
     let medium = relaxing();
@@ -614,16 +614,16 @@ fn r14_declared_errors_of_the_specimen_are_no_violation() {
         accelerometer_mass: 2e-3,
     };
     let frequency_hz: Vec<f64> = (4..=160).map(|j| 50.0 * f64::from(j)).collect();
-    let heavier = 1.05 * specimen.mass_ratio();
+    let heavier = 1.25 * specimen.mass_ratio();
     let mut random = Random::seeded(23);
     let ratio: Vec<Complex64> = frequency_hz
         .iter()
         .map(|f| {
             let x = medium.propagation_coefficient(TAU * f) * specimen.length;
-            x.cosh() + heavier * x * x.sinh() + random.circular(1e-4)
+            x.cosh() + heavier * x * x.sinh() + random.circular(3e-4)
         })
         .collect();
-    let variance = vec![1e-8; ratio.len()];
+    let variance = vec![9e-8; ratio.len()];
     let outcome = |mass: f64| {
         let uncertainty = SpecimenUncertainty {
             accelerometer_mass: mass,
@@ -636,13 +636,13 @@ fn r14_declared_errors_of_the_specimen_are_no_violation() {
         let estimate = method.unwrap().estimate(&frequency_hz, &ratio, &variance);
         kramers_kronig(&estimate.unwrap(), 0.01).unwrap()
     };
-    let (silent, declared) = (outcome(0.0), outcome(0.08e-3));
+    let (silent, declared) = (outcome(0.0), outcome(0.4e-3));
     assert!(silent.has_failed(), "{silent}");
     assert!(!declared.has_failed(), "{declared}");
-    assert!((0.8..1.2).contains(&declared.statistic), "{declared}");
+    assert!((0.7..1.4).contains(&declared.statistic), "{declared}");
 }
 
-/// A noise of which each sensor and line has an estimate of its own, of 18 degrees of freedom: right records pass.
+/// A noise of which each sensor and line has an estimate of its own, of 10 degrees of freedom: right records pass.
 #[test]
 fn r14_noise_from_a_short_silence_fails_no_right_record() {
     let (mut kept, mut taken) = (0, 0);
@@ -650,8 +650,8 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
         let mut random = Random::seeded(300 + seed);
         let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
         for noise in spectra.noise.iter_mut().flatten() {
-            let chi_square: f64 = (0..18).map(|_| random.normal().powi(2)).sum();
-            *noise *= (chi_square / 18.0).sqrt();
+            let chi_square: f64 = (0..10).map(|_| random.normal().powi(2)).sum();
+            *noise *= (chi_square / 10.0).sqrt();
         }
         let gamma: Vec<Complex64> = spectra
             .frequency_hz
@@ -665,12 +665,12 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
         };
         let check = FreeEndNull::new(rod(), DISTANCES.to_vec(), Quantity::Strain).unwrap();
         let known = check.check(&measured, &gamma, 0.01).unwrap();
-        let freedom = VarianceFreedom::new(18.0, 18.0).unwrap();
+        let freedom = VarianceFreedom::new(10.0, 10.0).unwrap();
         let estimated = check.with_noise_freedom(freedom).unwrap();
         let estimated = estimated.check(&measured, &gamma, 0.01).unwrap();
         kept += u32::from(known.has_failed());
         taken += u32::from(estimated.has_failed());
     }
-    // taken as known, the noise fails a fifth or more; 3 of 30 at the level of 1 % is once in 300 times
-    assert!(kept >= 5 && taken <= 2, "{kept} {taken}");
+    // taken as known, the noise fails most: quotients are 10/8 on the average; 3 of 30 at the level of 1 % is once in 300 times
+    assert!(kept >= 15 && taken <= 2, "{kept} {taken}");
 }

@@ -164,7 +164,9 @@ impl FreeEndNull {
             Some(noise) => {
                 let statistic = total / all * (1.0 - 2.0 / noise.line);
                 let of_noise = (count * n) as f64 * noise.own;
-                (statistic, fisher_tail(statistic, all, of_noise))
+                // the quotient scatters more than by the noise itself, by (ν - 2)/(ν - 4)
+                let of_lines = all * (noise.line - 4.0) / (noise.line - 2.0);
+                (statistic, fisher_tail(statistic, of_lines, of_noise))
             }
         };
         let outcome = CheckOutcome::judged(Check::FreeEndNull, (statistic, 1.0), p_value, level);
