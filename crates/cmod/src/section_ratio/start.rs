@@ -46,11 +46,10 @@ pub(super) fn wave_speed(
     let step_hz = median_step(measured);
     let (slowest, fastest) = match (guess, settings.delay()) {
         (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
-        // a period of a line spacing is two turns: half of it to either side of the delay
+        // as good as a guess of the speed, and known to half a turn from line to line to either side
         (None, Some(delay)) => {
-            let unknown = 0.5 / step_hz;
-            let fastest = distance / (delay - unknown).max(distance / FASTEST);
-            (SLOWEST.max(distance / (delay + unknown)), fastest)
+            let unknown = (0.5 / step_hz).min(delay / 3.0);
+            (distance / (delay + unknown), distance / (delay - unknown))
         }
         // below, every speed has the same ratios on equidistant lines as another
         (None, None) => (SLOWEST.max(2.0 * step_hz * distance), FASTEST),
