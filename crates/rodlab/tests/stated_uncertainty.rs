@@ -164,42 +164,53 @@ fn numbers(outcome: &Outcome) -> String {
     )
 }
 
-/// States an uncertainty of each quantity of the sheet, one after the other. Each must change the numbers of the outcome, or be refused with
-/// words about it. Returns the fields whose uncertainty changed something.
-fn walk(folder: &Path, text: &str) -> BTreeSet<String> {
-    let before = attempt(folder, text).unwrap_or_else(|error| unreachable!("{error}\n{text}"));
-    let texts = texts();
-    let mut followed = BTreeSet::new();
-    let mut n_quantities = 0;
-    for Quoted { field, place } in quoted(text) {
-        let Some(stated) = uncertain(&text[place.clone()]) else {
-            continue;
+/// Fields whose uncertainty changed the numbers of an outcome, and what is wrong.
+#[derive(Default)]
+struct Walked {
+    followed: BTreeSet<String>,
+    n_quantities: usize,
+    wrong: Vec<String>,
+}
+
+impl Walked {
+    /// States an uncertainty of each quantity of the sheet, one after the other. Each must change the numbers of the outcome, or be refused
+    /// with words about it.
+    fn walk(&mut self, folder: &Path, text: &str, [taking, texts]: [&BTreeSet<String>; 2]) {
+        let before = match attempt(folder, text) {
+            Ok(before) => before,
+            Err(error) => return self.wrong.push(format!("{error} in\n{text}")),
         };
-        if texts.contains(&field) && !taking_an_uncertainty().contains(&field) {
-            continue;
-        }
-        n_quantities += 1;
-        let changed = format!("{}{stated}{}", &text[..place.start], &text[place.end..]);
-        match attempt(folder, &changed) {
-            Err(error) => {
-                let words = error.to_string();
-                let says_why = ["uncertainty", "without ±", "no unit", "whole number"];
-                assert!(says_why.iter().any(|why| words.contains(why)), "{words}");
+        let numbers_before = numbers(&before);
+        for Quoted { field, place } in quoted(text) {
+            let Some(stated) = uncertain(&text[place.clone()]) else {
+                continue;
+            };
+            if texts.contains(&field) && !taking.contains(&field) {
+                continue;
             }
-            Ok(outcome) => {
-                // what the sensors leave uncertain in a modulus is a warning with its size
-                let of_sensors = ["sensitivity", "gain"].contains(&field.as_str())
-                    && outcome.warnings != before.warnings;
-                assert!(
-                    of_sensors || numbers(&outcome) != numbers(&before),
-                    "`{stated}` of {field} changes nothing in\n{text}"
-                );
-                followed.insert(field);
+            self.n_quantities += 1;
+            let changed = format!("{}{stated}{}", &text[..place.start], &text[place.end..]);
+            match attempt(folder, &changed) {
+                Err(error) => {
+                    let words = error.to_string();
+                    let says_why = ["uncertainty", "without ±", "no unit", "whole number"];
+                    if !says_why.iter().any(|why| words.contains(why)) {
+                        self.wrong.push(format!("{field}: {words}"));
+                    }
+                }
+                Ok(outcome) => {
+                    // what the sensors leave uncertain in a modulus is a warning with its size
+                    let of_sensors = ["sensitivity", "gain"].contains(&field.as_str())
+                        && outcome.warnings != before.warnings;
+                    if !of_sensors && numbers(&outcome) == numbers_before {
+                        self.wrong
+                            .push(format!("`{stated}` of {field} changes nothing in\n{text}"));
+                    }
+                    self.followed.insert(field);
+                }
             }
         }
     }
-    assert!(n_quantities > 2, "{n_quantities} quantities in\n{text}");
-    followed
 }
 
 fn example(name: &str, sheet: &str) -> (PathBuf, String) {
@@ -221,7 +232,7 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
     // fewer lines and no laws take less time
     let laws = ends.find("    // a law for").unwrap()..ends.find("    report_at").unwrap();
     let mut ends = replaced(&ends, &ends[laws].to_owned(), "");
-    ends = replaced(&ends, "to: \"15 kHz\"", "to: \"3 kHz\"");
+    ends = replaced(&ends, "to: \"15 kHz\"", "to: \"6 kHz\"");
     ends = replaced(
         &ends,
         "unit: \"m/s2\"",
@@ -309,10 +320,10 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
     fs::write(folder.join("body.uff"), &made.attachments[0].bytes).unwrap();
     let frf = format!(
         r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], band: (from: "20 Hz", to: "3 kHz"),
-        window: Tukey(taper: "1 %"), force_window: (start: "3 ms", end: "10 ms", taper: "1 ms"), exponential_window: EndWeight(weight: "10 %"))"#
+        force_window: (start: "3 ms", end: "10 ms", taper: "1 ms"), exponential_window: EndWeight(weight: "10 %"))"#
     );
     let weighed = format!(
-        r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], weighed_mass: (mass: "1.5 kg", below: "100 Hz", fitted_to: "400 Hz"))"#
+        r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], window: Tukey(taper: "1 %"), weighed_mass: (mass: "1.5 kg", below: "100 Hz", fitted_to: "400 Hz"))"#
     );
     let measured = r#"Force(title: "measured", materials: {"pp": (density: "912 kg/m3", law: Elastic(modulus: "2.6 GPa"))}, problem: Impact(
         first: Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s"),
@@ -355,13 +366,15 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     sheets.extend(moduli_of_ratios(folder.path()));
     sheets.extend(struck_bodies(folder.path()));
     sheets.extend(others());
-    let followed: BTreeSet<String> = sheets
-        .iter()
-        .flat_map(|(folder, text)| walk(folder, text))
-        .collect();
+    let (declared, texts) = (taking_an_uncertainty(), texts());
+    let mut walked = Walked::default();
+    for (folder, text) in &sheets {
+        walked.walk(folder, text, [&declared, &texts]);
+    }
+    assert!(walked.wrong.is_empty(), "{}", walked.wrong.join("\n\n"));
+    assert!(walked.n_quantities > 200, "{}", walked.n_quantities);
     // a field that is declared to take an uncertainty was seen to follow it
-    let declared = taking_an_uncertainty();
-    let unseen: Vec<&String> = declared.difference(&followed).collect();
+    let unseen: Vec<&String> = declared.difference(&walked.followed).collect();
     assert!(
         unseen.is_empty(),
         "{unseen:?} take an uncertainty, and no sheet here states them"
