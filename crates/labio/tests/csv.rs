@@ -2,13 +2,12 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
-    clippy::print_stdout,
     clippy::float_cmp,
     clippy::indexing_slicing,
     reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
-use std::path::PathBuf;
+mod measured;
 
 use labio::format::csv::{Csv, CsvAbscissa, CsvDialect, CsvOptions, CsvSeparator, read_with};
 use labio::format::{DecimalMark, Reader, Strictness, Writer};
@@ -858,11 +857,7 @@ fn r18_a_time_may_have_its_unit_behind_a_stroke_below() {
 }
 
 fn measured(file: &str) -> Option<Vec<u8>> {
-    let Some(folder) = std::env::var_os("RODLAB_DATA") else {
-        println!("skipped: RODLAB_DATA is not set, {file} is not read");
-        return None;
-    };
-    Some(std::fs::read(PathBuf::from(folder).join(file)).unwrap())
+    Some(std::fs::read(measured::folder()?.join(file)).unwrap())
 }
 
 #[test]

@@ -8,8 +8,9 @@
     reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
 )]
 
+mod measured;
+
 use std::f64::consts::{PI, TAU};
-use std::path::PathBuf;
 
 use labio::format::npy;
 use labio::hits::{
@@ -560,17 +561,136 @@ proptest! {
     }
 }
 
-fn measured() -> Option<PathBuf> {
-    let folder = std::env::var_os("RODLAB_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: RODLAB_DATA names no folder of measured records");
+/// The strain of a section of an elastic bar between two free ends, struck by a striker of constant section: pulses with a plateau,
+/// reversed at every passage, in the numbers of a converter of 256 steps over ±1.3. The ends lie 110 and 300 plateaus away.
+fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
+    let step = 2.6 / 256.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let rise = 60.0;
+    let trapezoid = |t: f64, length: f64| {
+        ((t / rise).clamp(0.0, 1.0) - ((t - length) / rise).clamp(0.0, 1.0)).clamp(0.0, 1.0)
+    };
+    let mut arrivals = Vec::new();
+    let mut time = 2000.0;
+    for passage in 0..passages {
+        let sign = if passage % 2 == 0 { -1.0 } else { 1.0 };
+        // the first may be the smallest, as when a specimen lets little through at first
+        let height = if passage == 0 {
+            least
+        } else {
+            1.05 * 0.98_f64.powi(i32::try_from(passage).unwrap())
+        };
+        arrivals.push((time, sign * height));
+        time += if passage % 2 == 0 { 1100.0 } else { 3000.0 };
     }
-    folder
+    (0..20_000)
+        .map(|k| {
+            let t = f64::from(k);
+            let wave: f64 = arrivals
+                .iter()
+                .map(|(arrival, height)| height * trapezoid(t - arrival, 800.0))
+                .sum();
+            let exact = wave + noise(&mut rng, noise_over_step * step);
+            (exact / step).round() * step
+        })
+        .collect()
+}
+
+fn gauge_record(samples: Vec<f64>, quantity: Quantity) -> Record {
+    let n = samples.len();
+    let samples = Array2::from_shape_vec((1, n), samples).unwrap();
+    let channels = vec![Channel::new("gauge", quantity).unwrap()];
+    Record::new(samples, 12.5e6, 0.0, channels, Provenance::computed("test")).unwrap()
+}
+
+#[test]
+fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
+    let judged = |criteria: &Criteria, noise: f64, passages: usize, least: f64| {
+        let record = gauge_record(bar_gauge(noise, passages, least), Quantity::Strain);
+        criteria.judge(&record, "gauge", None).unwrap()
+    };
+    for noise in [0.0, 0.2, 1.5] {
+        for least in [1.05, 0.3, 0.12] {
+            // the bar is at rest again after few passages, and rings on after many
+            for passages in [2, 9] {
+                let reasons = judged(&Criteria::bar_pulses(), noise, passages, least);
+                assert_eq!(
+                    reasons,
+                    [],
+                    "noise {noise}, first {least}, {passages} passages"
+                );
+            }
+            let reasons = judged(&Criteria::bar(), noise, 2, least);
+            assert_eq!(reasons, [], "noise {noise}, first {least}");
+        }
+        // what is transformed as a whole must have come to rest
+        let reasons = judged(&Criteria::bar(), noise, 9, 1.05);
+        assert!(
+            reasons.iter().any(|reason| matches!(reason,
+                Reason::NotDecayed { peak, .. } | Reason::LevelShift { peak, .. }
+                    if (peak - 1.05).abs() < 0.08)),
+            "{reasons:?}"
+        );
+        assert!(!judged(&Criteria::hammer(), noise, 9, 1.05).is_empty());
+    }
+}
+
+#[test]
+fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
+    let mut samples = bar_gauge(1.5, 2, 1.05);
+    for sample in &mut samples {
+        *sample = sample.clamp(-0.8, 0.8);
+    }
+    for criteria in [Criteria::bar(), Criteria::bar_pulses()] {
+        let record = gauge_record(samples.clone(), Quantity::Strain);
+        let reasons = criteria.judge(&record, "gauge", None).unwrap();
+        assert!(
+            matches!(reasons.as_slice(), [Reason::Clipped { value, .. }] if value.abs() == 0.8),
+            "{reasons:?}"
+        );
+    }
+    // an accelerometer has no plateau
+    let quiet: Vec<f64> = bar_gauge(0.0, 2, 1.05);
+    let record = gauge_record(quiet, Quantity::Acceleration);
+    let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
+    assert!(
+        reasons.is_empty() || matches!(reasons[0], Reason::Clipped { .. }),
+        "{reasons:?}"
+    );
+}
+
+#[test]
+fn r17_every_reason_begins_with_its_name() {
+    for reason in [
+        Reason::CutAtStart { missing: 3 },
+        Reason::Dead {
+            channel: "gauge".to_owned(),
+            value: 0.0,
+        },
+        Reason::NonFinite {
+            channel: "gauge".to_owned(),
+            index: 7,
+        },
+    ] {
+        let said = reason.to_string();
+        assert!(said.starts_with(&format!("{}: ", reason.name())), "{said}");
+    }
+}
+
+#[test]
+fn r17_an_onset_behind_the_record_is_refused() {
+    let record = gauge_record(bar_gauge(1.0, 2, 1.05), Quantity::Strain);
+    assert!(matches!(
+        Criteria::bar().judge(&record, "gauge", Some(20_001)),
+        Err(LabioError::CountMismatch { .. })
+    ));
 }
 
 #[test]
 fn the_measured_hammer_hits_are_accepted() {
-    let Some(folder) = measured() else { return };
+    let Some(folder) = measured::folder() else {
+        return;
+    };
     let channels = [
         Channel::new(FORCE, Quantity::Force).unwrap(),
         Channel::new("response", Quantity::Acceleration).unwrap(),
@@ -585,7 +705,9 @@ fn the_measured_hammer_hits_are_accepted() {
 
 #[test]
 fn measured_hits_in_one_long_record_are_found_again() {
-    let Some(folder) = measured() else { return };
+    let Some(folder) = measured::folder() else {
+        return;
+    };
     let channels = [
         Channel::new(FORCE, Quantity::Force).unwrap(),
         Channel::new("response", Quantity::Acceleration).unwrap(),
@@ -649,7 +771,9 @@ fn shock(folder: &std::path::Path, number: &str) -> Record {
 
 #[test]
 fn the_measured_shocks_are_accepted_and_the_documented_failure_is_not() {
-    let Some(folder) = measured() else { return };
+    let Some(folder) = measured::folder() else {
+        return;
+    };
     let shocks = ["001", "002", "003", "017"].map(|number| shock(&folder, number));
     let [_, _, _, failure] = &shocks;
     let trigger = Trigger::new("table", 5000.0, Extent::Seconds(0.5)).unwrap();
@@ -674,4 +798,36 @@ fn the_measured_shocks_are_accepted_and_the_documented_failure_is_not() {
         );
     }
     eprintln!("{log}\n{untriggered}");
+}
+
+#[test]
+fn r17_measured_records_of_bars_are_accepted() {
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    let volt = labio::Unit::parse("V").unwrap();
+    for (file, rate_hz) in [
+        (
+            "shpb/impact_compression_epoxy_resin_sample_01_raw_voltage.csv",
+            12.5e6,
+        ),
+        ("shpb/epoxy/raw_strain.csv", 12.5e6),
+        ("shpb/pmma-13/180303_171828_Ch1.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch2.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch3.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch4.csv", 125e6),
+    ] {
+        let bytes = std::fs::read(folder.join(file)).unwrap();
+        let mut contents = labio::format::read_bytes_at(&bytes, rate_hz).unwrap();
+        for series in &mut contents.series {
+            series.ordinate_axis.unit = Some(volt.clone());
+        }
+        let found = contents.records(&Provenance::computed("test"));
+        assert_eq!(found.records.len(), 1, "{file}: {:?}", found.left_out);
+        let record = &found.records[0];
+        let gauge = record.channels()[0].name();
+        let reasons = Criteria::bar_pulses().judge(record, gauge, None).unwrap();
+        eprintln!("{file}: {reasons:?}");
+        assert!(reasons.is_empty(), "{file}: {reasons:?}");
+    }
 }

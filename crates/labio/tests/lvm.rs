@@ -2,13 +2,12 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
-    clippy::print_stdout,
     clippy::float_cmp,
     clippy::indexing_slicing,
     reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
-use std::path::PathBuf;
+mod measured;
 
 use labio::format::lvm::Lvm;
 use labio::format::{Reader, Strictness};
@@ -363,11 +362,7 @@ proptest! {
 }
 
 fn measured(file: &str) -> Option<Vec<u8>> {
-    let Some(folder) = std::env::var_os("RODLAB_DATA") else {
-        println!("skipped: RODLAB_DATA is not set, {file} is not read");
-        return None;
-    };
-    Some(std::fs::read(PathBuf::from(folder).join(file)).unwrap())
+    Some(std::fs::read(measured::folder()?.join(file)).unwrap())
 }
 
 #[test]

@@ -1,12 +1,11 @@
 //! No format takes the files of another.
 #![allow(
     clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::indexing_slicing,
     reason = "a test fails by a panic and says what it skips"
 )]
 
-use std::path::Path;
+mod measured;
 
 use labio::format;
 
@@ -61,8 +60,7 @@ fn every_file_has_one_taker() {
 
 #[test]
 fn the_measured_files_have_the_taker_of_their_ending() {
-    let Some(folder) = std::env::var_os("RODLAB_DATA") else {
-        println!("skipped: RODLAB_DATA is not set");
+    let Some(folder) = measured::folder() else {
         return;
     };
     let mut seen = 0;
@@ -77,7 +75,7 @@ fn the_measured_files_have_the_taker_of_their_ending() {
         "tdms",
         "uff",
     ] {
-        for entry in std::fs::read_dir(Path::new(&folder).join(part)).unwrap() {
+        for entry in std::fs::read_dir(folder.join(part)).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 continue;

@@ -7,6 +7,8 @@
     reason = "tests: a panic is the report, and values are exact"
 )]
 
+mod measured;
+
 use labio::format::tdms::{EMPTY_CHANNEL, FIRST_TIME, GROUP, TEXT_CHANNEL, Tdms};
 use labio::format::{self, Reader, Strictness};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
@@ -959,11 +961,10 @@ fn tolerantly_read_segments_before_a_broken_one_remain() {
 /// Sums and ends of the channels are those that npTDMS 1.13 reads.
 #[test]
 fn measured_files_are_read_or_refused() {
-    let Some(folder) = std::env::var_os("RODLAB_DATA") else {
-        println!("skipped: RODLAB_DATA is not set");
+    let Some(folder) = measured::folder() else {
         return;
     };
-    let folder = std::path::Path::new(&folder).join("tdms");
+    let folder = folder.join("tdms");
     let contents = format::read(folder.join("good_tdms_1.tdms")).unwrap();
     let expected = [
         (

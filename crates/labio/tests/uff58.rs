@@ -8,6 +8,8 @@
     reason = "tests: a panic is the report, values are exact, singles are meant"
 )]
 
+mod measured;
+
 use std::fmt::Write as _;
 
 use labio::format::uff58::{
@@ -723,11 +725,10 @@ fn what_has_no_place_is_refused_before_the_first_byte() {
 /// Both files hold one recording of a microphone, one as text of six digits, one as 32-bit numbers.
 #[test]
 fn measured_files_are_read() {
-    let Some(folder) = std::env::var_os("RODLAB_DATA") else {
-        println!("skipped: RODLAB_DATA is not set");
+    let Some(folder) = measured::folder() else {
         return;
     };
-    let folder = std::path::Path::new(&folder).join("uff");
+    let folder = folder.join("uff");
     let read = |name: &str| {
         format::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error:?}"))
     };

@@ -14,7 +14,7 @@ mod found;
 mod independent;
 mod reading;
 
-pub use criteria::{CriteriaSheet, Limit};
+pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
 pub use found::{FoundHit, FoundHits};
 pub use independent::{expect_independent, expect_noise};
@@ -63,7 +63,7 @@ pub struct RulingSheet {
 }
 
 impl HitsSheet {
-    /// Finds and judges the hits of `records`. `reference` is the channel that tells when a hit begins if the sheet does not name
+    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that tells when a hit begins if the sheet does not name
     /// one; `field` is the place of this part in the sheet.
     ///
     /// All hits, accepted or not, are numbered from 1 in the order of the records. That none is accepted is no error: the job says
@@ -79,6 +79,21 @@ impl HitsSheet {
         reference: &str,
         field: &str,
     ) -> Result<FoundHits, RodlabError> {
+        self.find_of(HitKind::Hammer, records, reference, field)
+    }
+
+    /// Finds and judges hits as [`Self::find`] does, which are of the kind `usual` if the sheet does not state another.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::find`].
+    pub fn find_of(
+        &self,
+        usual: HitKind,
+        records: Vec<NamedRecord>,
+        reference: &str,
+        field: &str,
+    ) -> Result<FoundHits, RodlabError> {
         let channel = self.channel.as_deref().unwrap_or(reference);
         if let Some(first) = records.first() {
             check_channel(&first.record, channel, &format!("{field}.channel"))?;
@@ -89,11 +104,11 @@ impl HitsSheet {
             .unwrap_or_default();
         let criteria = self
             .criteria
-            .limits(&channels, &format!("{field}.criteria"))?;
+            .limits(usual, &channels, &format!("{field}.criteria"))?;
         let mut settings = self.settings(channel, field);
         settings.extend(
             self.criteria
-                .settings(&criteria, &format!("{field}.criteria"))?,
+                .settings(&criteria, usual, &format!("{field}.criteria"))?,
         );
         let mut logs = Vec::with_capacity(records.len());
         for NamedRecord { name, record } in records {

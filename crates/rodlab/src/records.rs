@@ -36,7 +36,8 @@ use crate::{RodlabError, cut_short, input};
 pub struct Records {
     /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken in order of their names.
     pub files: Vec<String>,
-    /// Rate of the samples, where the files do not tell it (NPY) or have it rounded (by less than 0.1 %).
+    /// Rate of the samples, where the files do not tell it (NPY), have it rounded (by less than 0.1 %), or have times that are not evenly
+    /// spaced: all of them must then be within half a step of this rate.
     #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; the others are passed over.
@@ -142,8 +143,11 @@ impl Records {
         field: &str,
         loaded: &mut Loaded,
     ) -> Result<Option<RodlabError>, RodlabError> {
-        let mut contents = format::read_bytes(bytes)
-            .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
+        let mut contents = match &self.sampling_rate {
+            Some(rate) => format::read_bytes_at(bytes, rate.si()),
+            None => format::read_bytes(bytes),
+        }
+        .map_err(|error| RodlabError::step(format!("reading {file}"), error))?;
         let chosen = self.complete(&mut contents, &file, field, &mut loaded.warnings)?;
         let provenance = Provenance::of_file(Path::new(&file), contents.format, bytes);
         loaded.inputs.push(InputFile {

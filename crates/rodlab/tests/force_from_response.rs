@@ -2,12 +2,14 @@
 //! calibration hits.
 #![allow(
     clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::indexing_slicing,
     reason = "a sheet that should have a result and has none is the failure that the test reports; what is skipped is said"
 )]
 
 mod two_masses;
+
+#[path = "../../labio/tests/measured/mod.rs"]
+mod measured;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -312,9 +314,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
 /// the history within 0.2 % of it, root mean square.
 #[test]
 fn a_measured_blow_comes_back_from_the_hits_before() {
-    let data = std::env::var_os("RODLAB_DATA").map(std::path::PathBuf::from);
-    let Some(hammer) = data.map(|data| data.join("hammer")).filter(|f| f.is_dir()) else {
-        println!("skipped: RODLAB_DATA names no folder of measured records");
+    let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
         return;
     };
     let folder = TempDir::new().unwrap();

@@ -6,12 +6,14 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
-    clippy::print_stderr,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::indexing_slicing,
     reason = "a test that cannot go on has failed, one that is skipped says so, and numbers of samples are small"
 )]
+
+#[path = "../../labio/tests/measured/mod.rs"]
+mod measured;
 
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -519,7 +521,7 @@ fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
         by_checks
             .summary
             .iter()
-            .any(|s| s == "4 of 5 hits accepted, rejected: 5.")
+            .any(|s| s == "4 of 5 hits accepted, rejected: double hit 1 (hit 5).")
     );
 
     let by_hand = run(
@@ -832,18 +834,13 @@ fn the_template_is_a_sheet() {
 
 #[test]
 fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
-    let Some(data) = std::env::var_os("RODLAB_DATA") else {
-        eprintln!("skipped: RODLAB_DATA is not set");
+    let Some(data) = measured::folder() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
     for hit in 1..=5 {
         let name = format!("measurements_{hit}.npy");
-        fs::copy(
-            Path::new(&data).join("hammer").join(&name),
-            folder.path().join(&name),
-        )
-        .unwrap();
+        fs::copy(data.join("hammer").join(&name), folder.path().join(&name)).unwrap();
     }
     let outcome = run(
         folder.path(),

@@ -4,7 +4,7 @@
 
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
-use rodlab::hits::{FoundHits, HitsSheet};
+use rodlab::hits::{FoundHits, HitKind, HitsSheet};
 use rodlab::records::NamedRecord;
 
 fn sheet(text: &str) -> Result<HitsSheet, String> {
@@ -65,6 +65,7 @@ fn what_is_not_stated_has_its_default_and_the_report_says_so() {
     insta::assert_snapshot!(settings(&by_default), @r"
     hits.channel = hammer (default)
     hits.cut = each record is a hit (default)
+    hits.criteria.kind = one short contact (default)
     hits.criteria.peak_over_noise = 10.0 (default)
     hits.criteria.double_hit = 0.05 (default)
     hits.criteria.clipped_run = 3 (default)
@@ -75,7 +76,7 @@ fn what_is_not_stated_has_its_default_and_the_report_says_so() {
     ");
     assert_eq!((by_default.n_found(), by_default.n_accepted()), (3, 2));
     assert_eq!(by_default.accepted().len(), 2);
-    insta::assert_snapshot!(by_default.in_words(), @"2 of 3 hits accepted, rejected: 2");
+    insta::assert_snapshot!(by_default.in_words(), @"2 of 3 hits accepted, rejected: level shift 1 (hit 2)");
 }
 
 #[test]
@@ -91,6 +92,72 @@ fn a_check_that_is_left_out_rejects_nothing() {
     assert!(said.contains("hits.criteria.double_hit = 0.2\n"), "{said}");
     assert!(
         said.contains("hits.criteria.peak_over_noise = 10.0 (default)"),
+        "{said}"
+    );
+}
+
+#[test]
+fn r17_every_reason_of_a_rejection_is_told_with_its_hits() {
+    let records = || -> Vec<NamedRecord> {
+        let shift = |i: i32| if (1..4).contains(&i) { 5.0 } else { 0.0 };
+        (0..6)
+            .map(|i| record(&format!("{i}.npy"), shift(i)))
+            .collect()
+    };
+    let rejected =
+        "(reject: [(hit: 6, because: \"slipped\")], accept: [(hit: 3, because: \"warm\")])";
+    let found = sheet(rejected)
+        .unwrap()
+        .find(records(), "hammer", "hits")
+        .unwrap();
+    assert_eq!(
+        found.in_words(),
+        "3 of 6 hits accepted, rejected: level shift 2 (hits 2, 4), by hand 1 (hit 6)"
+    );
+    let none = "(cut: Trigger(level: \"1 kN\", length: \"10 ms\", pre_trigger: \"1 ms\"))";
+    let found = sheet(none)
+        .unwrap()
+        .find(records(), "hammer", "hits")
+        .unwrap();
+    assert!(
+        found.in_words().contains("not triggered 6 (hits 1-6)"),
+        "{}",
+        found.in_words()
+    );
+}
+
+#[test]
+fn r17_the_kind_of_hits_sets_the_defaults_and_a_sheet_states_another() {
+    let kind = |text: &str, usual| {
+        let records = vec![record("a.npy", 5.0)];
+        let found = sheet(text)
+            .unwrap()
+            .find_of(usual, records, "hammer", "hits")
+            .unwrap();
+        (found.n_accepted(), settings(&found))
+    };
+    let (n, said) = kind("()", HitKind::BarPulses);
+    assert_eq!(n, 1);
+    for setting in [
+        "hits.criteria.kind = pulses cut out of waves in a bar (default)",
+        "hits.criteria.double_hit = not checked (default)",
+        "hits.criteria.level_shift = not checked (default)",
+    ] {
+        assert!(said.contains(setting), "{said}");
+    }
+    let (n, said) = kind("(criteria: (kind: Hammer))", HitKind::BarPulses);
+    assert_eq!(n, 0);
+    assert!(
+        said.contains("hits.criteria.kind = one short contact\n"),
+        "{said}"
+    );
+    let (n, said) = kind(
+        "(criteria: (kind: BarPulses, level_shift: 0.02))",
+        HitKind::Hammer,
+    );
+    assert_eq!(n, 0);
+    assert!(
+        said.contains("hits.criteria.level_shift = 0.02\n"),
         "{said}"
     );
 }
@@ -117,7 +184,7 @@ fn what_is_no_level_or_stretch_says_why() {
     1:39-1:51: `4.5 samples` is no whole number of samples, as "4096 samples"
     1:45: Unexpected missing field named `pre_trigger` in `Trigger`
     1:7-1:18: Unexpected variant named `EveryRecord` in enum `Cut`, expected either `EachRecord` or `Trigger` instead
-    1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
+    1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `kind`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
     1:18: Unexpected missing field named `because` in `RulingSheet`
     "#);
     // a trigger that makes no sense at this rate

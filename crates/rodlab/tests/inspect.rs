@@ -3,10 +3,12 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
-    clippy::print_stderr,
     clippy::cast_possible_truncation,
     reason = "a test that cannot go on has failed, one that is skipped says so, and cut samples are small"
 )]
+
+#[path = "../../labio/tests/measured/mod.rs"]
+mod measured;
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -171,11 +173,9 @@ fn what_is_no_file_of_data_is_refused() {
 
 #[test]
 fn the_measured_files_are_all_described() {
-    let Some(data) = std::env::var_os("RODLAB_DATA") else {
-        eprintln!("skipped: RODLAB_DATA is not set");
+    let Some(data) = measured::folder() else {
         return;
     };
-    let data = Path::new(&data);
     // a drop-table shock that is a documented failure of the acquisition
     let failed = inspect(&data.join("shock/Test_017.lvm")).unwrap();
     assert!(!failed.suspicions.is_empty(), "{}", failed.to_text());

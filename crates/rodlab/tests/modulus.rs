@@ -481,7 +481,7 @@ fn one_hit_or_ends_that_are_interchanged_are_not_allowed_and_say_why() {
         outcome
             .summary
             .iter()
-            .any(|s| s.contains("1 of 4 hits accepted, rejected: 1, 2, 3")),
+            .any(|s| s.contains("1 of 4 hits accepted, rejected: by hand 3 (hits 1-3)")),
         "{:?}",
         outcome.summary
     );

@@ -1,13 +1,13 @@
 //! Memory is taken for bytes that are there, whatever a header announces.
 
 use allocation_counter::measure;
+use labio::format::MemoryLimit;
 
 /// What a reader may take beside the contents: buffers.
 const BUFFERS: u64 = 4 << 20;
 
-/// What a byte of a file may become: a deflated one becomes at most 1032, each of which may be a number of a real and an
-/// imaginary part, with a copy or two on the way.
-const OF_A_DEFLATED_BYTE: u64 = 1032 * 16 * 3;
+/// Copies of what is unpacked that there may be at a time: the bytes, the numbers and the series, and the room of a list that grows.
+const COPIES: u64 = 4;
 
 /// What a byte of a file becomes that is not deflated: a cell of a table, say, with its place, its number and its copies.
 const OF_A_BYTE: u64 = 256;
@@ -17,12 +17,12 @@ pub fn bounded<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let mut result = None;
     let taken = measure(|| result = Some(read())).bytes_max;
     let is_deflated = bytes.starts_with(b"PK") || bytes.starts_with(b"MATLAB");
-    let each = if is_deflated {
-        OF_A_DEFLATED_BYTE
+    let most = if is_deflated {
+        COPIES * MemoryLimit::of_file(bytes.len()).bytes()
     } else {
-        OF_A_BYTE
+        OF_A_BYTE * bytes.len() as u64
     };
-    let most = BUFFERS + each * bytes.len() as u64;
+    let most = BUFFERS + most;
     assert!(
         taken <= most,
         "{taken} bytes taken for a file of {}",

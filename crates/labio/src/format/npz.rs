@@ -37,6 +37,9 @@ use crate::{Contents, LabioError, Place, Series};
 
 const FORMAT: &str = "npz";
 
+/// Most bytes that a deflated one stands for.
+const OF_A_DEFLATED_BYTE: usize = 1032;
+
 /// Memory of a series without its numbers: its name and its four properties, each a short text.
 const OF_A_SERIES: usize = size_of::<Series>() + 12 * (size_of::<String>() + 32);
 
@@ -188,6 +191,10 @@ fn member(
         .map_err(|error| zip_error(error, 0, &format!("name of member {index}")))?
         .into_owned();
     let at = member.header_start();
+    // what the header announces beyond this cannot be there
+    let most_unpacked = usize::try_from(member.compressed_size())
+        .unwrap_or(usize::MAX)
+        .saturating_mul(OF_A_DEFLATED_BYTE);
     let Some(name) = full_name.strip_suffix(".npy") else {
         return Err(LabioError::Malformed {
             format: FORMAT,
@@ -219,14 +226,17 @@ fn member(
         .and_then(|data| data.checked_add(header.data_start))
         .unwrap_or(usize::MAX);
     let place = Place::Byte(at);
-    budget.take(end, 1, place, &full_name)?;
-    let (count, each) = header.memory();
-    budget.take(count, each, place, &full_name)?;
+    let there = end.min(most_unpacked);
+    budget.take(there, 1, place, &full_name)?;
+    if there == end {
+        let (count, each) = header.memory();
+        budget.take(count, each, place, &full_name)?;
+    }
     let missing = end.saturating_add(1).saturating_sub(bytes.len());
     unpack(missing as u64, &mut bytes)?;
-    let array = Array::read(&bytes, FORMAT, &part)?;
-    budget.give_back(end);
-    Ok((name.to_owned(), array))
+    let array = Array::read(&bytes, FORMAT, &part);
+    budget.give_back(there);
+    Ok((name.to_owned(), array?))
 }
 
 fn zip_error(error: ZipError, at: u64, field: &str) -> LabioError {

@@ -54,11 +54,15 @@ impl WrittenValues {
         })
     }
 
-    /// The part of the values in `range`, empty if it is not there.
+    /// The part of the values in `range`, which lies within them.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a value is pushed together with its half unit, and the caller's range ends with the values or before"
+    )]
     pub(crate) fn part(&self, range: std::ops::Range<usize>) -> Self {
         Self {
-            values: self.values.get(range.clone()).unwrap_or(&[]).to_vec(),
-            half_units: self.half_units.get(range).unwrap_or(&[]).to_vec(),
+            values: self.values[range.clone()].to_vec(),
+            half_units: self.half_units[range].to_vec(),
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::LN_2;
 
 use num_complex::Complex64;
 
-use super::judgement::onset_of;
+use super::judgement::{PASSAGE_OVER_PEAK, onset_of};
 use crate::spectra::RestNoise;
 use crate::{LabioError, Record, dft};
 
@@ -200,7 +200,10 @@ pub fn find_near_copies(
     for hit in hits {
         let mut onset = hit.n_samples();
         for channel in channels {
-            onset = onset.min(onset_of(&hit.channel(channel)?.to_vec()));
+            onset = onset.min(onset_of(
+                &hit.channel(channel)?.to_vec(),
+                PASSAGE_OVER_PEAK,
+            ));
         }
         let silent = share(onset, SILENT_PART);
         let mut of_hit = Vec::with_capacity(channels.len());

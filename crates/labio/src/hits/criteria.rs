@@ -7,6 +7,10 @@ use crate::error::check_positive;
 
 /// Limits of the checks, each with a default and the reason for it. `None` leaves a check out.
 ///
+/// What a hit looks like depends on the method: [`Self::hammer`], which is the default, expects one short contact and a motion that comes to
+/// rest; [`Self::bar`] expects waves that pass a section several times, with plateaus; [`Self::bar_pulses`] expects such waves of which
+/// pulses are cut out, so that the end of the record does not matter.
+///
 /// | check | default | because |
 /// |---|---|---|
 /// | peak over noise | 10 | below 20 dB the coherence of a single line falls under 0.99 |
@@ -19,10 +23,22 @@ use crate::error::check_positive;
 ///
 /// Level shift and remainder are not asked of velocities and displacements: a free body that is struck goes on moving.
 /// The range of the recorder ([`Self::with_full_scale`]) has no default.
+///
+/// What [`Self::bar`] judges otherwise than [`Self::hammer`]:
+///
+/// | check | in the record of a bar | because |
+/// |---|---|---|
+/// | onset | first passage of 2 % of the largest excursion, not of 10 % | the first passage need not be the largest |
+/// | double hit | left out | every passage after the first would be one |
+/// | clipped | only an acceleration, or where the noise at rest exceeds the step of the converter | a striker of constant section makes a plateau, and only noise tells it from a limit |
+/// | drop-out | only of an acceleration, and not at rest | between two passages, and on a plateau, a gauge stands still |
+///
+/// [`Self::bar_pulses`] also leaves out level shift and remainder.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "CriteriaSheet"))]
 pub struct Criteria {
+    pub(super) several_passages: bool,
     pub(super) force_channel: Option<String>,
     pub(super) full_scales: BTreeMap<String, f64>,
     pub(super) peak_over_noise: Option<f64>,
@@ -36,7 +52,16 @@ pub struct Criteria {
 
 impl Default for Criteria {
     fn default() -> Self {
+        Self::hammer()
+    }
+}
+
+impl Criteria {
+    /// Criteria of a hammer hit: one short contact, and a motion that comes to rest within the record.
+    #[must_use]
+    pub fn hammer() -> Self {
         Self {
+            several_passages: false,
             force_channel: None,
             full_scales: BTreeMap::new(),
             peak_over_noise: Some(10.0),
@@ -48,9 +73,27 @@ impl Default for Criteria {
             remainder: Some(0.01),
         }
     }
-}
 
-impl Criteria {
+    /// Criteria of a record of waves in a bar that is transformed as a whole: several passages, plateaus, and rest at the end.
+    #[must_use]
+    pub fn bar() -> Self {
+        Self {
+            several_passages: true,
+            double_hit: None,
+            ..Self::hammer()
+        }
+    }
+
+    /// Criteria of a record of waves in a bar of which pulses are cut out: as [`Self::bar`], and the bar may still ring at the end.
+    #[must_use]
+    pub fn bar_pulses() -> Self {
+        Self {
+            level_shift: None,
+            remainder: None,
+            ..Self::bar()
+        }
+    }
+
     /// Looks for double hits in this channel. By default it is the channel that triggers, if that is a force.
     #[must_use]
     pub fn with_force_channel(self, name: impl Into<String>) -> Self {
@@ -183,6 +226,7 @@ fn counted(what: &'static str, limit: Option<usize>) -> Result<Option<usize>, La
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct CriteriaSheet {
+    several_passages: bool,
     force_channel: Option<String>,
     full_scales: BTreeMap<String, f64>,
     peak_over_noise: Option<f64>,
@@ -199,6 +243,7 @@ impl Default for CriteriaSheet {
     fn default() -> Self {
         let criteria = Criteria::default();
         Self {
+            several_passages: criteria.several_passages,
             force_channel: criteria.force_channel,
             full_scales: criteria.full_scales,
             peak_over_noise: criteria.peak_over_noise,
@@ -229,6 +274,7 @@ impl TryFrom<CriteriaSheet> for Criteria {
             criteria = criteria.with_full_scale(channel, full_scale)?;
         }
         Ok(Self {
+            several_passages: sheet.several_passages,
             force_channel: sheet.force_channel,
             ..criteria
         })

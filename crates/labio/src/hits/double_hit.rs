@@ -46,9 +46,11 @@ pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondCont
             } else {
                 contact.end..main.begin.min(contact.end + near)
             };
-            let swing = force
-                .get(between)
-                .unwrap_or_default()
+            #[allow(
+                clippy::indexing_slicing,
+                reason = "contacts lie within the force and not in each other"
+            )]
+            let swing = force[between]
                 .iter()
                 .fold(0.0, |swing: f64, f| swing.max(-f));
             contact.peak > CONTACT_OVER_SWING * swing

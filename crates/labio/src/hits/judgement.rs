@@ -13,12 +13,18 @@ const BEYOND_NOISE: f64 = 10.0;
 const LEVELS_APART: f64 = 5.0;
 /// Part of a hit, at its end, in which it should be over.
 const TAIL: usize = 10;
+/// Part of the largest excursion that the first passage of a hammer hit exceeds: the signal is then in the contact.
+const HIT_OVER_PEAK: f64 = 0.1;
+/// Part of the largest excursion that the first passage of a wave exceeds: it may be smaller than one that follows, but not than what
+/// filters leave before it.
+pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
 /// Fraction of its range that a converter of 8 bits still reaches.
 const FULL: f64 = 0.99;
 
 impl Criteria {
     /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force;
-    /// `onset` the sample at which the hit begins, found from the largest step of that channel if it is not known.
+    /// `onset` the sample at which the hit begins. If it is not known, it is the first of that channel that leaves its first level by more
+    /// than the noise there and by more than a tenth of the largest excursion, of waves in a bar a fiftieth.
     ///
     /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute
     /// deviation; both bear up to half of odd samples.
@@ -30,7 +36,8 @@ impl Criteria {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if the record does not have the reference, or not the channel of force that was named.
+    /// [`LabioError::UnknownChannel`] if the record does not have the reference, or not the channel of force that was named;
+    /// [`LabioError::CountMismatch`] for an onset behind the record.
     pub fn judge(
         &self,
         hit: &Record,
@@ -38,9 +45,22 @@ impl Criteria {
         onset: Option<usize>,
     ) -> Result<Vec<Reason>, LabioError> {
         let trigger_samples = hit.channel(reference)?.to_vec();
-        let onset = onset
-            .unwrap_or_else(|| onset_of(&trigger_samples))
-            .min(hit.n_samples());
+        let part_of_peak = if self.several_passages {
+            PASSAGE_OVER_PEAK
+        } else {
+            HIT_OVER_PEAK
+        };
+        let onset = match onset {
+            Some(onset) if onset > hit.n_samples() => {
+                return Err(LabioError::CountMismatch {
+                    what: "sample of the onset of a hit, at most",
+                    found: onset,
+                    expected: hit.n_samples(),
+                });
+            }
+            Some(onset) => onset,
+            None => onset_of(&trigger_samples, part_of_peak),
+        };
         let mut reasons = Vec::new();
         if onset < LEAST_REST {
             reasons.push(Reason::CutAtStart {
@@ -84,7 +104,11 @@ impl Criteria {
                 self.check_peak(&signal, &mut reasons);
             }
             if let Some(raw) = Signal::of(name, recorded, onset) {
-                self.check_standstill(&raw, is_force, &mut reasons);
+                let holds = Holds {
+                    rest: is_force || self.several_passages,
+                    plateaus: self.several_passages && channel.quantity() != Quantity::Acceleration,
+                };
+                self.check_standstill(&raw, holds, &mut reasons);
             }
             if is_force {
                 self.check_contacts(&signal, hit.sampling_rate_hz(), &mut reasons);
@@ -148,12 +172,14 @@ impl Criteria {
     }
 
     /// Runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless the signal is at rest.
-    fn check_standstill(&self, signal: &Signal<'_>, is_force: bool, reasons: &mut Vec<Reason>) {
+    fn check_standstill(&self, signal: &Signal<'_>, holds: Holds, reasons: &mut Vec<Reason>) {
         let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
             return;
         };
         let step = smallest_step(signal.samples);
         let noise = signal.rest.noise;
+        // without noise, a plateau is as flat as a limit
+        let limit_is_told = !holds.plateaus || noise > step;
         let (mut clipped, mut dropped) = (None, None);
         for run in runs(signal.samples, shortest) {
             let from_rest = (run.value - signal.rest.level).abs();
@@ -164,7 +190,8 @@ impl Criteria {
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
                 let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE));
-                if self.clipped_run.is_some_and(|n| run.length >= n)
+                if limit_is_told
+                    && self.clipped_run.is_some_and(|n| run.length >= n)
                     && from_rest > BEYOND_NOISE * noise
                     && (into || out)
                 {
@@ -175,10 +202,9 @@ impl Criteria {
             let [into, out] = leaps(BEYOND_NOISE * noise.max(step));
             let at_rest = from_rest <= (3.0 * noise).max(step);
             let moving = if at_rest {
-                // a force is at rest between two contacts
-                into && out && !is_force
+                into && out && !holds.rest
             } else {
-                into || out
+                (into || out) && !holds.plateaus
             };
             if run.begin >= signal.onset
                 && self.drop_out_run.is_some_and(|n| run.length >= n)
@@ -222,10 +248,7 @@ impl Criteria {
         let n_tail = (signal.samples.len() / TAIL)
             .max(LEAST_REST)
             .min(after_onset / 2);
-        let tail = signal
-            .samples
-            .get(signal.samples.len() - n_tail..)
-            .unwrap_or_default();
+        let (_, tail) = signal.samples.split_at(signal.samples.len() - n_tail);
         let Some(end) = Rest::of(tail) else {
             return;
         };
@@ -258,6 +281,15 @@ impl Criteria {
             }
         }
     }
+}
+
+/// Where a channel may stand still within a hit.
+#[derive(Debug, Clone, Copy)]
+struct Holds {
+    /// At rest, as a force between two contacts.
+    rest: bool,
+    /// Away from rest, as a strain while a long wave passes.
+    plateaus: bool,
 }
 
 /// One channel of a hit, with what the checks ask of it.
@@ -350,31 +382,34 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// The sample before the largest step from which on the signal has left a tenth of its peak: a step knows nothing of offsets
-/// and drifts.
-pub(super) fn onset_of(samples: &[f64]) -> usize {
-    let steps = samples
-        .windows(2)
-        .enumerate()
-        .filter_map(|(k, pair)| match pair {
-            [a, b] => Some((k, (b - a).abs())),
-            _ => None,
-        });
-    let Some((steepest, _)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) else {
-        return 0;
-    };
-    let (before, _) = samples.split_at(steepest + 1);
-    let Some(rest) = Rest::of(before) else {
+/// The first sample beyond the noise at the beginning and beyond `part_of_peak` of the largest excursion from the first level; the number
+/// of samples if there is none.
+///
+/// The level and its noise are those of the first samples, then those of all before the passage that these give.
+pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
+    let head = samples.get(..LEAST_REST).unwrap_or(samples);
+    let Some(first) = Rest::of(head) else {
         return 0;
     };
     let peak = samples
         .iter()
-        .map(|x| (x - rest.level).abs())
+        .map(|x| (x - first.level).abs())
         .fold(0.0, f64::max);
-    before
-        .iter()
-        .rposition(|x| (x - rest.level).abs() <= 0.1 * peak)
-        .map_or(0, |last_at_rest| last_at_rest + 1)
+    let passage = |rest: &Rest, at_rest: &[f64], searched: &[f64]| {
+        // what a converter rounds away has a standard deviation that the median of deviations does not see
+        let noise = rest.noise.max(smallest_step(at_rest) / 12.0_f64.sqrt());
+        let level = (BEYOND_NOISE * noise)
+            .max(part_of_peak * peak)
+            .min(0.5 * peak);
+        searched.iter().position(|x| (x - rest.level).abs() > level)
+    };
+    let Some(coarse) = passage(&first, head, samples) else {
+        return samples.len();
+    };
+    let (before, _) = samples.split_at(coarse);
+    let (searched, _) = samples.split_at(coarse + 1);
+    let rest = Rest::of(before).unwrap_or(first);
+    passage(&rest, before, searched).unwrap_or(coarse)
 }
 
 #[cfg(test)]
@@ -389,9 +424,34 @@ mod tests {
             pulse[30 + k] += x;
         }
         // 1.0 is not above a tenth of the peak
-        assert_eq!(onset_of(&pulse), 31);
-        assert_eq!(onset_of(&[]), 0);
-        assert_eq!(onset_of(&[1.0, 1.0]), 1, "no step at all");
+        assert_eq!(onset_of(&pulse, HIT_OVER_PEAK), 31);
+        for sample in &mut pulse {
+            *sample = -*sample;
+        }
+        assert_eq!(onset_of(&pulse, HIT_OVER_PEAK), 31);
+        assert_eq!(onset_of(&pulse, PASSAGE_OVER_PEAK), 30);
+        assert_eq!(onset_of(&[], HIT_OVER_PEAK), 0);
+        assert_eq!(onset_of(&[1.0, 1.0], HIT_OVER_PEAK), 2, "no passage at all");
+    }
+
+    #[test]
+    fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
+        // a slow wave of 0.3, a fast one of -1 behind it, and the flicker of a converter's last digit
+        let mut wave: Vec<f64> = (0..4000)
+            .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
+            .collect();
+        for (k, x) in wave.iter_mut().enumerate().skip(1000).take(600) {
+            *x += 0.3 * (std::f64::consts::PI * (k - 1000) as f64 / 600.0).sin();
+        }
+        for x in wave.iter_mut().skip(2500).take(20) {
+            *x -= 1.0;
+        }
+        // a fiftieth of the peak is passed when the sine is at 0.067
+        let onset = onset_of(&wave, PASSAGE_OVER_PEAK);
+        assert!((1008..1016).contains(&onset), "{onset}");
+        // a tenth, at 0.33
+        let onset = onset_of(&wave, HIT_OVER_PEAK);
+        assert!((1055..1067).contains(&onset), "{onset}");
     }
 
     #[test]

@@ -129,6 +129,28 @@ pub enum Reason {
     },
 }
 
+impl Reason {
+    /// Name of the reason without its figures, as `double hit`: it begins the sentence that the reason prints.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::NoHit { .. } => "no hit",
+            Self::NotTriggered { .. } => "not triggered",
+            Self::CutAtStart { .. } => "cut at the start",
+            Self::CutAtEnd { .. } => "cut at the end",
+            Self::NonFinite { .. } => "lost samples",
+            Self::Dead { .. } => "dead channel",
+            Self::DoubleHit { .. } => "double hit",
+            Self::Overload { .. } => "overload",
+            Self::Clipped { .. } => "clipped",
+            Self::DropOut { .. } => "drop-out",
+            Self::StaticOffset { .. } => "static offset",
+            Self::LevelShift { .. } => "level shift",
+            Self::NotDecayed { .. } => "not decayed",
+        }
+    }
+}
+
 /// A number with as many digits as a reason needs.
 struct Short(f64);
 
@@ -148,6 +170,7 @@ impl fmt::Display for Short {
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.name())?;
         match self {
             Self::NoHit {
                 channel,
@@ -155,7 +178,7 @@ impl fmt::Display for Reason {
                 noise,
             } => write!(
                 f,
-                "no hit: the largest excursion of `{channel}` is {}, its noise {}",
+                "the largest excursion of `{channel}` is {}, its noise {}",
                 Short(*peak),
                 Short(*noise)
             ),
@@ -166,32 +189,22 @@ impl fmt::Display for Reason {
                 greatest,
             } => write!(
                 f,
-                "not triggered: `{channel}` never passes {}, it lies between {} and {}",
+                "`{channel}` never passes {}, it lies between {} and {}",
                 Short(*level),
                 Short(*least),
                 Short(*greatest)
             ),
             Self::CutAtStart { missing } => {
-                write!(
-                    f,
-                    "cut at the start: {missing} samples are missing before it"
-                )
+                write!(f, "{missing} samples are missing before it")
             }
             Self::CutAtEnd { missing } => {
-                write!(f, "cut at the end: {missing} samples are missing after it")
+                write!(f, "{missing} samples are missing after it")
             }
             Self::NonFinite { channel, index } => {
-                write!(
-                    f,
-                    "lost samples: `{channel}` has no number at sample {index}"
-                )
+                write!(f, "`{channel}` has no number at sample {index}")
             }
             Self::Dead { channel, value } => {
-                write!(
-                    f,
-                    "dead channel: `{channel}` is {} throughout",
-                    Short(*value)
-                )
+                write!(f, "`{channel}` is {} throughout", Short(*value))
             }
             Self::DoubleHit {
                 channel,
@@ -199,7 +212,7 @@ impl fmt::Display for Reason {
                 separation,
             } => write!(
                 f,
-                "double hit: two contacts in `{channel}`, peaks in the ratio {}, {} ms apart",
+                "two contacts in `{channel}`, peaks in the ratio {}, {} ms apart",
                 Short(*ratio),
                 Short(1e3 * separation)
             ),
@@ -210,7 +223,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "overload: {n_samples} samples of `{channel}` from {index} on at the range of {}",
+                "{n_samples} samples of `{channel}` from {index} on at the range of {}",
                 Short(*full_scale)
             ),
             Self::Clipped {
@@ -220,7 +233,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "clipped: `{channel}` stays at its extreme {} for {run} samples from {index} on",
+                "`{channel}` stays at its extreme {} for {run} samples from {index} on",
                 Short(*value)
             ),
             Self::DropOut {
@@ -230,7 +243,7 @@ impl fmt::Display for Reason {
                 index,
             } => write!(
                 f,
-                "drop-out: `{channel}` stays at {} for {run} samples from {index} on",
+                "`{channel}` stays at {} for {run} samples from {index} on",
                 Short(*value)
             ),
             Self::StaticOffset {
@@ -240,7 +253,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "static offset: `{channel}` rests at {}, more than {} of its peak {}",
+                "`{channel}` rests at {}, more than {} of its peak {}",
                 Short(*level),
                 Short(*limit),
                 Short(*peak)
@@ -253,7 +266,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "level shift: `{channel}` rests at {} before and {} after, more than {} of its peak {} apart",
+                "`{channel}` rests at {} before and {} after, more than {} of its peak {} apart",
                 Short(*before),
                 Short(*after),
                 Short(*limit),
@@ -266,7 +279,7 @@ impl fmt::Display for Reason {
                 limit,
             } => write!(
                 f,
-                "not decayed: `{channel}` ends at {} rms, more than {} of its peak {}",
+                "`{channel}` ends at {} rms, more than {} of its peak {}",
                 Short(*remainder),
                 Short(*limit),
                 Short(*peak)

@@ -14,13 +14,15 @@ use crate::outcome::Setting;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
+    /// What a hit looks like: `Hammer`, `Bar` or `BarPulses`; by default what the method of the job needs.
+    pub kind: Option<HitKind>,
     /// Channel in which double hits are looked for; by default the one that tells when a hit begins, if that is a force.
     pub force_channel: Option<String>,
     /// Ranges of the recorder, as `{"hammer": "10 V"}`, in a unit of what was recorded; reaching 99 % of it is an overload.
     pub full_scales: BTreeMap<String, Reading>,
     /// Smallest peak over the standard deviation of the noise; by default 10.
     pub peak_over_noise: Limit<f64>,
-    /// Smallest second contact over the first that is a double hit; by default 0.05.
+    /// Smallest second contact over the first that is a double hit; by default 0.05, not checked in bars.
     pub double_hit: Limit<f64>,
     /// Number of equal extreme samples that is clipping; by default 3.
     pub clipped_run: Limit<usize>,
@@ -28,10 +30,39 @@ pub struct CriteriaSheet {
     pub drop_out_run: Limit<usize>,
     /// Largest rest level over the peak; by default 0.25.
     pub static_offset: Limit<f64>,
-    /// Largest difference of the rest levels before and after over the peak; by default 0.02.
+    /// Largest difference of the rest levels before and after over the peak; by default 0.02, not checked for pulses of bars.
     pub level_shift: Limit<f64>,
-    /// Largest remainder at the end over the peak; by default 0.01.
+    /// Largest remainder at the end over the peak; by default 0.01, not checked for pulses of bars.
     pub remainder: Limit<f64>,
+}
+
+/// What a hit looks like in its record, which sets the defaults of the limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum HitKind {
+    /// One short contact, and a motion that comes to rest.
+    Hammer,
+    /// Waves that pass the sensors of a bar several times, in a record that is transformed as a whole.
+    Bar,
+    /// Waves in a bar of which pulses are cut out: it may still ring at the end.
+    BarPulses,
+}
+
+impl HitKind {
+    fn criteria(self) -> Criteria {
+        match self {
+            Self::Hammer => Criteria::hammer(),
+            Self::Bar => Criteria::bar(),
+            Self::BarPulses => Criteria::bar_pulses(),
+        }
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Hammer => "one short contact",
+            Self::Bar => "waves in a bar",
+            Self::BarPulses => "pulses cut out of waves in a bar",
+        }
+    }
 }
 
 /// A limit of a check.
@@ -75,14 +106,15 @@ impl<T: Copy> Limit<T> {
 }
 
 impl CriteriaSheet {
-    /// The criteria for records that were recorded on `channels`.
+    /// The criteria for records that were recorded on `channels`, with the defaults of `usual` if the sheet does not state a kind.
     pub(super) fn limits(
         &self,
+        usual: HitKind,
         channels: &[Channel],
         field: &str,
     ) -> Result<Criteria, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
-        let mut criteria = Criteria::default();
+        let mut criteria = self.kind.unwrap_or(usual).criteria();
         criteria = self
             .peak_over_noise
             .put(criteria, Criteria::with_peak_over_noise)
@@ -140,6 +172,7 @@ impl CriteriaSheet {
     pub(super) fn settings(
         &self,
         criteria: &Criteria,
+        usual: HitKind,
         field: &str,
     ) -> Result<Vec<Setting>, RodlabError> {
         let stated = [
@@ -154,17 +187,19 @@ impl CriteriaSheet {
         // the limits stand in the criteria, and their defaults nowhere else
         let limits = serde_json::to_value(criteria)
             .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
-        let mut settings: Vec<Setting> = stated
-            .iter()
-            .map(|(name, by_default)| Setting {
-                name: format!("{field}.{name}"),
-                value: match limits.get(*name) {
-                    None | Some(serde_json::Value::Null) => "not checked".to_owned(),
-                    Some(limit) => limit.to_string(),
-                },
-                by_default: *by_default,
-            })
-            .collect();
+        let mut settings = vec![Setting {
+            name: format!("{field}.kind"),
+            value: self.kind.unwrap_or(usual).in_words().to_owned(),
+            by_default: self.kind.is_none(),
+        }];
+        settings.extend(stated.iter().map(|(name, by_default)| Setting {
+            name: format!("{field}.{name}"),
+            value: match limits.get(*name) {
+                None | Some(serde_json::Value::Null) => "not checked".to_owned(),
+                Some(limit) => limit.to_string(),
+            },
+            by_default: *by_default,
+        }));
         let mut say = |name: String, value: String| {
             settings.push(Setting {
                 name,

@@ -140,27 +140,52 @@ impl FoundHits {
         &self.settings
     }
 
-    /// How many of how many hits are accepted, and which not, in a sentence.
+    /// How many of how many hits are accepted, and for each reason how many and which are rejected, in a sentence. A hit with several
+    /// reasons stands under each of them.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let rejected: Vec<String> = self
-            .hits()
-            .filter(|found| !found.hit.is_accepted())
-            .map(|found| found.number.to_string())
-            .collect();
         let (n_accepted, n_found) = (self.n_accepted(), self.n_found());
-        let hits = |n: usize| if n == 1 { "hit" } else { "hits" };
+        let rejected = self.rejected();
         if rejected.is_empty() {
             return match n_found {
                 1 => "the only hit is accepted".to_owned(),
                 n => format!("all {n} hits are accepted"),
             };
         }
+        let hits = |n: usize| if n == 1 { "hit" } else { "hits" };
+        let reasons: Vec<String> = rejected
+            .iter()
+            .map(|(name, numbers)| {
+                let n = numbers.len();
+                format!("{name} {n} ({} {})", hits(n), ranges(numbers))
+            })
+            .collect();
         format!(
             "{n_accepted} of {n_found} {} accepted, rejected: {}",
             hits(n_found),
-            rejected.join(", ")
+            reasons.join(", ")
         )
+    }
+
+    /// The reasons of rejections in the order in which they come first, each with the numbers of its hits.
+    fn rejected(&self) -> Vec<(&'static str, Vec<usize>)> {
+        let mut rejected: Vec<(&'static str, Vec<usize>)> = Vec::new();
+        for found in self.hits().filter(|found| !found.hit.is_accepted()) {
+            let mut names: Vec<&'static str> = match found.hit.ruling() {
+                Some(_) => vec!["by hand"],
+                None => found.hit.reasons().iter().map(Reason::name).collect(),
+            };
+            // one reason may stand against several channels
+            names.sort_unstable();
+            names.dedup();
+            for name in names {
+                match rejected.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, numbers)) => numbers.push(found.number),
+                    None => rejected.push((name, vec![found.number])),
+                }
+            }
+        }
+        rejected
     }
 
     /// Refuses accepted hits that cannot be averaged together.
@@ -191,5 +216,32 @@ impl FoundHits {
             }
         }
         Ok(())
+    }
+}
+
+/// Increasing numbers in words, three and more that follow each other as a range: `1, 2, 4-7`.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let words: Vec<String> = runs
+        .map(|run| match run {
+            [first, _, .., last] => format!("{first}-{last}"),
+            few => {
+                let few: Vec<String> = few.iter().map(ToString::to_string).collect();
+                few.join(", ")
+            }
+        })
+        .collect();
+    words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ranges;
+
+    #[test]
+    fn numbers_that_follow_each_other_are_a_range() {
+        assert_eq!(ranges(&[1, 2, 4, 5, 6, 7, 9]), "1, 2, 4-7, 9");
+        assert_eq!(ranges(&[3]), "3");
+        assert_eq!(ranges(&[1, 2, 3]), "1-3");
     }
 }

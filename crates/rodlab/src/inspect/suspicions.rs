@@ -46,7 +46,12 @@ pub(super) fn of_records(
         let Some(reference) = force.or(channels.first()) else {
             continue;
         };
-        let reasons = Criteria::default()
+        let criteria = if reference.quantity() == Quantity::Force {
+            Criteria::hammer()
+        } else {
+            Criteria::bar()
+        };
+        let reasons = criteria
             .judge(record, reference.name(), None)
             .map_err(judging)?;
         for reason in reasons {

@@ -9,14 +9,6 @@ use crate::RodlabError;
 /// Relative difference up to which a sampling rate of the sheet is that of the file, rounded there.
 const ROUNDED_RATE: f64 = 1e-3;
 
-const TIME: Dimension = Dimension {
-    length: 0,
-    mass: 0,
-    time: 1,
-    current: 0,
-    temperature: 0,
-};
-
 impl Records {
     /// Puts into `contents` what `file` does not tell and the sheet does: the sampling rate, units. Returns for every channel of the
     /// sheet the series that it means: several where a file holds several hits.
@@ -73,6 +65,16 @@ impl Records {
         let series = &mut contents.series[index];
         let told = series.abscissa_axis.unit.as_ref();
         let Some(rate) = &self.sampling_rate else {
+            let of_time = told.is_some_and(|unit| unit.dimension() == Dimension::TIME);
+            if of_time && matches!(series.abscissa, Abscissa::Uneven(_)) {
+                return Err(RodlabError::request(
+                    format!("{field}.sampling_rate"),
+                    "not stated",
+                    format!(
+                        "the rate of the samples, as \"51.2 kHz\", that gives all times within half a step: those of {file} are not evenly spaced"
+                    ),
+                ));
+            }
             return if told.is_none() && series.abscissa_axis.unit_text.is_empty() {
                 Err(RodlabError::request(
                     format!("{field}.sampling_rate"),
@@ -84,7 +86,7 @@ impl Records {
             };
         };
         let start = match (told, &series.abscissa) {
-            (Some(unit), Abscissa::Even { start, step }) if unit.dimension() == TIME => {
+            (Some(unit), Abscissa::Even { start, step }) if unit.dimension() == Dimension::TIME => {
                 let told = 1.0 / unit.to_si(*step);
                 if ((rate.si() - told) / told).abs() > ROUNDED_RATE {
                     return Err(RodlabError::request(

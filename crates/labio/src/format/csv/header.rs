@@ -376,10 +376,8 @@ fn split_unit(name: &str) -> (String, String) {
         }
     }
     for (slash, _) in name.match_indices('/') {
-        let (head, unit) = (
-            name.get(..slash).unwrap_or(""),
-            name.get(slash + 1..).unwrap_or(""),
-        );
+        let (head, unit) = name.split_at(slash);
+        let unit = unit.strip_prefix('/').unwrap_or(unit);
         if !head.trim().is_empty() && is_unit(unit.trim()) && !is_unit(head.trim()) {
             return split(head, unit);
         }

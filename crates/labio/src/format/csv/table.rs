@@ -130,6 +130,10 @@ impl Defects<'_> {
 }
 
 /// Reads the rows. `abscissa` is the column of which the digits are kept; it is no column of the table returned.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the columns of a shape are among its cells, and a row of another number of cells is refused before they are looked at"
+)]
 pub(super) fn read(
     text: &str,
     dialect: &CsvDialect,
@@ -151,9 +155,7 @@ pub(super) fn read(
     };
     let mut used = vec![false; shape.n_cells];
     for &at in &shape.columns {
-        if let Some(used) = used.get_mut(at) {
-            *used = true;
-        }
+        used[at] = true;
     }
     let mut cells: Vec<Cow<'_, str>> = Vec::new();
     let mut read: Vec<Option<Value>> = Vec::new();
@@ -166,8 +168,8 @@ pub(super) fn read(
         let beside = line > dialect.header_lines
             && cells
                 .iter()
-                .enumerate()
-                .any(|(at, cell)| !cell.is_empty() && !used.get(at).is_some_and(|used| *used));
+                .zip(&used)
+                .any(|(cell, used)| !cell.is_empty() && !used);
         if cells.len() != shape.n_cells || beside {
             let expected = format!("a row of {} numbers", shape.columns.len());
             defects.add(
@@ -176,12 +178,9 @@ pub(super) fn read(
             )?;
             continue;
         }
-        let cell = |column: usize| {
-            let at = shape.columns.get(column)?;
-            cells.get(*at).map(AsRef::as_ref)
-        };
+        let cell = |at: usize| cells[at].as_ref();
         read.clear();
-        read.extend((0..shape.columns.len()).map(|column| value(cell(column)?, mark)));
+        read.extend(shape.columns.iter().map(|&at| value(cell(at), mark)));
         if read.iter().all(Option::is_none) {
             let expected = format!("a row of {} numbers", shape.columns.len());
             defects.add(
@@ -190,13 +189,21 @@ pub(super) fn read(
             )?;
             continue;
         }
-        for ((column, values), read) in table.columns.iter_mut().enumerate().zip(&read) {
-            let text = cell(column).unwrap_or("");
+        for (((column, values), read), &at) in table
+            .columns
+            .iter_mut()
+            .enumerate()
+            .zip(&read)
+            .zip(&shape.columns)
+        {
+            let text = cell(at);
             if text.is_empty() {
                 continue; // the column has ended, or a gap is found at its next number
             }
-            let at = shape.columns.get(column).map_or(0, |at| *at as u64 + 1);
-            let place = Place::Cell { line, column: at };
+            let place = Place::Cell {
+                line,
+                column: at as u64 + 1,
+            };
             if values.len() < n_rows {
                 let gap = n_rows - values.len();
                 let found = format!("a number under {gap} empty");

@@ -36,9 +36,13 @@ pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), L
         result.map_err(|source| LabioError::Write { source })
     };
     for row in 0..n_rows {
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "`check_series` refuses an uneven abscissa that has not one value for each sample"
+        )]
         let x = match &longest.abscissa {
             Abscissa::Even { start, step } => start + row as f64 * step,
-            Abscissa::Uneven(values) => values.get(row).copied().unwrap_or(f64::NAN),
+            Abscissa::Uneven(values) => values[row],
         };
         number(x, &mut buffer)?;
         for series in &contents.series {

@@ -230,6 +230,11 @@ impl Channel {
         abscissa: Abscissa,
         block: Option<usize>,
     ) -> Series {
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "the ranges of blocks end with the values or before"
+        )]
+        let values = self.values[range].to_vec();
         let mut properties = self.properties.clone();
         if let Some(block) = block {
             properties.push(("block".to_owned(), block.to_string()));
@@ -242,7 +247,7 @@ impl Channel {
             name: self.label.clone(),
             kind: self.kind,
             abscissa,
-            ordinate: Ordinate::Real(self.values.get(range).unwrap_or(&[]).to_vec()),
+            ordinate: Ordinate::Real(values),
             abscissa_axis: self.abscissa_axis.clone(),
             ordinate_axis: self.ordinate_axis.clone(),
             properties,

@@ -274,7 +274,8 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
         ));
     }
     let (result, steps) = steps;
-    let mut outcomes = vec![0.0; steps.len()];
+    // those of one sample, in the order of the scales
+    let mut outcomes = Vec::with_capacity(steps.len());
     let mut output = Vec::with_capacity(n);
     for sample in 0..n {
         let at = |input: Input, outcomes: &[f64]| {
@@ -289,34 +290,40 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
                 Input::Scaler(slot) => raw(slot).copied(),
                 Input::Step(slot) => outcomes.get(slot).copied(),
             };
-            value.unwrap_or(f64::NAN)
+            value.ok_or_else(|| {
+                malformed(
+                    channel.index_place,
+                    "input of a scale",
+                    format!("{input:?} without a number for sample {sample}"),
+                    "numbers of the channel or the outcome of a scale before it",
+                )
+            })
         };
-        for (slot, step) in steps.iter().enumerate() {
+        outcomes.clear();
+        for step in &steps {
             let value = match step {
                 Step::Linear {
                     input,
                     slope,
                     intercept,
-                } => at(*input, &outcomes) * slope + intercept,
+                } => at(*input, &outcomes)? * slope + intercept,
                 Step::Polynomial {
                     input,
                     coefficients,
                 } => {
-                    let x = at(*input, &outcomes);
+                    let x = at(*input, &outcomes)?;
                     coefficients
                         .iter()
                         .rev()
                         .fold(0.0, |sum, coefficient| sum * x + coefficient)
                 }
-                Step::Table { input, points } => interpolated(points, at(*input, &outcomes)),
-                Step::Add { left, right } => at(*left, &outcomes) + at(*right, &outcomes),
-                Step::Subtract { left, right } => at(*right, &outcomes) - at(*left, &outcomes),
+                Step::Table { input, points } => interpolated(points, at(*input, &outcomes)?),
+                Step::Add { left, right } => at(*left, &outcomes)? + at(*right, &outcomes)?,
+                Step::Subtract { left, right } => at(*right, &outcomes)? - at(*left, &outcomes)?,
             };
-            if let Some(outcome) = outcomes.get_mut(slot) {
-                *outcome = value;
-            }
+            outcomes.push(value);
         }
-        output.push(at(result, &outcomes));
+        output.push(at(result, &outcomes)?);
     }
     Ok(output)
 }

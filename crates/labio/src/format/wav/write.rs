@@ -100,11 +100,11 @@ fn write(
     let mut written = 0;
     for frame in 0..checked.n_frames {
         for channel in &checked.samples {
-            encode(
-                encoding,
-                channel.get(frame).copied().unwrap_or(0.0),
-                &mut buffer,
-            );
+            #[allow(
+                clippy::indexing_slicing,
+                reason = "`check` refuses channels of different lengths"
+            )]
+            encode(encoding, channel[frame], &mut buffer);
         }
         if buffer.len() >= 1 << 16 {
             written += buffer.len();

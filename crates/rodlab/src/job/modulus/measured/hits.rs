@@ -9,7 +9,7 @@ use super::silence::{silent_samples, trigger_of};
 use super::{FirstHit, Measured, Ratio, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::hits::{HitsSheet, expect_independent, expect_noise};
+use crate::hits::{HitKind, HitsSheet, expect_independent, expect_noise};
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
@@ -39,7 +39,11 @@ pub(super) fn of_hits(
             "at least three gauges",
         ));
     };
-    let found = hits.find(loaded.records, reference, "source.hits")?;
+    let kind = match &sheet.method {
+        MethodSheet::SeparatePulses { .. } | MethodSheet::OneGauge { .. } => HitKind::BarPulses,
+        _ => HitKind::Bar,
+    };
+    let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
     chosen.extend(found.settings().to_vec());
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
     let doubts = expect_independent(&[&found], &taken)?;
