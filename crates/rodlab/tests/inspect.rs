@@ -12,7 +12,6 @@ mod measured;
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
-use std::path::Path;
 
 use rodlab::inspect::{inspect, inspect_bytes};
 
