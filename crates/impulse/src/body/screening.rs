@@ -24,6 +24,9 @@ const ROUNDING: f64 = 1e-9;
 /// A mass that is off by less is never flagged: the next term of the fitted law leaves as much.
 const MASS_TOLERANCE: f64 = 0.01;
 
+/// Real over imaginary part below which the lowest lines are those of a rigid or a fixed body.
+const RIGID: f64 = 0.5;
+
 /// Fewest resonance spacings from which the scatter of their means is known.
 const FEWEST_SPACINGS: usize = 3;
 
@@ -310,7 +313,12 @@ impl MeasuredBody {
 
     /// Mean of Re G over whole resonance spacings: $`\operatorname{Re}\coth\gamma L`$ has the mean 1 over each, however much the body damps.
     fn front_limit(&self) -> Option<FrontLimit> {
-        let real: Vec<f64> = self.mobility().iter().skip(1).map(|line| line.re).collect();
+        // of nearly rigid lines the real part is noise
+        let lines = self.mobility().iter().skip(1);
+        let real: Vec<f64> = lines
+            .skip_while(|line| line.re.abs() < RIGID * line.im.abs())
+            .map(|line| line.re)
+            .collect();
         // of a reversed sensor the resonances point down
         let sign = real.iter().sum::<f64>().signum();
         let turns = turns(&real.iter().map(|re| sign * re).collect::<Vec<f64>>());

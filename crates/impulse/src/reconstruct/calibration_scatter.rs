@@ -182,14 +182,14 @@ mod tests {
     #[test]
     fn r22_the_noise_of_lines_is_the_scatter_of_single_blows() {
         // unit impulses have the same power 1 on all lines; four blows, and a variance of the average of 0.5
-        let force = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let noise = noise_between_blows(&[0.5; 5], &[&force; 4]).unwrap();
+        let force: &[f64] = &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let noise = noise_between_blows(&[0.5; 5], &[force; 4]).unwrap();
         for line in noise {
             // 16/3 · 0.5
             assert!((line - 8.0 / 3.0).abs() < 1e-12, "{line}");
         }
-        assert!(noise_between_blows(&[0.5; 5], &[&force; 1]).is_err());
-        assert!(noise_between_blows(&[0.5; 4], &[&force; 2]).is_err());
+        assert!(noise_between_blows(&[0.5; 5], &[force; 1]).is_err());
+        assert!(noise_between_blows(&[0.5; 4], &[force; 2]).is_err());
     }
 
     #[test]
