@@ -200,10 +200,7 @@ pub fn find_near_copies(
     for hit in hits {
         let mut onset = hit.n_samples();
         for channel in channels {
-            onset = onset.min(onset_of(
-                &hit.channel(channel)?.to_vec(),
-                PASSAGE_OVER_PEAK,
-            ));
+            onset = onset.min(onset_of(&hit.channel(channel)?.to_vec(), PASSAGE_OVER_PEAK));
         }
         let silent = share(onset, SILENT_PART);
         let mut of_hit = Vec::with_capacity(channels.len());
