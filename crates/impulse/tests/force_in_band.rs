@@ -32,7 +32,7 @@ fn cone() -> AnalyticChain {
 fn long_rod() -> AnalyticChain {
     let steel = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
     AnalyticChain::analytic_from_impact_face()
-        .end(Termination::semi_infinite(&steel, circle(10.0)).unwrap())
+        .end(Termination::semi_infinite(&steel, circle(10.0)))
         .unwrap()
 }
 
@@ -115,7 +115,7 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
         let joint = damping + stiffness / s;
         1.0 / (head * s + 1.0 / (1.0 / joint + 1.0 / (tail * s)))
     };
-    let rod = |_| Complex64::from(1.0 / 200.0);
+    let rod = |_| Complex64::from(1.0 / 2000.0);
     let problem = |step_hz: f64, n: u32, interpolation| {
         let at = move |k: u32| Complex64::new(0.0, TAU * step_hz * f64::from(k));
         let lines = |law: &dyn Fn(Complex64) -> Complex64| -> Vec<Complex64> {
@@ -130,7 +130,7 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
             frequency_step_hz: step_hz,
             impact_velocity: 1.0,
             zero_line: ZeroLine::EffectiveMass(head + tail),
-            roll_off_from_hz: Some(2e3),
+            roll_off_from_hz: Some(1e3),
             interpolation,
             until: Some(20e-3),
         }
@@ -143,10 +143,10 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
         (time, stick.history.smooth_peak().force)
     };
     // the same lines with many more samples: nothing but the samples differs
-    let (exact, peak) = problem(5.0, 801, 256);
-    let (fine, fine_peak) = problem(5.0, 801, 16);
-    let (coarse, _) = problem(5.0, 801, 1);
+    let (exact, peak) = problem(5.0, 401, 256);
+    let (fine, fine_peak) = problem(5.0, 401, 16);
+    let (coarse, _) = problem(5.0, 401, 1);
     assert!((fine - exact).abs() < 0.1e-6, "{fine} {exact}");
-    assert!((fine_peak / peak - 1.0).abs() < 1e-5);
+    assert!((fine_peak / peak - 1.0).abs() < 1e-4);
     assert!((coarse - exact).abs() > 1e-6, "{coarse} {exact}");
 }
