@@ -160,7 +160,7 @@ fn of_ends(modulus: &str, hits: &str, length: &str) -> String {
         r#"Simulate(title: "t", materials: {{"m": (density: "900 kg/m3", law: Elastic(modulus: "{modulus}"))}},
         experiment: EndAccelerations(material: "m", length: "1 m", diameter: "10 mm",
             blows: (hits: {hits}, peak: "100 N", duration: "80 us")),
-        instrument: (sampling_rate: "10 kHz", length: "{length}"), output: "hits.npy")"#
+        instrument: (sampling_rate: "40 kHz", length: "{length}"), output: "hits.npy")"#
     )
 }
 
@@ -196,7 +196,17 @@ fn r20_what_is_absurd_is_refused_with_its_numbers() {
         said_at_once("force", &of_bodies(3000, "1 us")),
         said_at_once("force", &of_bodies(1, "1 ns")),
     ];
-    insta::assert_snapshot!(said.concat(), @"");
+    insta::assert_snapshot!(said.concat(), @r"
+    error: materials: m is a material of modulus and density with a wave speed of 1.054e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
+    error: materials: m is a material of modulus and density with a wave speed of 1.054e13 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
+    error: instrument.length is 719280000 samples of all hits, expected at most 50000000 samples of all hits
+    error: instrument.length is 40000000 samples, expected 40 to 2097152
+    error: experiment: ImpactedRod.velocities[1] is 1e9 m/s, expected less than the wave speed of the rod, 1414.2136 m/s
+    error: experiment: ImpactedRod is 9390378054157 cells times steps of all velocities, expected at most 4000000000 cells times steps of all velocities
+    error: experiment: ImpactedRod is a material of modulus and density with a wave speed of 1.414e-3 m/s, expected 20 to 20000 m/s, or `unusual: true` beside the density if it is meant
+    error: problem.first.elements is 3000 elements, expected at most 200 elements
+    error: problem.time_step is 4000000 steps, expected at most 1000000 steps
+    ");
 }
 
 #[test]
