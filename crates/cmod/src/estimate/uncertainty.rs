@@ -232,12 +232,14 @@ impl Uncertainty {
         }
     }
 
-    /// Covariance of one line by all common errors.
+    /// Covariance of one line by all common errors that have a standard uncertainty. Lateral inertia that was not taken out has a
+    /// [bound](Self::lateral_inertia_bound) of known sign instead, which is stated beside the standard errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
         self.systematic
             .iter()
+            .filter(|shift| shift.source != ErrorSource::LateralInertia)
             .fold(none, |sum, shift| LineCovariance {
                 modulus: sum.modulus + ComplexCovariance::of_shift(shift.modulus),
                 propagation_coefficient: sum.propagation_coefficient

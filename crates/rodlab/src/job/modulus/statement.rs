@@ -321,7 +321,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
         outcome.warnings.push(format!(
             "Lateral inertia was not taken out, as no Poisson's ratio is stated. With any up to 0.5, E' is too small by at most {} at {}; \
-             this is in the common errors. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
+             this bound stands beside the errors and counts in what is valid. State `lateral_inertia: (poisson_ratio: ...)` to take it out.",
             percent(bound),
             hertz(line.frequency_hz)
         ));
