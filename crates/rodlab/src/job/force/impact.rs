@@ -284,7 +284,7 @@ fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
         })
     };
     let in_band = march.limited.smooth_peak();
-    let band_khz = 1e-3 * march.band.upper_hz();
+    let band_khz = impact_march::khz(march.band.upper_hz());
     outcome.summary.push(format!(
         "In the band up to {band_khz} kHz the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
         in_band.force,

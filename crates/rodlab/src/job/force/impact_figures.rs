@@ -93,7 +93,10 @@ fn force(march: &March, on_lines: Option<&OnLines>) -> Figure {
         });
     }
     marks.push(Mark::Line {
-        name: format!("force up to {} kHz", 1e-3 * march.band.upper_hz()),
+        name: format!(
+            "force up to {} kHz",
+            super::impact_march::khz(march.band.upper_hz())
+        ),
         role: Role::First,
         x: time,
         y: newtons.to_vec(),

@@ -11,6 +11,7 @@ use serde::Deserialize;
 use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact::{ContactSheet, ImpactSheet};
+use super::impact_march::khz;
 use crate::outcome::{Column, Quantity, Setting, Table};
 use crate::sheet::material::Materials;
 use crate::sheet::replacement::Replacement;
@@ -364,7 +365,7 @@ impl OnLines {
             name: "force".to_owned(),
             title: format!(
                 "Force on lines up to {} kHz until the faces part",
-                1e-3 * self.highest_hz
+                khz(self.highest_hz)
             ),
             columns,
         }
@@ -377,7 +378,7 @@ impl OnLines {
             error.map_or_else(String::new, |error| format!(" ± {error:.digits$} {unit}"))
         };
         let roll_off = self.roll_off_from_hz.map_or_else(String::new, |from| {
-            format!(", rolled off from {} kHz on", 1e-3 * from)
+            format!(", rolled off from {} kHz on", khz(from))
         });
         let (end, end_error) = self.end();
         let parted = end.map_or_else(
@@ -399,7 +400,7 @@ impl OnLines {
         vec![
             format!(
                 "On lines up to {} kHz{roll_off} the force comes to {:.1} N{} at {:.4} ms, at an impact velocity of {}.",
-                1e-3 * self.highest_hz,
+                khz(self.highest_hz),
                 peak.force,
                 stated(self.error_at(peak.time), "N", 2),
                 1e3 * peak.time,
@@ -421,7 +422,7 @@ impl OnLines {
             };
             format!("{about}; {died_out}; {}", self.about_errors)
         };
-        let band = format!("up to {} kHz", 1e-3 * self.highest_hz);
+        let band = format!("up to {} kHz", khz(self.highest_hz));
         let mut found = vec![Quantity {
             name: "peak of the stick force on lines".to_owned(),
             unit: "N".to_owned(),

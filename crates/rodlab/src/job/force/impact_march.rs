@@ -496,6 +496,11 @@ pub(super) fn in_words(spread: Option<&Spread>) -> String {
     }
 }
 
+/// A frequency in kHz to a mHz, as a spacing from a sampling rate that is rounded still shows it.
+pub(super) fn khz(hz: f64) -> f64 {
+    (1e3 * hz).round() / 1e6
+}
+
 /// Draws and seed as the sheet chose them.
 pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2] {
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
@@ -516,7 +521,7 @@ pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2]
 /// Band of the sheet, in words.
 pub(super) fn band_in_words(sheet: &ImpactSheet, band: BandLimit) -> (String, bool) {
     let text = sheet.band.as_ref().map_or_else(
-        || format!("{} kHz", 1e-3 * band.upper_hz()),
+        || format!("{} kHz", khz(band.upper_hz())),
         Exact::to_string,
     );
     (

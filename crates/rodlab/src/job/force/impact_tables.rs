@@ -2,7 +2,7 @@
 
 use impulse::{FirstForce, Prediction, PredictionFlag};
 
-use super::impact_march::{March, Numbers, in_words};
+use super::impact_march::{March, Numbers, in_words, khz};
 use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
@@ -18,7 +18,7 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
         .iter()
         .any(|flag| matches!(flag, PredictionFlag::StillInContact));
     let about_errors = in_words(march.spread.as_ref());
-    let band = format!("in the band up to {} kHz", 1e-3 * march.band.upper_hz());
+    let band = format!("in the band up to {} kHz", khz(march.band.upper_hz()));
     let peak = match march.first_force {
         FirstForce::Unbounded => {
             format!("{band}: without a limit to it the first force has no bound")
@@ -153,10 +153,7 @@ pub(super) fn limited(march: &March) -> Table {
     ));
     Table {
         name: "force_in_band".to_owned(),
-        title: format!(
-            "Force in the band up to {} kHz",
-            1e-3 * march.band.upper_hz()
-        ),
+        title: format!("Force in the band up to {} kHz", khz(march.band.upper_hz())),
         columns,
     }
 }
