@@ -316,14 +316,14 @@ impl MultiPoint {
         });
         let mut violations = Vec::new();
         violations.extend(start.or(doubt).map(Violation::BranchAmbiguous));
-        if let Some(chi_square) = chi_square {
-            if chi_square > most_misfit {
-                violations.push(Violation::Misfit {
-                    chi_square,
-                    degrees_of_freedom,
-                    limit: most_misfit,
-                });
-            }
+        if let Some(chi_square) = chi_square
+            && chi_square > most_misfit
+        {
+            violations.push(Violation::Misfit {
+                chi_square,
+                degrees_of_freedom,
+                limit: most_misfit,
+            });
         }
         let line = SolvedLine {
             index,

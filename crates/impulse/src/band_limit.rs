@@ -155,6 +155,7 @@ mod tests {
     fn exponential(step: f64) -> ForceHistory {
         // means over the steps of exp(-t/T), T = 0.5 ms: each as the force of a march is
         let rate = 1.0 / 0.5e-3;
+        #[allow(clippy::cast_possible_truncation, reason = "thousands of steps")]
         let n = (4e-3 / step).round() as i32;
         let mean = |k: i32| {
             let (a, b) = (f64::from(k) * step, f64::from(k + 1) * step);

@@ -709,7 +709,7 @@ fn r18_names_above_numbers_between_blanks_keep_their_units() {
         "# test 7 of the rod\n# sampled on a Monday\n# time force acceleration\n# s N m/s^2\n",
         "# time force acceleration\n# [s] [N] [m/s^2]\n",
     ] {
-        let contents = read(&format!("{header}{table}")).unwrap();
+        let contents = read(format!("{header}{table}")).unwrap();
         let units: Vec<&str> = contents
             .series
             .iter()

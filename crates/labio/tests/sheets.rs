@@ -156,6 +156,6 @@ fn a_sheet_with_an_impossible_value_is_refused_as_the_constructor_would() {
     unknown field `polarty`, expected one of `transducer`, `gain`, `polarity`, `offset`, `time_skew`, `position`, `direction`, `serial`, `calibrated_on`
     trigger hysteresis is -1, expected a finite value of at least 0
     a run of lost samples has 1 samples, expected at least 2
-    unknown field `double_hits`, expected one of `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, `remainder`
+    unknown field `double_hits`, expected one of `several_passages`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, `remainder`
     ");
 }

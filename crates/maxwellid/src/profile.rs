@@ -176,6 +176,9 @@ const RESTARTS: usize = 6;
 /// χ² by which a point of a profile lies below the minimum that it is of, unless it is rounding: a thirtieth of the threshold.
 const LOWER: f64 = 0.1;
 
+/// A point below the minimum: its χ² above that of the minimum, and its parameters.
+type Below = (f64, Vec<f64>);
+
 /// The profiles at one minimum.
 struct Walked {
     profiles: Vec<Profile>,
@@ -214,7 +217,7 @@ fn walked<M: RodModel>(
     let of_model = &minimum.parameters[..names.len()];
     let specimen = candidate.model().specimen_sensitivities(of_model);
     let mut profiles = Vec::with_capacity(names.len());
-    let mut below: Option<(f64, Vec<f64>)> = None;
+    let mut below: Option<Below> = None;
     for (index, name) in names.iter().enumerate() {
         let (mean, deviation) = (prior.mean[index], prior.deviation[index]);
         let at = minimum.parameters[index];
@@ -341,7 +344,7 @@ const NEAR: f64 = 0.02;
 )]
 impl Walk<'_> {
     /// The profile, and the lowest of its points below the minimum with its rise.
-    fn profile(&self, name: &str) -> Result<(Profile, Option<(f64, Vec<f64>)>), MaxwellidError> {
+    fn profile(&self, name: &str) -> Result<(Profile, Option<Below>), MaxwellidError> {
         let mut curve = vec![(self.minimum[self.index], 0.0)];
         let mut below = None;
         let lower = self.end(-1.0, &mut curve, &mut below)?;

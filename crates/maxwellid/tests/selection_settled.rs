@@ -39,7 +39,8 @@ fn decided(comparison: &Comparison) -> (&'static str, Vec<String>) {
         Decision::NoneOfThese { best, .. } => ("none", vec![*best]),
         other => unreachable!("{other:?}"),
     };
-    let names = indices.iter().map(|i| comparison.laws[*i].name.clone());
+    let name = |i: &usize| comparison.laws.get(*i).unwrap().name.clone();
+    let names = indices.iter().map(name);
     let mut names: Vec<String> = names.collect();
     names.sort();
     (kind, names)

@@ -64,10 +64,8 @@ fn quoted(text: &str) -> Vec<Quoted> {
                 fields.pop();
                 word.clear();
             }
-            ':' => {
-                if !word.is_empty() {
-                    *fields.last_mut().unwrap() = std::mem::take(&mut word);
-                }
+            ':' if !word.is_empty() => {
+                *fields.last_mut().unwrap() = std::mem::take(&mut word);
             }
             c if c.is_ascii_alphanumeric() || c == '_' => word.push(c),
             ',' => word.clear(),
@@ -231,7 +229,7 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
     let (folder, ends) = example("polypropylene", "modulus.ron");
     // fewer lines and no laws take less time
     let laws = ends.find("    // a law for").unwrap()..ends.find("    report_at").unwrap();
-    let mut ends = replaced(&ends, &ends[laws].to_owned(), "");
+    let mut ends = replaced(&ends, &ends[laws], "");
     ends = replaced(&ends, "to: \"15 kHz\"", "to: \"14 kHz\"");
     ends = replaced(
         &ends,

@@ -85,11 +85,13 @@ mod tests {
     fn r14_degrees_of_freedom_of_sums_are_those_of_welch_and_satterthwaite() {
         let one = VarianceFreedom::new(8.0, 2.0).unwrap();
         // equal parts add up, one part alone stays what it is
-        assert_eq!(one.of_sum([3.0; 4].into_iter()).line, 32.0);
+        let four = one.of_sum([3.0; 4].into_iter());
+        assert_eq!(four, VarianceFreedom::new(32.0, 8.0).unwrap());
         assert_eq!(one.of_sum([3.0, 0.0].into_iter()), one);
         // half of the variance is known: four times the degrees of freedom
-        assert_eq!(one.with_known_part(5.0, 5.0).own, 8.0);
-        assert_eq!(VarianceFreedom::of_averages(3.0).unwrap().line, 4.0);
+        assert_eq!(one.with_known_part(5.0, 5.0), four);
+        let of_three = VarianceFreedom::new(4.0, 4.0).unwrap();
+        assert_eq!(VarianceFreedom::of_averages(3.0).unwrap(), of_three);
         assert!(VarianceFreedom::of_averages(1.5).is_err());
         assert!(VarianceFreedom::new(2.0, 3.0).is_err());
         assert!(VarianceFreedom::new(f64::NAN, 1.0).is_err());

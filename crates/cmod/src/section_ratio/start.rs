@@ -14,12 +14,16 @@ const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
 /// Within this factor of a guess.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength.
+/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer where lines beyond it are compared.
 const SPEED_RATIO: f64 = 1.03;
 /// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Lines that are compared at each speed.
 const LINES: usize = 24;
+/// Lines that are compared at least, where they are more than a wavelength apart from the first: without a delay, and with one, beside which
+/// dispersion over many waves weighs more than their number.
+const FEWEST_COMPARED: usize = LINES / 2;
+const FEWEST_COMPARED_WITH_DELAY: usize = 4;
 /// Without a guess, fewer lines than this do not tell one speed from another.
 const FEWEST_LINES: usize = 8;
 /// What one speed and one damping for all lines cannot explain, by the size of the ratio.
@@ -56,15 +60,31 @@ pub(super) fn wave_speed(
     };
     let mut misfits = Vec::with_capacity(LINES);
     let mut tried: Vec<(f64, Complex64)> = Vec::new();
+    let fewest = match settings.delay() {
+        Some(_) => FEWEST_COMPARED_WITH_DELAY,
+        None => FEWEST_COMPARED,
+    };
+    // waves over the distance at the last line that is compared at all speeds
+    let last = measured.get(..fewest).unwrap_or(measured).last();
+    let waves = last.map_or(1.0, |line| line.frequency_hz * distance / slowest);
+    let ratio = match settings.delay() {
+        Some(_) => 1.0 + (SPEED_RATIO - 1.0) / waves.max(1.0),
+        None => SPEED_RATIO,
+    };
     let mut speed = slowest;
     while speed <= fastest {
         let best = DAMPING
             .iter()
             .map(|damping| Complex64::new(*damping, 1.0) / speed)
-            .map(|slowness| (score(equation, measured, slowness, &mut misfits), slowness))
+            .map(|slowness| {
+                (
+                    score(equation, measured, (slowness, fewest), &mut misfits),
+                    slowness,
+                )
+            })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         tried.extend(best);
-        let next = speed * SPEED_RATIO;
+        let next = speed * ratio;
         // a guess at the ends of the range of a double grows no more, or for ever
         if next <= speed || next == f64::INFINITY {
             break;
@@ -122,13 +142,13 @@ fn median_step(measured: &[MeasuredRatio]) -> f64 {
 fn score(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio],
-    slowness: Complex64,
+    (slowness, fewest): (Complex64, usize),
     misfits: &mut Vec<f64>,
 ) -> f64 {
     let highest_hz = 1.0 / (slowness.im * equation.distance());
     let below = measured.partition_point(|line| line.frequency_hz <= highest_hz);
     let within = measured
-        .get(..below.max(LINES / 2).min(measured.len()))
+        .get(..below.max(fewest).min(measured.len()))
         .unwrap_or_default();
     let stride = within.len().div_ceil(LINES).max(1);
     misfits.clear();

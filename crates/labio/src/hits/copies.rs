@@ -487,7 +487,7 @@ mod tests {
             let next = row.iter().skip(1).chain(row.last());
             row.iter()
                 .zip(next)
-                .map(|(a, b)| 0.8 * a + 0.2 * b)
+                .map(|(a, b)| 0.95 * a + 0.05 * b)
                 .collect()
         });
         all[3] = record(between);

@@ -104,9 +104,9 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
             (scatter / said - 1.0).abs() < 0.25,
             "{count}: {scatter} {said}"
         );
-        // 80 degrees of freedom to two coefficients, or to one where the other is 0
+        // 80 degrees of freedom and what rounding up to whole lines adds, to two coefficients, or to one where the other is 0
         let freedom = 2.0 * n / said;
-        assert!((32.0..82.0).contains(&freedom), "{count}: {freedom}");
+        assert!((32.0..90.0).contains(&freedom), "{count}: {freedom}");
     }
 }
 

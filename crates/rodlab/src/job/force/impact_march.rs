@@ -520,10 +520,10 @@ pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2]
 
 /// Band of the sheet, in words.
 pub(super) fn band_in_words(sheet: &ImpactSheet, band: BandLimit) -> (String, bool) {
-    let text = sheet.band.as_ref().map_or_else(
-        || format!("{} kHz", khz(band.upper_hz())),
-        Exact::to_string,
-    );
+    let text = sheet
+        .band
+        .as_ref()
+        .map_or_else(|| format!("{} kHz", khz(band.upper_hz())), Exact::to_string);
     (
         format!("up to {text}, Gaussian, -3 dB at its end"),
         sheet.band.is_none(),

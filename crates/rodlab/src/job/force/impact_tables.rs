@@ -7,7 +7,10 @@ use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
 /// A number of an impact: its name, its unit, one of the unit in SI.
-type Named<'a> = (&'a str, &'a str, f64, &'a dyn Fn(&Numbers) -> Option<f64>);
+/// Reads one number of a march.
+type Read = dyn Fn(&Numbers) -> Option<f64>;
+
+type Named<'a> = (&'a str, &'a str, f64, &'a Read);
 
 pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
     let numbers = march.numbers();
@@ -79,7 +82,7 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
         finished,
         computed,
     );
-    let [of_first, of_second]: [[&dyn Fn(&Numbers) -> Option<f64>; 2]; 2] = [
+    let [of_first, of_second]: [[&Read; 2]; 2] = [
         [&|n| n.velocity_after[0], &|n| n.inner[0]],
         [&|n| n.velocity_after[1], &|n| n.inner[1]],
     ];
