@@ -20,12 +20,12 @@ pub(crate) struct Evidence {
 /// Points of the first attempt for a nonlinear law; each further attempt doubles them.
 const FEWEST_POINTS: usize = 128;
 /// Points of the first attempt for a linear law, whose response costs little and whose shares and times bend about each other.
-const FEWEST_POINTS_LINEAR: usize = 1024;
+const FEWEST_POINTS_LINEAR: usize = 256;
 /// Points of the last attempt.
-const MOST_POINTS: usize = 8192;
+const MOST_POINTS: usize = 2048;
 
 /// Standard error of ln Z, as if the points were random, that is good enough. Points that are spread evenly err by a third of it and less.
-const GOOD_ENOUGH: f64 = 0.04;
+const GOOD_ENOUGH: f64 = 0.1;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];

@@ -107,6 +107,8 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
+    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: by how much the data narrow the parameters.
+    pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
     /// Whether another excitation would change χ² no more.
@@ -346,6 +348,11 @@ impl Contest<'_> {
 }
 
 impl Posterior {
+    /// ln Z by Laplace's method, for the logarithm of the likelihood at the most probable parameters.
+    pub(crate) fn ln_evidence(&self, ln_likelihood: f64) -> f64 {
+        ln_likelihood - 0.5 * self.prior_square - self.occam
+    }
+
     fn of(problem: &PosteriorProblem<'_>, minimum: Minimum) -> Result<Self, MaxwellidError> {
         let residual = &minimum.linearisation.residual;
         let (of_data, of_prior) = residual.split_at(problem.samples());
@@ -358,6 +365,7 @@ impl Posterior {
         Ok(Self {
             chi_square: sum_of_squares(of_data),
             prior_square: sum_of_squares(of_prior),
+            occam: svd.singular_values.iter().map(|s| s.ln()).sum(),
             determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
             is_settled: false,
             minimum,
