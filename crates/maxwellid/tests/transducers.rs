@@ -333,7 +333,8 @@ fn windows_and_noise_that_are_no_good_are_named() {
         error.to_string().contains("but the wave arrives at 0.000"),
         "{error}"
     );
-    let error = fit(&[test.clone().with_noise(0.1, 0.1).unwrap(), test.clone()]);
+    let other = RodTest::new(rod.noisy(0.1, 1)).unwrap();
+    let error = fit(&[test.clone().with_noise(0.1, 0.1).unwrap(), other]);
     assert_eq!(
         error.to_string(),
         "test `virtual rod` has no stated noise, but others have: state it for all or for none"

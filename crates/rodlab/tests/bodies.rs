@@ -19,7 +19,7 @@ const DIAMETER: f64 = 0.02;
 
 fn computed(law: &str, body: &str) -> Outcome {
     let text = format!(
-        r#"Mobility(title: "computed", materials: {{ "it": (density: "1150 kg/m3", law: {law}) }},
+        r#"Mobility(title: "computed", materials: {{ "it": (density: "1150 kg/m3", law: {law}, unusual: true) }},
         source: Computed(body: {body}, up_to: "10 kHz", lines: 100))"#
     );
     attempt(Path::new("."), &text).unwrap()

@@ -11,6 +11,10 @@ use serde_json::Value;
 
 /// The result of a sheet of the examples, written to a folder of its own.
 fn result_of(example: &str, job: &str) -> Value {
+    ended_with(0, example, job)
+}
+
+fn ended_with(status: i32, example: &str, job: &str) -> Value {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
@@ -20,7 +24,7 @@ fn result_of(example: &str, job: &str) -> Value {
         .output()
         .unwrap();
     let said = String::from_utf8(run.stderr).unwrap();
-    assert_eq!(run.status.code(), Some(0), "{example}: {said}");
+    assert_eq!(run.status.code(), Some(status), "{example}: {said}");
     assert!(folder.path().join("report.html").exists());
     serde_json::from_slice(&run.stdout).unwrap()
 }
@@ -100,19 +104,21 @@ fn the_member_of_a_frame_has_the_same_modulus() {
     moduli_are_those_of_the_plan(&result, 4);
 }
 
+/// The striker is flat and the recorder has a filter, which does not commute with a nonlinear rod: the laws that are left are named, and no
+/// parameter is called identified.
 #[test]
-fn nylon_follows_the_law_of_its_plan() {
-    let result = result_of("nylon", "identify");
+fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
+    let result = ended_with(1, "nylon", "identify");
+    assert_eq!(result["verdict"]["answer"], "not allowed");
     let first = result["summary"][0].as_str().unwrap();
     assert!(
-        first.starts_with("The data support the law Maxwell-Norton"),
+        first.starts_with("The data cannot tell") && first.contains("Maxwell-Norton"),
         "{first}"
     );
-    // a recorder's filter and a nonlinear rod do not commute: E comes out 0.3 % low whatever the noise
-    let (modulus, error) = quantity(&result, "Maxwell-Norton: Young's modulus E");
-    assert!((modulus / 3.2e9 - 1.0).abs() < 0.005, "{modulus} ± {error}");
-    let (exponent, error) = quantity(&result, "Maxwell-Norton: exponent kappa");
-    assert!((exponent - 2.1).abs() < 3.0 * error, "{exponent} ± {error}");
+    let quantities = result["quantities"].as_array().unwrap();
+    let of_law = |q: &&Value| q["name"].as_str().unwrap().contains("Young's modulus");
+    let moduli: Vec<&Value> = quantities.iter().filter(of_law).collect();
+    assert!(moduli.len() >= 2 && moduli.iter().all(|q| q["valid"] == false));
 }
 
 #[test]

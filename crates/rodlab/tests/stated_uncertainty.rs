@@ -236,11 +236,6 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
         "unit: \"m/s2\"",
         "unit: \"m/s2\", sensitivity: \"1\", gain: \"1\", time_skew: \"0 us\", position: \"0 mm\"",
     );
-    ends = replaced(
-        &ends,
-        "    report_at",
-        "    lateral_inertia: (poisson_ratio: \"0.40\"),\n    report_at",
-    );
     let (frame, three) = example("frame", "modulus.ron");
     let several = replaced(
         &three,
@@ -423,10 +418,16 @@ fn r08_the_refusal_says_why_and_what_to_do() {
  problem: Impact(first: RigidMass("1 kg"), second: LongRod(material: "pp", diameter: "10 mm"), velocity: "1 m/s ± 1 %", duration: "{duration}"))"#
         )
     };
+    let measured = |impedance: &str| {
+        format!(
+            r#"Force(title: "a", problem: Impact(first: Measured((file: "a.uff", front_impedance: "{impedance}")),
+ second: RigidMass("1 kg"), velocity: "1 m/s", duration: "4 ms"))"#
+        )
+    };
     insta::assert_snapshot!(
         [
-            refused(&impact("2.6 GPa ± 2 %", "4 ms")),
             refused(&impact("2.6 GPa", "4 ms ± 0.1 ms")),
+            refused(&measured("1000 kg/s ± 2 %")),
         ]
         .join("\n")
     );

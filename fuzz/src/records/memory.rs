@@ -16,7 +16,8 @@ const OF_A_BYTE: u64 = 256;
 pub fn bounded<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let mut result = None;
     let taken = measure(|| result = Some(read())).bytes_max;
-    let is_deflated = bytes.starts_with(b"PK") || bytes.starts_with(b"MATLAB");
+    let is_deflated =
+        bytes.starts_with(b"PK") || matches!(bytes.get(126..128), Some(b"IM" | b"MI"));
     let most = if is_deflated {
         COPIES * MemoryLimit::of_file(bytes.len()).bytes()
     } else {

@@ -215,7 +215,8 @@ fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
         command
             .args(["-m", "sh", "-c", &script, crate::program::PROGRAM])
             .current_dir(folder.path())
-            .env("NO_COLOR", "1");
+            .env("NO_COLOR", "1")
+            .env("SOURCE_DATE_EPOCH", "0");
         let ran = run(&mut command);
         judged(&ran, &files_in(&folder.path().join("after")), before, after)
     })

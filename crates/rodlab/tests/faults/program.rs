@@ -50,7 +50,7 @@ pub(crate) struct Ran {
 impl Ran {
     /// A panic, or an end that is none of the program's own.
     pub(crate) fn broke(&self) -> Option<Came> {
-        let known = matches!(self.status, Some(0..=2));
+        let known = matches!(self.status, Some(0..=3));
         (!known || self.err.contains("panicked")).then(|| {
             Came::Broke(format!(
                 "status {:?}, signal {:?}: {}",

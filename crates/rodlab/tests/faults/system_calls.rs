@@ -68,6 +68,7 @@ fn traced(folder: &Path, log: &str) -> Command {
     let mut command = Command::new("strace");
     command
         .current_dir(folder)
+        .env("SOURCE_DATE_EPOCH", "0")
         .args(["-f", "-qq", "-o", log, "-e", &format!("trace={CALLS}")]);
     command
 }
