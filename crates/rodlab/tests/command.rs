@@ -168,7 +168,15 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
         .filter(|name| name.ends_with(".csv") || name.ends_with(".json"))
         .collect();
     names.sort();
-    assert_eq!(names, ["contacts.csv", "force.csv", "result.json"]);
+    assert_eq!(
+        names,
+        [
+            "contacts.csv",
+            "force.csv",
+            "force_in_band.csv",
+            "result.json"
+        ]
+    );
     let table = fs::read_to_string(result.join("force.csv")).unwrap();
     let mut lines = table.lines();
     assert!(

@@ -95,7 +95,6 @@ fn what_a_file_does_not_tell_is_advised() {
         .concat()
         .join("\n");
     insta::assert_snapshot!(said, @r"
-    static offset: `[0, :]` rests at 2.000, more than 0.250 of its peak 4.000
     1 of 16 values of channel 2 (`[1, :]`) are NaN or infinite
     the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
     the file does not tell a known unit of channel 1, 2: a sheet states `unit`

@@ -119,7 +119,10 @@ fn sources(folder: &Path) -> String {
 fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for line in sources.lines().map(str::trim) {
-        let is_code = !line.starts_with("//") && !line.contains("fn ") && !line.contains("let ");
+        let is_code = !line.starts_with("//")
+            && !line.contains("fn ")
+            && !line.contains("let ")
+            && !line.contains("&Stated");
         if is_code && of.iter().any(|of| line.contains(of)) && line.ends_with([',', ')']) {
             let line = line
                 .trim_start_matches("pub ")
@@ -331,6 +334,43 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         .to_vec()
 }
 
+/// Impacts of computed bodies of every element and law, through every contact.
+fn impacts() -> Vec<(PathBuf, String)> {
+    let impact = |materials: &str, problem: &str| {
+        format!(
+            r#"Force(title: "computed", materials: {{{materials}}}, problem: Impact({problem},
+            velocity: "1 m/s", duration: "0.3 ms", time_step: "5 us", uncertainty: (draws: 8)))"#
+        )
+    };
+    let zener = r#"(density: "1150 kg/m3", law: Zener(relaxed: "2.4 GPa", unrelaxed: "2.8 GPa", relaxation_time: "50 us"))"#;
+    let maxwell =
+        r#"(density: "1150 kg/m3", law: Maxwell(modulus: "3 GPa", viscosity: "2 MPa s"))"#;
+    let fractional = r#"(density: "1150 kg/m3", law: FractionalZener(relaxed: "2.4 GPa", unrelaxed: "2.8 GPa", relaxation_time: "50 us", exponent: "0.5"))"#;
+    let prony = r#"(density: "1150 kg/m3", law: Prony(equilibrium: "2.4 GPa", branches: [(modulus: "0.3 GPa", relaxation_time: "20 us")]))"#;
+    [
+        impact(
+            &format!(r#""a": {zener}, "b": {maxwell}"#),
+            r#"first: Chain(elements: [Mass("0.05 kg"), Spring("50 MN/m"), Rod(material: "a", diameter: "20 mm", length: "100 mm"), Dashpot("500 kg/s")], end: Mass("0.1 kg")),
+            second: LongRod(material: "b", diameter: "20 mm"), contact: Linear("50 MN/m")"#,
+        ),
+        impact(
+            &format!(r#""a": {fractional}, "b": {prony}"#),
+            r#"first: Chain(elements: [Rod(material: "a", diameter: "20 mm", length: "100 mm")], end: Free),
+            second: LongRod(material: "b", diameter: "20 mm"), contact: FlatPunch(radius: "10 mm", modulus: "70 GPa", poisson_ratio: "0.33")"#,
+        ),
+        impact(
+            "",
+            r#"first: RigidMass("0.1 kg"), second: Impedance("1000 kg/s"), contact: Sphere(radius: "25 mm", moduli: ("70 GPa", "200 GPa"), poisson_ratios: ("0.33", "0.30"))"#,
+        ),
+        impact(
+            "",
+            r#"first: RigidMass("0.1 kg"), second: Impedance("1000 kg/s"), contact: Table([("0.01 mm", "100 N"), ("0.2 mm", "20 kN")])"#,
+        ),
+    ]
+    .map(|text| (PathBuf::from("."), text))
+    .to_vec()
+}
+
 fn others() -> Vec<(PathBuf, String)> {
     let (cone, force) = example("cone", "force.ron");
     let (nylon, _) = example("nylon", "identify.ron");
@@ -358,6 +398,7 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     let mut sheets = moduli_of_hits();
     sheets.extend(moduli_of_ratios(folder.path()));
     sheets.extend(struck_bodies(folder.path()));
+    sheets.extend(impacts());
     sheets.extend(others());
     let (declared, texts) = (taking_an_uncertainty(), texts());
     let mut walked = Walked::default();
@@ -420,7 +461,7 @@ fn r08_the_refusal_says_why_and_what_to_do() {
     };
     let measured = |impedance: &str| {
         format!(
-            r#"Force(title: "a", problem: Impact(first: Measured((file: "a.uff", front_impedance: "{impedance}")),
+            r#"Force(title: "a", problem: Impact(first: Measured(file: "a.uff", front_impedance: "{impedance}"),
  second: RigidMass("1 kg"), velocity: "1 m/s", duration: "4 ms"))"#
         )
     };

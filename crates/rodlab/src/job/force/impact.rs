@@ -105,10 +105,9 @@ impl ContactSheet {
                 material(&moduli.1, &poisson_ratios.1),
             ),
             Self::Table(points) => {
-                let points: Vec<(f64, f64)> = points
-                    .iter()
-                    .map(|(d, f)| (d.nominal(), f.nominal()))
-                    .collect();
+                // the law begins where the faces touch
+                let stated = points.iter().map(|(d, f)| (d.nominal(), f.nominal()));
+                let points: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(stated).collect();
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
             }
         }
