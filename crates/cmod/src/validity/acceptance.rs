@@ -77,17 +77,23 @@ pub struct AcceptanceLimits {
 impl Default for AcceptanceLimits {
     fn default() -> Self {
         Self {
-            storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
-            loss_factor: GREATEST_LOSS_FACTOR_ERROR,
-            common_storage_modulus: f64::INFINITY,
             greatest_poisson_ratio: GREATEST_POISSON_RATIO,
-            error_amplification: GREATEST_ERROR_AMPLIFICATION,
-            coherence: 0.0,
+            ..Self::ONE_DIMENSIONAL
         }
     }
 }
 
 impl AcceptanceLimits {
+    /// The default limits for waves without lateral inertia: simulated ones, or those of a rod whose Poisson's ratio is 0.
+    pub const ONE_DIMENSIONAL: Self = Self {
+        storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
+        loss_factor: GREATEST_LOSS_FACTOR_ERROR,
+        common_storage_modulus: f64::INFINITY,
+        greatest_poisson_ratio: 0.0,
+        error_amplification: GREATEST_ERROR_AMPLIFICATION,
+        coherence: 0.0,
+    };
+
     /// No limits: only the conditions of the paper and what the solution reports are asked. One-dimensional theory is taken as
     /// exact.
     pub const NONE: Self = Self {

@@ -20,7 +20,7 @@ pub(crate) struct Evidence {
 /// Points of the first attempt for a nonlinear law; each further attempt doubles them.
 const FEWEST_POINTS: usize = 128;
 /// Points of the first attempt for a linear law, whose response costs little and whose shares and times bend about each other.
-const FEWEST_POINTS_LINEAR: usize = 256;
+const FEWEST_POINTS_LINEAR: usize = 1024;
 /// Points of the last attempt.
 const MOST_POINTS: usize = 2048;
 

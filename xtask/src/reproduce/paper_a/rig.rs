@@ -1,6 +1,7 @@
 //! The struck rod with its two accelerometers, as the analyser records it.
 
 use cmod::two_point::AveragedRatio;
+use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusEstimate, Solver, Specimen, TwoPoint};
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{Channel, FrequencyResponse, Provenance, Quantity, Record, SpectrumAverager, Window};
@@ -178,6 +179,7 @@ impl VirtualTest {
             .partition_point(|f| *f <= self.highest_hz);
         let coherence = response.coherence.as_ref().ok_or("ten blows have one")?;
         Ok(TwoPoint::new(self.specimen)?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
             .with_solver(solver)
             .estimate_averaged(&AveragedRatio {
                 frequency_hz: &response.frequency_hz[..lines],

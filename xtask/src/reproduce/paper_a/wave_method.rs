@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusEstimate, PulsedRod, RatioOfSpectra, SeparatePulses, noise_of_cut_pulse};
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -122,6 +123,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
         diameter: test.diameter,
         density: medium.density(),
     })?
+    .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
     .estimate(&frequency_hz, &ratio.ratio, &ratio.variance)?;
 
     let mut worst = [0.0_f64; 2];

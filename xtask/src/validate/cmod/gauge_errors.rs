@@ -37,7 +37,7 @@ fn errors_in_closed_form(claims: &mut Claims) {
             &frequency_hz,
             std::slice::from_ref(&strains),
             &noise,
-            AcceptanceLimits::default(),
+            AcceptanceLimits::ONE_DIMENSIONAL,
         )?;
         let pairs = || closed.lines().iter().zip(squares.modulus().lines());
         Ok([
@@ -73,7 +73,7 @@ fn errors_in_closed_form(claims: &mut Claims) {
                 &frequency_hz,
                 tests,
                 &noise,
-                AcceptanceLimits::default(),
+                AcceptanceLimits::ONE_DIMENSIONAL,
             )
         };
         let joint = by(&tests)?;

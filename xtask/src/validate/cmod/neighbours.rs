@@ -132,8 +132,9 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
         let found = || -> Ours {
             let rod = rod.as_ref().map_err(Clone::clone)?;
             let ratio = rod.ratio(first, second, &frequency_hz)?;
-            let estimate =
-                FreeEnd::new(ROD, first, second)?.estimate(&frequency_hz, &ratio, &none)?;
+            let estimate = FreeEnd::new(ROD, first, second)?
+                .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+                .estimate(&frequency_hz, &ratio, &none)?;
             Ok(rod.worst(&estimate, 300))
         };
         claims.deviation(
@@ -152,8 +153,9 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
                     .map(|[incident, reflected]| reflected / incident)
             })
             .collect::<Ours<Vec<_>>>()?;
-        let estimate =
-            OneGauge::new(ROD, at(GAUGE, Strain))?.estimate(&frequency_hz, &ratio, &none)?;
+        let estimate = OneGauge::new(ROD, at(GAUGE, Strain))?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+            .estimate(&frequency_hz, &ratio, &none)?;
         Ok(rod.worst(&estimate, 300))
     };
     claims.deviation(
@@ -173,6 +175,7 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
             diameter: DIAMETER,
             density: DENSITY,
         })?
+        .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
         .estimate(&frequency_hz, &ratio, &none)?;
         Ok(rod.worst(&estimate, 300))
     };
@@ -187,14 +190,16 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
         let ends = [at(LENGTH, Acceleration), at(0.0, Acceleration)];
         let ratio = rod.ratio(ends[0], ends[1], &frequency_hz)?;
         let variance: Vec<f64> = ratio.iter().map(|ratio| 1e-6 * ratio.norm_sqr()).collect();
-        let free_end =
-            FreeEnd::new(ROD, ends[0], ends[1])?.estimate(&frequency_hz, &ratio, &variance)?;
+        let free_end = FreeEnd::new(ROD, ends[0], ends[1])?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+            .estimate(&frequency_hz, &ratio, &variance)?;
         let two_point = TwoPoint::new(Specimen {
             length: LENGTH,
             diameter: DIAMETER,
             density: DENSITY,
             accelerometer_mass: END_MASS,
         })?
+        .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
         .estimate(&frequency_hz, &ratio, &variance)?;
         let pairs = free_end.lines().iter().zip(two_point.lines());
         Ok(largest(pairs.map(|(one, other)| {
@@ -211,7 +216,9 @@ fn without_noise(claims: &mut Claims, rod: &Ours<VirtualRod>) {
     let resonances = || -> Ours<[f64; 3]> {
         let rod = rod.as_ref().map_err(Clone::clone)?;
         let ratio = rod.ratio(at(LENGTH, Acceleration), at(0.0, Acceleration), &dense)?;
-        let estimate = Resonances::new(ROD, LENGTH)?.estimate(&dense, &ratio, &[0.0; 1500])?;
+        let estimate = Resonances::new(ROD, LENGTH)?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+            .estimate(&dense, &ratio, &[0.0; 1500])?;
         let changes = ratio
             .windows(2)
             .filter(|pair| pair[0].re * pair[1].re < 0.0);

@@ -230,11 +230,9 @@ impl Record {
             &self.noise[1],
         )?;
         Ok(
-            FreeEnd::new(ROD, section(DISTANCES[0]), section(DISTANCES[1]))?.estimate(
-                &self.frequency_hz,
-                &ratio.ratio,
-                &ratio.variance,
-            )?,
+            FreeEnd::new(ROD, section(DISTANCES[0]), section(DISTANCES[1]))?
+                .with_limits(cmod::validity::AcceptanceLimits::ONE_DIMENSIONAL)?
+                .estimate(&self.frequency_hz, &ratio.ratio, &ratio.variance)?,
         )
     }
 

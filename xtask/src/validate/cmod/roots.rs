@@ -112,6 +112,7 @@ fn of_series() -> Ours {
             .map(|f| rod.acceleration_ratio(TAU * f))
             .collect::<Result<Vec<_>, _>>()?;
         let series = TwoPoint::new(specimen)?
+            .with_limits(cmod::validity::AcceptanceLimits::ONE_DIMENSIONAL)?
             .with_solver(Solver::Series)
             .estimate(&frequency_hz, &ratio, &vec![0.0; ratio.len()])?;
         for line in series.valid() {
@@ -173,6 +174,7 @@ fn count(record: &Ours<Record>, noise: f64, solver: Solver) -> Ours<(f64, f64)> 
         .map(|ratio| noise * noise * ratio.norm_sqr())
         .collect();
     let estimate = TwoPoint::new(record.specimen)?
+        .with_limits(cmod::validity::AcceptanceLimits::ONE_DIMENSIONAL)?
         .with_solver(solver)
         .estimate(&record.frequency_hz, &observed, &variance)?;
     let is_wrong = |line: &&ModulusLine| {

@@ -84,7 +84,9 @@ fn estimate(
         .iter()
         .map(|f| integrated_ratio(modulus(TAU * f), &specimen, TAU * f))
         .collect();
-    Ok(TwoPoint::new(specimen)?.estimate(frequency_hz, &ratio, &vec![0.0; ratio.len()])?)
+    Ok(TwoPoint::new(specimen)?
+        .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+        .estimate(frequency_hz, &ratio, &vec![0.0; ratio.len()])?)
 }
 
 fn specimens(claims: &mut Claims) {
@@ -159,8 +161,9 @@ fn conditions(claims: &mut Claims) {
             .iter()
             .map(|f| integrated_ratio(polypropylene(TAU * f), &specimen, TAU * f).conj())
             .collect();
-        let estimate =
-            TwoPoint::new(specimen)?.estimate(&frequency_hz, &ratio, &vec![0.0; ratio.len()])?;
+        let estimate = TwoPoint::new(specimen)?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
+            .estimate(&frequency_hz, &ratio, &vec![0.0; ratio.len()])?;
         Ok(estimate.valid().count() as f64)
     };
     claims.claim(
@@ -272,6 +275,7 @@ fn shifts(claims: &mut Claims) {
             .map(|f| integrated_ratio(polypropylene(TAU * f), &made_with, TAU * f))
             .collect();
         Ok(TwoPoint::new(specimen)?
+            .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
             .with_specimen_uncertainty(uncertainty)?
             .estimate(&frequency_hz, &ratio, &[0.0; 4])?)
     };
