@@ -61,7 +61,7 @@
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
-mod common;
+mod common_errors;
 mod non_negative;
 
 use std::f64::consts::LN_10;
@@ -72,7 +72,7 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
-use common::CommonErrors;
+use common_errors::CommonErrors;
 
 /// Relaxation times a decade of the grid.
 pub const GRID_PER_DECADE: u32 = 32;
