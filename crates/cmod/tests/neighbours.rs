@@ -6,15 +6,9 @@
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 
-#[path = "neighbours/comparison.rs"]
 mod comparison;
-#[path = "neighbours/errors.rs"]
 mod errors;
-#[path = "neighbours/exactness.rs"]
 mod exactness;
-#[path = "neighbours/few_hits.rs"]
 mod few_hits;
-#[path = "neighbours/rod.rs"]
 mod rod;
-#[path = "neighbours/systematic.rs"]
 mod systematic;

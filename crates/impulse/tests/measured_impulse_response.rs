@@ -6,7 +6,7 @@
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 
-mod virtual_laboratory;
+use crate::virtual_laboratory;
 
 use impulse::{ContactEnd, EndVerdict, separate};
 use rand::SeedableRng;

@@ -6,7 +6,7 @@
     reason = "in a test, a refusal where none is expected is a failure"
 )]
 
-mod virtual_body;
+use crate::virtual_body;
 
 use impulse::{
     ForceBand, Parameter, Penalty, Reconstruction, Regularisation, ResponseEnd, ResponseNoise,

@@ -8,7 +8,7 @@
     reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
 )]
 
-mod measured;
+use crate::measured;
 
 use std::f64::consts::{PI, TAU};
 

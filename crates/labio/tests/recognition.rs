@@ -5,7 +5,7 @@
     reason = "a test fails by a panic and says what it skips"
 )]
 
-mod measured;
+use crate::measured;
 
 use labio::format;
 

@@ -1,7 +1,7 @@
 //! The estimate, its errors and its profile are of one minimum.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@
     reason = "a failing test should say so at once, and counts are small"
 )]
 
-mod virtual_rod;
+use crate::virtual_rod;
 
 use maxwellid::{Fit, MaxwellidError, Method, Noise, RodModel, RodTest};
 use rodwave::band_limited::{SampledHistory, VelocityHistory};

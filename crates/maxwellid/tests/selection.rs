@@ -1,7 +1,7 @@
 //! Which law: the right one from two impact velocities, and doubts where they belong.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use maxwellid::MaxwellidError;
 use maxwellid::linear::MaxwellBranches;

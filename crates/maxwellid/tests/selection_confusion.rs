@@ -1,7 +1,7 @@
 //! Confusion matrix and calibration of probabilities on data of independent generators, at two velocities.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use std::collections::BTreeMap;
 

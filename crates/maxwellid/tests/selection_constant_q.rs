@@ -1,7 +1,7 @@
 //! Linear rods of constant loss factor, struck at one velocity: no nonlinear law is named.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use maxwellid::selection::Candidate;
 use rodwave::modulus::ComplexModulus;

@@ -1,7 +1,7 @@
 //! Comparisons that do not depend on the order of anything, and laws that are never worse than their special cases.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use maxwellid::RodTest;
 use maxwellid::selection::{Candidate, ComparedLaw, Comparison, Decision, Selection};

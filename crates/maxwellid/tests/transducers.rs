@@ -7,7 +7,7 @@
     reason = "a failing test should say so at once, and counts are small"
 )]
 
-mod virtual_rod;
+use crate::virtual_rod;
 
 use maxwellid::{
     Differentiator, DisplacementTransducers, Fit, FitFlag, Freedom, MaxwellidError, Noise,

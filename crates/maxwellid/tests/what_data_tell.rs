@@ -1,7 +1,7 @@
 //! Profiles, advice on the next test, and the paper's classifier on virtual tests.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
-mod virtual_tests;
+use crate::virtual_tests;
 
 use maxwellid::adequacy::{Basis, RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;

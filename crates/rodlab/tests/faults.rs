@@ -1,6 +1,6 @@
 //! Faults that a laboratory meets, done to the program as a person runs it, and counted: nothing is lost and nothing panics.
 //!
-//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked --workspace --test faults -- --test-threads 1`
+//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked --workspace --test it faults:: -- --test-threads 1`
 //! tries all of them, which takes a quarter of an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
 //! in `docs/validation.md` of them.
 #![cfg(unix)]
@@ -12,31 +12,18 @@
     reason = "a test fails by a panic that says which fault was not withstood, and says what it skips"
 )]
 
-#[path = "faults/cut_records.rs"]
 mod cut_records;
-#[path = "faults/cut_sheets.rs"]
 mod cut_sheets;
-#[path = "faults/folder.rs"]
 mod folder;
-#[path = "faults/full_disk.rs"]
 mod full_disk;
-#[path = "faults/killed.rs"]
 mod killed;
-#[path = "faults/no_permission.rs"]
 mod no_permission;
-#[path = "faults/odd_files.rs"]
 mod odd_files;
-#[path = "faults/program.rs"]
 mod program;
-#[path = "faults/record_files.rs"]
 mod record_files;
-#[path = "faults/struck_mass.rs"]
 mod struck_mass;
-#[path = "faults/system_calls.rs"]
 mod system_calls;
-#[path = "faults/tally.rs"]
 mod tally;
-#[path = "faults/two_runs.rs"]
 mod two_runs;
 
 use tally::{Extent, compared};

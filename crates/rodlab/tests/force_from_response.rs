@@ -6,10 +6,9 @@
     reason = "a sheet that should have a result and has none is the failure that the test reports; what is skipped is said"
 )]
 
-mod two_masses;
+use crate::two_masses;
 
-#[path = "../../labio/tests/measured/mod.rs"]
-mod measured;
+use crate::measured;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

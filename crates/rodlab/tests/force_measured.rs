@@ -7,7 +7,7 @@
     reason = "a sheet that should have a result and has none is the failure that the test reports; counts of steps are small"
 )]
 
-mod two_masses;
+use crate::two_masses;
 
 use std::fs;
 use std::path::Path;

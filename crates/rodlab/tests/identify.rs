@@ -7,7 +7,7 @@
     reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
 )]
 
-mod struck_rods;
+use crate::struck_rods;
 
 use std::fs;
 use std::path::Path;

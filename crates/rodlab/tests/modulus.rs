@@ -13,7 +13,7 @@
     reason = "a failing test should say so at once"
 )]
 
-mod virtual_rod;
+use crate::virtual_rod;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

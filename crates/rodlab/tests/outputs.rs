@@ -6,7 +6,7 @@
 )]
 
 #[allow(dead_code, reason = "the browser needs more of it")]
-mod rich;
+use crate::rich;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -8,7 +8,7 @@
     reason = "a failing test should say so at once"
 )]
 
-mod rich;
+use crate::rich;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;

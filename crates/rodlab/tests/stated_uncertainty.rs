@@ -8,7 +8,7 @@
     reason = "a sheet that should have a result and has none is the failure that the test reports"
 )]
 
-mod two_masses;
+use crate::two_masses;
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;

@@ -3,8 +3,8 @@
 use labio::format;
 use rodlab::inspect::inspect_bytes;
 
-use crate::records::prints;
-use crate::records::reader::both_manners;
+use super::super::records::prints;
+use super::super::records::reader::both_manners;
 
 /// Recognises, reads and inspects.
 pub fn recognition(bytes: &[u8]) {

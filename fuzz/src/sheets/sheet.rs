@@ -7,7 +7,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use rodlab::job::{self, Silent};
 use rodlab::sheet::{self, Sheet, SheetError};
 
-use crate::records::prints;
+use super::super::records::prints;
 
 /// Parses a sheet; where it names no place outside its folder, which is empty, everything that can be is checked.
 pub fn sheet(bytes: &[u8]) {

@@ -8,7 +8,7 @@ use rodlab::job::{self, Silent};
 use rodlab::outcome::Outcome;
 use rodlab::sheet::{self, Sheet};
 
-use crate::records::prints;
+use super::super::records::prints;
 
 const RATIOS: [&str; 4] = [
     r#"Modulus(title: "parts", specimen: (length: "799 mm ± 0.3 mm", diameter: "15.8 mm", density: "912 kg/m3 ± 0.3 kg/m3",

@@ -3,7 +3,7 @@
 use labio::{LabioError, Unit};
 use rodlab::sheet::{AddedMass, Coordinate, Density, Kind, Length, Ratio, Stated, Temperature};
 
-use crate::records::prints;
+use super::super::records::prints;
 
 /// A text as a unit and as quantities.
 pub fn unit(bytes: &[u8]) {

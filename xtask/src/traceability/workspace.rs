@@ -87,17 +87,9 @@ impl Workspace {
         workspace.read_module(root, "xtask/src/main.rs", true)?;
         for package in entries(root, "crates")? {
             workspace.read_module(root, &format!("{package}/src/lib.rs"), true)?;
-            let tests = format!("{package}/tests");
-            if !root.join(&tests).is_dir() {
-                continue;
-            }
-            for entry in entries(root, &tests)? {
-                let main = format!("{entry}/main.rs");
-                if entry.ends_with(".rs") {
-                    workspace.read_module(root, &entry, true)?;
-                } else if root.join(&main).is_file() {
-                    workspace.read_module(root, &main, true)?;
-                }
+            let tests = format!("{package}/tests/it.rs");
+            if root.join(&tests).is_file() {
+                workspace.read_module(root, &tests, true)?;
             }
         }
         Ok(workspace)
@@ -259,13 +251,13 @@ mod tests {
             ("crates/a/src/rod/end.rs", "pub struct End;"),
             ("crates/a/src/rod/forgotten.rs", "pub struct Forgotten;"),
             (
-                "crates/a/tests/one.rs",
-                "mod rig; #[path = \"two/part.rs\"] mod part;",
+                "crates/a/tests/it.rs",
+                "mod rig; #[path = \"two/part.rs\"] mod part; mod three;",
             ),
             ("crates/a/tests/rig/mod.rs", "mod hammer;"),
             ("crates/a/tests/rig/hammer.rs", "fn swing() {}"),
             ("crates/a/tests/two/part.rs", "#[test] fn by_attribute() {}"),
-            ("crates/a/tests/three/main.rs", "mod whole;"),
+            ("crates/a/tests/three.rs", "mod whole;"),
             (
                 "crates/a/tests/three/whole.rs",
                 "#[test] fn in_the_folder() {}",

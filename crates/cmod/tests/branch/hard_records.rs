@@ -4,7 +4,7 @@ use cmod::branch::{BranchDoubt, BranchTracker};
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
 
-use crate::rig::{Clean, flat, is_silently_wrong, polyamide, rods_of_paper_a};
+use super::rig::{Clean, flat, is_silently_wrong, polyamide, rods_of_paper_a};
 
 const SEEDS: u64 = 50;
 

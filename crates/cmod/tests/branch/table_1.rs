@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use cmod::branch::{Branch, BranchTracker, FreeEnd, FreeEndRoot, PhaseRecord, resolve};
 use num_complex::Complex64;
 
-use crate::rig::{Clean, flat, golden, rods_of_paper_a};
+use super::rig::{Clean, flat, golden, rods_of_paper_a};
 
 #[test]
 fn every_quarter_turn_has_its_integers() {

@@ -4,7 +4,7 @@
 use cmod::{Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
 
-use crate::rig::{Clean, Measured, Rod, polyamide, rods_of_paper_a};
+use super::rig::{Clean, Measured, Rod, polyamide, rods_of_paper_a};
 
 fn record() -> Clean {
     let rod = rods_of_paper_a()[9];

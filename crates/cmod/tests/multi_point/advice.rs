@@ -6,7 +6,7 @@ use cmod::CmodError;
 use cmod::multi_point::advice::{ExpectedWaves, common_spacing, predict, singular_frequencies};
 use num_complex::Complex64;
 
-use crate::frame::{lines, polypropylene};
+use super::frame::{lines, polypropylene};
 
 const THREE_EQUAL: [f64; 3] = [-0.1, 0.0, 0.1];
 const THREE_UNEQUAL: [f64; 3] = [-0.1, -0.03, 0.1];

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
 use rodwave::waves::TravellingWaves;
 
-use crate::frame::{
+use super::frame::{
     STRUCTURES, Structure, clean, flat, lines, noisy, polypropylene, rod, size, strains,
 };
 

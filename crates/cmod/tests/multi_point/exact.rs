@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use rodwave::waves::TravellingWaves;
 
-use crate::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
+use super::frame::{STRUCTURES, clean, flat, lines, polypropylene, rod, strains};
 
 /// Relative error of γ of a line.
 fn error(line: &ModulusLine) -> f64 {
@@ -152,7 +152,7 @@ fn three_equal_distances_are_the_closed_form() {
 fn the_waves_are_those_of_the_rod() {
     let frequency_hz = lines(300.0, 50.0, 100);
     let positions = [0.2, 0.29, 0.5, 0.55];
-    let spectra = strains(crate::frame::Structure::Free, &positions, &frequency_hz);
+    let spectra = strains(super::frame::Structure::Free, &positions, &frequency_hz);
     let tests: [&[Vec<Complex64>]; 1] = [&spectra];
     let noise = flat(&[1e-9; 4], 100);
     let result = MultiPoint::new(rod(&positions))
@@ -220,7 +220,7 @@ proptest! {
 fn one_line_needs_a_guess() {
     let frequency_hz = [6000.0];
     let positions = [0.3, 0.4, 0.5];
-    let spectra = strains(crate::frame::Structure::I, &positions, &frequency_hz);
+    let spectra = strains(super::frame::Structure::I, &positions, &frequency_hz);
     let tests: [&[Vec<Complex64>]; 1] = [&spectra];
     let noise = flat(&[0.0; 3], 1);
     let input = clean(&frequency_hz, &tests, &noise);

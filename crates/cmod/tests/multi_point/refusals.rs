@@ -5,7 +5,7 @@ use cmod::validity::Violation;
 use cmod::{CmodError, GaugeSpectra, GaugedRod, MultiPoint, ThreePoint};
 use num_complex::Complex64;
 
-use crate::frame::{Structure, clean, flat, lines, noisy, rod, size, strains};
+use super::frame::{Structure, clean, flat, lines, noisy, rod, size, strains};
 
 #[test]
 fn impossible_rods_are_refused() {

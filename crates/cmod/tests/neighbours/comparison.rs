@@ -19,7 +19,7 @@ use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{Pulse, RaisedCosine};
 use rodwave::synthesis::DampedSynthesis;
 
-use crate::rod::{DENSITY, DIAMETER, LENGTH, Noise, lines, polypropylene, with_end_mass};
+use super::rod::{DENSITY, DIAMETER, LENGTH, Noise, lines, polypropylene, with_end_mass};
 
 const ACCELEROMETER: f64 = 2.9e-3;
 const INTERVAL: f64 = 4e-6;

@@ -8,7 +8,7 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, RatioOfSpectra, Resonances, SeparatePulses};
 use num_complex::Complex64;
 
-use crate::rod::{
+use super::rod::{
     DENSITY, DIAMETER, LENGTH, Noise, VirtualRod, lines, polypropylene, with_end_mass,
 };
 

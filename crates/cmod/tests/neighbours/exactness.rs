@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
 
-use crate::rod::{
+use super::rod::{
     DENSITY, DIAMETER, VirtualRod, lines, polyamide_of_low_loss, polypropylene, relaxing,
     with_end_mass,
 };
@@ -159,7 +159,7 @@ fn two_accelerations_are_the_two_point_method() {
     let rod = VirtualRod::new(&polypropylene(), end_mass);
     let frequency_hz = band();
     let ends = [
-        at(crate::rod::LENGTH, Quantity::Acceleration),
+        at(super::rod::LENGTH, Quantity::Acceleration),
         at(0.0, Quantity::Acceleration),
     ];
     let ratio: Vec<Complex64> = frequency_hz
@@ -172,7 +172,7 @@ fn two_accelerations_are_the_two_point_method() {
         .estimate(&frequency_hz, &ratio, &variance)
         .unwrap();
     let two_point = TwoPoint::new(Specimen {
-        length: crate::rod::LENGTH,
+        length: super::rod::LENGTH,
         diameter: DIAMETER,
         density: DENSITY,
         accelerometer_mass: end_mass,
@@ -196,14 +196,14 @@ fn resonances_are_those_of_the_chain() {
     let medium = polypropylene();
     let frequency_hz = lines(1500, 5.0);
     let ends = [
-        at(crate::rod::LENGTH, Quantity::Acceleration),
+        at(super::rod::LENGTH, Quantity::Acceleration),
         at(0.0, Quantity::Acceleration),
     ];
     for end_mass in [0.0, 2.9e-3, 0.016] {
         let rod = VirtualRod::new(&medium, end_mass);
         let ratio_at = |f: f64| rod.at(ends[0], TAU * f) / rod.at(ends[1], TAU * f);
         let ratio: Vec<Complex64> = frequency_hz.iter().map(|f| ratio_at(*f)).collect();
-        let method = Resonances::new(with_end_mass(end_mass), crate::rod::LENGTH).unwrap();
+        let method = Resonances::new(with_end_mass(end_mass), super::rod::LENGTH).unwrap();
         let estimate = method
             .estimate(&frequency_hz, &ratio, &vec![0.0; 1500])
             .unwrap();

@@ -11,7 +11,7 @@ use cmod::{
 };
 use num_complex::Complex64;
 
-use crate::rod::{DENSITY, DIAMETER, polypropylene, with_end_mass};
+use super::rod::{DENSITY, DIAMETER, polypropylene, with_end_mass};
 
 fn gamma(frequency_hz: f64) -> Complex64 {
     polypropylene().propagation_coefficient(TAU * frequency_hz)

@@ -10,7 +10,7 @@ use cmod::{
 };
 use num_complex::Complex64;
 
-use crate::rod::{DENSITY, DIAMETER, LENGTH, Noise, VirtualRod, lines, polypropylene};
+use super::rod::{DENSITY, DIAMETER, LENGTH, Noise, VirtualRod, lines, polypropylene};
 
 const END_MASS: f64 = 2.9e-3;
 const UNCERTAINTY: SectionUncertainty = SectionUncertainty {

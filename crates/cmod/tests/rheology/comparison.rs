@@ -3,7 +3,7 @@
 use cmod::rheology::{Comparison, FitOptions, Law};
 use rodwave::modulus::{ComplexModulus, FractionalZener};
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 const LAWS: [Law; 6] = [
     Law::KelvinVoigt,

@@ -10,7 +10,7 @@ use rodwave::modulus::{
     MaxwellBranch, PowerLawPropagation, Zener,
 };
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 fn two_branches() -> GeneralisedMaxwell {
     let branch = |modulus, relaxation_time| MaxwellBranch {
@@ -167,7 +167,7 @@ fn covariance_is_the_scatter_and_intervals_cover() {
 #[test]
 fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     let law = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
-    let points = crate::measured::points(|omega| law.at(omega), &band(), Noise::CORRELATED, 3);
+    let points = super::measured::points(|omega| law.at(omega), &band(), Noise::CORRELATED, 3);
     let optimistic: Vec<_> = points
         .iter()
         .map(|point| cmod::rheology::ModulusPoint {

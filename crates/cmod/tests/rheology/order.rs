@@ -3,7 +3,7 @@
 use cmod::rheology::{Criterion, FitOptions, Law, PronyFit, RheologicalFit};
 use rodwave::modulus::{ComplexModulus, FractionalZener, GeneralisedMaxwell, MaxwellBranch};
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
     let branches = branches

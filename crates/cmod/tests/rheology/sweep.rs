@@ -15,7 +15,7 @@ use rodwave::modulus::{
 };
 use rodwave::transition::{State, TransitionMatrix};
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 const REFERENCE: f64 = 353.15;
 

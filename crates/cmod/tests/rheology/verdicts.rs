@@ -3,7 +3,7 @@
 use cmod::rheology::{FitOptions, IntervalMethod, Law, PronyFit, Reason, RheologicalFit, Verdict};
 use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch, Zener};
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
     let branches = branches

@@ -6,7 +6,7 @@ use cmod::{Specimen, TwoPoint};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use crate::rod::{ONE_DIMENSIONAL, acceleration_ratio};
+use super::rod::{ONE_DIMENSIONAL, acceleration_ratio};
 
 const SPECIMEN: Specimen = Specimen {
     length: 0.4,

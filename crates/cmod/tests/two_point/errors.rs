@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use crate::rod::{ONE_DIMENSIONAL, acceleration_ratio, circular};
+use super::rod::{ONE_DIMENSIONAL, acceleration_ratio, circular};
 
 /// Test 2 of paper A.
 const SPECIMEN: Specimen = Specimen {

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use crate::rod::acceleration_ratio;
+use super::rod::acceleration_ratio;
 
 const SPECIMEN: Specimen = Specimen {
     length: 0.4,

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rodwave::medium::Medium;
 use rodwave::modulus::PowerLawPropagation;
 
-use crate::rod::{acceleration_ratio, circular};
+use super::rod::{acceleration_ratio, circular};
 
 /// A rod of 800 mm with μ = 0.036, of the material of paper E, eq. 7, with a fifth of its damping.
 fn specimen() -> Specimen {

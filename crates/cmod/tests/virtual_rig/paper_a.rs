@@ -20,8 +20,8 @@ use rodwave::modulus::{ConstantQ, PowerLawPropagation};
 use rodwave::synthesis::{DampedSynthesis, FourierSynthesis};
 use serde::Deserialize;
 
-use crate::coverage::Coverage;
-use crate::instrument_chain::{BLOWS, OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
+use super::coverage::Coverage;
+use super::instrument_chain::{BLOWS, OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 /// Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;

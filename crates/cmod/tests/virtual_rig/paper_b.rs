@@ -14,8 +14,8 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-use crate::coverage::Coverage;
-use crate::instrument_chain::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
+use super::coverage::Coverage;
+use super::instrument_chain::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;

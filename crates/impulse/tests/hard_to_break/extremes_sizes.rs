@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::{long_rod, mass, rod};
+use super::{long_rod, mass, rod};
 
 #[test]
 fn requests_that_no_memory_holds_are_refused() {

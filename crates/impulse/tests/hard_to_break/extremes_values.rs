@@ -8,8 +8,8 @@ use impulse::{
 };
 use num_complex::Complex64;
 
-use crate::hostile::{self, HOSTILE};
-use crate::{long_rod, mass};
+use super::hostile::{self, HOSTILE};
+use super::{long_rod, mass};
 
 type Made = Result<Vec<f64>, ImpulseError>;
 

@@ -3,7 +3,7 @@
 use impulse::{ContactLaw, Impact, ImpactBody, Prediction, PredictionFlag};
 use proptest::prelude::*;
 
-use crate::{long_rod, mass, rod};
+use super::{long_rod, mass, rod};
 
 /// A free body by its number: masses and rods, elastic or not.
 fn body(kind: usize, size: f64) -> Box<dyn ImpactBody> {

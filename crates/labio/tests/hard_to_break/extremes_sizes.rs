@@ -7,7 +7,7 @@ use labio::{
 };
 use ndarray::{Array2, Axis};
 
-use crate::{INPUT, channels, record};
+use super::{INPUT, channels, record};
 
 /// Samples of a record that are handed out in blocks; what comes after them is a lie of so many more.
 struct Played {
@@ -224,7 +224,7 @@ fn the_shortest_records() {
     }
     for rate in [1.0 / 3.0, std::f64::consts::PI, 44_100.0 / 7.0] {
         let two = record([&[1.0, 2.0], &[3.0, 5.0]], rate);
-        let spectra = crate::averaged(&[two.clone(), two.clone()]);
+        let spectra = super::averaged(&[two.clone(), two.clone()]);
         assert_eq!(spectra.frequency_hz().len(), 2);
         let half = spectra.frequency_hz()[1];
         assert!((half / rate - 0.5).abs() < 1e-15);

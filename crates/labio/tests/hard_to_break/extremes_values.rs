@@ -12,8 +12,8 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rand::SeedableRng;
 
-use crate::hostile::{self, HOSTILE};
-use crate::{INPUT, OUTPUT, averaged, channels, record};
+use super::hostile::{self, HOSTILE};
+use super::{INPUT, OUTPUT, averaged, channels, record};
 
 type Made = Result<Vec<f64>, LabioError>;
 

@@ -4,7 +4,7 @@ use labio::hits::{Criteria, Extent, Trigger, find_hits};
 use labio::{LowFrequency, differentiate, integrate};
 use proptest::prelude::*;
 
-use crate::{INPUT, record};
+use super::{INPUT, record};
 
 proptest! {
     /// The derivative of the integral is the history without its mean, and without the line at the Nyquist frequency, which has no

@@ -6,7 +6,7 @@ use labio::{
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::{INPUT, OUTPUT, any_hits, averaged};
+use super::{INPUT, OUTPUT, any_hits, averaged};
 
 fn response(values: Vec<Complex64>, spacing_hz: f64) -> FrequencyResponse {
     let force = Channel::new(INPUT, Quantity::Force).unwrap();
@@ -60,7 +60,7 @@ proptest! {
             let lift = f64::from(seed) / 500.0;
             let rows: Vec<Vec<f64>> = hit.samples().rows().into_iter()
                 .map(|row| row.iter().enumerate().map(|(n, x)| x + lift * (n as f64).sin()).collect()).collect();
-            crate::record([&rows[0], &rows[1]], hit.sampling_rate_hz())
+            super::record([&rows[0], &rows[1]], hit.sampling_rate_hz())
         }).collect();
         let [a, b] = [averaged(&first), averaged(&other)];
         let [x, y] = [&a, &b].map(|spectra| spectra.h1(INPUT, OUTPUT).unwrap());

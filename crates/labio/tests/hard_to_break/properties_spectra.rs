@@ -4,7 +4,7 @@ use labio::{AveragedSpectra, LineValidity, Record, Welch, Window};
 use ndarray::Array2;
 use proptest::prelude::*;
 
-use crate::{INPUT, OUTPUT, any_hits, averaged, record};
+use super::{INPUT, OUTPUT, any_hits, averaged, record};
 
 fn scaled(hit: &Record, factors: [f64; 2]) -> Record {
     let row = |name: &str, factor: f64| -> Vec<f64> {

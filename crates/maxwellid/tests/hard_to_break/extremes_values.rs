@@ -12,8 +12,8 @@ use maxwellid::{
 };
 use rodwave::inelastic::Maxwell;
 
-use crate::hostile;
-use crate::{MODULUS, V0, data, excitation, test_of};
+use super::hostile;
+use super::{MODULUS, V0, data, excitation, test_of};
 
 fn sweep(name: &str, door: impl Fn(f64) -> Result<Vec<f64>, MaxwellidError>) {
     hostile::sweep(name, door);

@@ -4,7 +4,7 @@ use maxwellid::selection::{Candidate, Selection};
 use maxwellid::{Fit, Identification, MaxwellidError, RodModel, RodTest};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 
-use crate::{MODULUS, data, excitation, test_of};
+use super::{MODULUS, data, excitation, test_of};
 
 fn maxwell() -> Maxwell {
     Maxwell::from_reference_rate(20.0, 10e6).unwrap()

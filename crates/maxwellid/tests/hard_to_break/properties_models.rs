@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-use crate::{DENSITY, LENGTH, MODULUS, RATE, excitation};
+use super::{DENSITY, LENGTH, MODULUS, RATE, excitation};
 
 const CELL: f64 = 8e-3;
 const STRESS: f64 = 10e6;

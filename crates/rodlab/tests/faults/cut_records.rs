@@ -8,10 +8,10 @@ use labio::format;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::folder::{example, files_in};
-use crate::program::{rodlab, run};
-use crate::record_files::{RecordFile, all, at_end_of_line};
-use crate::tally::{Came, Extent, Row};
+use super::folder::{example, files_in};
+use super::program::{rodlab, run};
+use super::record_files::{RecordFile, all, at_end_of_line};
+use super::tally::{Came, Extent, Row};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -161,7 +161,7 @@ fn in_a_job(ending: &str, extent: Extent) -> Row {
     let files = files_in(folder.path());
     let result = |cut: usize| {
         let folder = TempDir::new().unwrap();
-        crate::folder::put(folder.path(), &files);
+        super::folder::put(folder.path(), &files);
         let path = folder.path().join(format!("strains-1.{ending}"));
         fs::write(path, &record[..cut]).unwrap();
         let arguments = ["modulus", "modulus.ron", "--json", "--out", "out"];

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::folder::example;
-use crate::program::{rodlab, run};
-use crate::tally::{Came, Extent, Row};
+use super::folder::example;
+use super::program::{rodlab, run};
+use super::tally::{Came, Extent, Row};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();

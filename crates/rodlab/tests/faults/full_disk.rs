@@ -6,10 +6,10 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-use crate::folder::{Files, difference, files_in, put};
-use crate::program::{Ran, rodlab, run, shell};
-use crate::struck_mass::{self, sheet};
-use crate::tally::{Came, Extent, Row};
+use super::folder::{Files, difference, files_in, put};
+use super::program::{Ran, rodlab, run, shell};
+use super::struck_mass::{self, sheet};
+use super::tally::{Came, Extent, Row};
 
 /// What `ulimit -f` counts in.
 const BLOCK: usize = 512;
@@ -213,7 +213,7 @@ fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
         );
         let mut command = Command::new("unshare");
         command
-            .args(["-m", "sh", "-c", &script, crate::program::PROGRAM])
+            .args(["-m", "sh", "-c", &script, super::program::PROGRAM])
             .current_dir(folder.path())
             .env("NO_COLOR", "1")
             .env("SOURCE_DATE_EPOCH", "0");

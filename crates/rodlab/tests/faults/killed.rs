@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use crate::folder::{Files, difference, files_in, is_whole, put};
-use crate::program::{Ran, rodlab, run, shell};
-use crate::struck_mass::{self, sheet};
-use crate::tally::{Came, Extent, Row};
+use super::folder::{Files, difference, files_in, is_whole, put};
+use super::program::{Ran, rodlab, run, shell};
+use super::struck_mass::{self, sheet};
+use super::tally::{Came, Extent, Row};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let folder = struck_mass::folder();

@@ -5,10 +5,10 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 use std::process::Command;
 
-use crate::folder::{difference, files_in, put};
-use crate::program::{PROGRAM, run};
-use crate::struck_mass;
-use crate::tally::{Came, Extent, Row};
+use super::folder::{difference, files_in, put};
+use super::program::{PROGRAM, run};
+use super::struck_mass;
+use super::tally::{Came, Extent, Row};
 
 /// A path that is given permissions, and the command that meets them.
 type Place = (&'static str, u32, &'static [&'static str]);

@@ -7,10 +7,10 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::folder::{difference, example, files_in};
-use crate::program::{Ran, rodlab, run, shell};
-use crate::struck_mass;
-use crate::tally::{Came, Extent, Row};
+use super::folder::{difference, example, files_in};
+use super::program::{Ran, rodlab, run, shell};
+use super::struck_mass;
+use super::tally::{Came, Extent, Row};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     vec![

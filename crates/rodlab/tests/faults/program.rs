@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::mpsc;
 use std::time::Duration;
 
-use crate::tally::Came;
+use super::tally::Came;
 
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_rodlab");
 

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::folder::{Files, example, files_in};
-use crate::program::{rodlab, run};
+use super::folder::{Files, example, files_in};
+use super::program::{rodlab, run};
 
 /// A mass that strikes a long rod.
 pub(crate) fn sheet(velocity: &str) -> String {

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::folder::{Files, put};
-use crate::killed::after_the_kill;
-use crate::program::{PROGRAM, run};
-use crate::struck_mass;
-use crate::tally::{Came, Extent, Row};
+use super::folder::{Files, put};
+use super::killed::after_the_kill;
+use super::program::{PROGRAM, run};
+use super::struck_mass;
+use super::tally::{Came, Extent, Row};
 
 /// Calls that create, fill, lock, rename and remove files.
 const CALLS: &str =

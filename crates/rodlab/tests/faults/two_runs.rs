@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use crate::folder::{difference, files_in};
-use crate::program::{rodlab, run};
-use crate::struck_mass::{self, sheet};
-use crate::tally::{Came, Extent, Row};
+use super::folder::{difference, files_in};
+use super::program::{rodlab, run};
+use super::struck_mass::{self, sheet};
+use super::tally::{Came, Extent, Row};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     vec![

@@ -4,7 +4,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::slenderness::{Slenderness, elementary_theory_error};
 
-use crate::table::GoldenTable;
+use super::table::GoldenTable;
 
 /// Wave number of polypropylene, 2.6 GPa with a loss factor of 0.07 at 10 kHz (figure 3 of paper A).
 fn wave_number(density: f64, frequency_hz: f64) -> f64 {

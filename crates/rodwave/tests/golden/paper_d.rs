@@ -7,7 +7,7 @@ use rodwave::inelastic::{
 use rodwave::lumped::LumpedRod;
 use rodwave::{DirectProblem, InelasticRod};
 
-use crate::table::GoldenTable;
+use super::table::GoldenTable;
 
 /// A pulse as smooth as those that an aluminium projectile of 30 mm makes behind a few centimetres of rod [m/s].
 struct Pulse;

@@ -6,7 +6,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::{Elastic, PowerLawPropagation};
 use rodwave::{Chain, Termination};
 
-use crate::table::GoldenTable;
+use super::table::GoldenTable;
 
 /// mpmath, from numbers that were typed apart.
 const CHAINS: &str = include_str!("../../../../fixtures/reference/mpmath/chains.csv");

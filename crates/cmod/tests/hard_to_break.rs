@@ -9,7 +9,7 @@
               the last bit"
 )]
 
-#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+#[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;
 mod hostile_estimates;
 mod hostile_models;

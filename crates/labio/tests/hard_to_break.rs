@@ -9,7 +9,7 @@
 
 mod extremes_sizes;
 mod extremes_values;
-#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+#[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;
 mod hostile_files;
 mod properties_histories;

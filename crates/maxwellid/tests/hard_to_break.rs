@@ -9,7 +9,7 @@
 )]
 
 mod extremes_values;
-#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+#[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;
 mod properties_differentiators;
 mod properties_fits;

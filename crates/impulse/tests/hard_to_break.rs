@@ -9,7 +9,7 @@
 
 mod extremes_sizes;
 mod extremes_values;
-#[path = "../../../rodwave/tests/hard_to_break/hostile.rs"]
+#[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;
 mod properties_impacts;
 mod properties_reconstruction;

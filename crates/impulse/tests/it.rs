@@ -1,0 +1,17 @@
+//! Integration tests of impulse: one program, a module for each subject.
+
+mod against_line;
+mod bad_input;
+mod closed_forms;
+mod force_in_band;
+mod hard_to_break;
+mod kernels;
+mod measured_body;
+mod measured_impulse_response;
+mod no_allocation;
+mod paper_e;
+mod paper_e_contact;
+mod reconstruction;
+mod reference_mpmath;
+mod virtual_body;
+mod virtual_laboratory;

@@ -1,0 +1,22 @@
+//! Integration tests of labio: one program, a module for each subject.
+
+mod csv;
+mod hard_to_break;
+mod hits;
+mod instrument;
+mod lvm;
+mod mat5;
+mod measured;
+mod npy;
+mod recognition;
+mod reference_filters;
+mod reference_nptdms;
+mod reference_pandas;
+mod reference_pyuff;
+mod reference_wav;
+mod scipy_reference;
+mod sheets;
+mod tdms;
+mod uff58;
+mod units;
+mod wav;

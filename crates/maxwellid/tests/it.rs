@@ -1,0 +1,17 @@
+//! Integration tests of maxwellid: one program, a module for each subject.
+
+mod coverage;
+mod criterion;
+mod hard_to_break;
+mod identification;
+mod one_answer;
+mod search;
+mod selection;
+mod selection_confusion;
+mod selection_constant_q;
+mod selection_settled;
+mod specimen;
+mod transducers;
+mod virtual_rod;
+mod virtual_tests;
+mod what_data_tell;

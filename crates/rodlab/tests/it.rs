@@ -1,0 +1,32 @@
+//! Integration tests of rodlab: one program, a module for each subject.
+
+mod bad_input;
+mod bodies;
+mod campaign;
+mod command;
+mod convert;
+mod examples;
+mod faults;
+mod force;
+mod force_from_response;
+mod force_measured;
+mod frf;
+mod fuzz_corpus;
+mod hits;
+mod identify;
+mod inspect;
+#[path = "../../labio/tests/measured/mod.rs"]
+mod measured;
+mod mobility;
+mod modulus;
+mod outputs;
+mod records;
+mod recovery;
+mod report_in_browser;
+mod rich;
+mod simulate;
+mod stated_uncertainty;
+mod struck_rods;
+mod tour;
+mod two_masses;
+mod virtual_rod;

@@ -1,0 +1,24 @@
+//! Integration tests of rodwave: one program, a module for each subject.
+
+mod bad_input;
+mod chain;
+mod direct_problem;
+mod experiment_end_accelerations;
+mod experiment_impact;
+mod experiment_strains;
+mod golden;
+mod hard_to_break;
+mod impact;
+mod inelastic_laws;
+mod line;
+mod linear_laws;
+mod linear_transition;
+mod modulus_causality;
+mod modulus_derivatives;
+mod modulus_tabulated;
+mod modulus_time_domain;
+mod no_allocation;
+mod reference_mpmath;
+mod reference_solve_ivp;
+mod slenderness;
+mod synthesis_impact;
