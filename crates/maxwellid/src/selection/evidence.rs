@@ -3,7 +3,10 @@
 //! Laplace's method takes L π for normal about its maximum. It is not where the data bound a parameter on one side only, as a relaxation time that is too long to be seen: what lies
 //! beyond the bound is the prior. Here its normal is the start of a proposal only. Along the columns of its Cholesky factor the proposal is a product
 //! of t distributions with four degrees of freedom and a scale of its own to either side (Geweke, *Econometrica* **57** (1989) 1317), so that its tails are heavier than those
-//! of L π. The points are those of an additive recurrence: no randomness, and the same whatever the order of tests and candidates.
+//! of L π. Where that is not enough, each further batch of points is drawn from t distributions about the point that weighs most, along the axes of Laplace's covariance at that point: there
+//! L π is largest against all proposals before (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point counts against the mixture of all
+//! proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798). The points are those of an additive recurrence: no randomness, and the same whatever the order
+//! of tests and candidates.
 
 use crate::least_squares::{LeastSquares, ScaledDecomposition, sum_of_squares};
 use crate::parallel::map_in_order;
@@ -22,13 +25,18 @@ const FEWEST_POINTS: usize = 128;
 /// Points of the first attempt for a linear law, whose response costs little and whose shares and times bend about each other.
 const FEWEST_POINTS_LINEAR: usize = 1024;
 /// Points of the last attempt.
-const MOST_POINTS: usize = 2048;
+const MOST_POINTS: usize = 4096;
 
 /// Standard error of ln Z, as if the points were random, that is good enough. Points that are spread evenly err by a third of it and less.
-const GOOD_ENOUGH: f64 = 0.1;
+const GOOD_ENOUGH: f64 = 0.06;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
+
+/// Step along a ridge in standard deviations, and by how much less than the ½ 3² of a normal the logarithm of L π may fall along it, from its centre on.
+const RIDGE_STEP: f64 = 3.0;
+const RIDGE_DROP: f64 = 3.0;
+const MOST_RIDGE_STEPS: usize = 6;
 
 /// Least and largest scale, in standard deviations of the normal.
 const SCALES: (f64, f64) = (0.2, 8.0);
@@ -43,14 +51,17 @@ struct Integrand<'a> {
 }
 
 impl Integrand<'_> {
-    /// -∞ where the model does not exist.
-    fn at(&self, z: &[f64]) -> f64 {
-        let parameters: Vec<f64> = self
-            .factor
+    fn parameters(&self, z: &[f64]) -> Vec<f64> {
+        self.factor
             .iter()
             .zip(self.centre)
             .map(|(row, centre)| centre + row.iter().zip(z).map(|(l, z)| l * z).sum::<f64>())
-            .collect();
+            .collect()
+    }
+
+    /// -∞ where the model does not exist.
+    fn at(&self, z: &[f64]) -> f64 {
+        let parameters = self.parameters(z);
         let bounds = self.problem.bounds();
         let is_inside = |(value, (low, high)): (&f64, &(f64, f64))| value >= low && value <= high;
         if !parameters.iter().zip(&bounds).all(is_inside) {
@@ -61,6 +72,49 @@ impl Integrand<'_> {
         };
         let (of_data, of_prior) = residual.split_at(self.problem.samples());
         (self.ln_likelihood)(sum_of_squares(of_data)) - 0.5 * sum_of_squares(of_prior)
+    }
+
+    /// Proposals along ridges that the normal does not have: from the centre to either side of each parameter, by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the last
+    /// point, the other parameters at their minimum, as long as L π falls by less than [`RIDGE_DROP`].
+    fn ridges(&self) -> Vec<Proposal> {
+        let axes = self.centre.len();
+        let top = self.at(&vec![0.0; axes]);
+        let sides: Vec<(usize, f64)> = (0..axes)
+            .flat_map(|axis| [(axis, -1.0), (axis, 1.0)])
+            .collect();
+        let of_sides = map_in_order(&sides, |(axis, sign)| {
+            let mut ridge: Vec<Proposal> = Vec::new();
+            let mut last = Proposal::about_the_centre(vec![[1.0; 2]; axes]);
+            while ridge.len() < MOST_RIDGE_STEPS
+                && let Some(next) = self.next_on_ridge(&last, *axis, *sign)
+                && top - self.at(&next.centre) < RIDGE_DROP
+            {
+                ridge.push(next.clone());
+                last = next;
+            }
+            ridge
+        });
+        of_sides.into_iter().flatten().collect()
+    }
+
+    /// The proposal a step further, about the minimum of the linearised problem on the plane of constant parameter `axis`.
+    fn next_on_ridge(&self, last: &Proposal, axis: usize, sign: f64) -> Option<Proposal> {
+        let along = last.covariances(axis)?;
+        let variance = along.get(axis)?;
+        let length = sign * RIDGE_STEP / variance.sqrt();
+        let point: Vec<f64> = last
+            .centre
+            .iter()
+            .zip(&along)
+            .map(|(z, c)| z + length * c)
+            .collect();
+        let (mut next, step) = Proposal::about(self, &point)?;
+        let across = next.covariances(axis)?;
+        let share = step.get(axis)? / across.get(axis)?;
+        for ((centre, step), covariance) in next.centre.iter_mut().zip(&step).zip(&across) {
+            *centre += step - share * covariance;
+        }
+        Some(next)
     }
 
     /// Scales of the proposal below and above the centre, an entry for each axis.
@@ -102,7 +156,7 @@ pub(crate) fn evidence(
     let deviations = &problem.prior.deviation;
     let linearisation = &probable.minimum.linearisation;
     let svd = ScaledDecomposition::new(linearisation, deviations)?;
-    let factor = cholesky(&covariance(&svd, deviations))?;
+    let factor = cholesky(&covariance(&principal_axes(&svd, deviations)))?;
     // ∫ dθ = det(factor) ∫ dz, and the prior has the factor (2π)^(-d/2) Π 1/s
     let constant: f64 = factor
         .iter()
@@ -116,27 +170,80 @@ pub(crate) fn evidence(
         centre: &probable.minimum.parameters,
         factor,
     };
-    let scales = integrand.scales();
-    let mut ln_weights: Vec<f64> = Vec::new();
-    let mut count = if problem.model.is_linear() {
+    let first = if problem.model.is_linear() {
         FEWEST_POINTS_LINEAR
     } else {
         FEWEST_POINTS
     };
+    let mut sample = Sample::default();
+    sample.add(
+        &integrand,
+        Proposal::about_the_centre(integrand.scales()),
+        first,
+    );
+    let ridges = integrand.ridges();
+    for proposal in &ridges {
+        sample.add(&integrand, proposal.clone(), first / ridges.len());
+    }
     loop {
-        let places: Vec<usize> = (ln_weights.len()..count).collect();
-        ln_weights.extend(map_in_order(&places, |index| {
-            let (z, ln_density) = proposed(*index, &scales);
-            integrand.at(&z) - ln_density
-        }));
+        let ln_weights = sample.ln_weights();
         let (ln_mean, error) = ln_mean(&ln_weights);
-        if error < GOOD_ENOUGH || count >= MOST_POINTS {
+        if error < GOOD_ENOUGH || sample.points.len() >= MOST_POINTS {
             return Some(Evidence {
                 ln: constant + ln_mean,
                 error,
             });
         }
-        count *= 2;
+        let heaviest = sample.points.iter().zip(&ln_weights);
+        let heaviest = heaviest.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let (proposal, _) = Proposal::about(&integrand, heaviest.map(|(point, _)| point)?)?;
+        sample.add(&integrand, proposal, first);
+    }
+}
+
+/// Points of several proposals with the logarithm of the integrand there.
+#[derive(Default)]
+struct Sample {
+    /// Each with the number of its points.
+    proposals: Vec<(f64, Proposal)>,
+    points: Vec<Vec<f64>>,
+    ln_values: Vec<f64>,
+}
+
+impl Sample {
+    /// Draws `count` points from `proposal`.
+    fn add(&mut self, integrand: &Integrand<'_>, proposal: Proposal, count: usize) {
+        let begin = self.points.len();
+        let indices: Vec<usize> = (begin..begin + count).collect();
+        let points: Vec<_> = indices.iter().map(|index| proposal.point(*index)).collect();
+        self.ln_values
+            .extend(map_in_order(&points, |z| integrand.at(z)));
+        self.points.extend(points);
+        self.proposals.push((indices.len() as f64, proposal));
+    }
+
+    /// Logarithms of the integrand over the density of the mixture of all proposals.
+    fn ln_weights(&self) -> Vec<f64> {
+        let all: f64 = self.proposals.iter().map(|(count, _)| count).sum();
+        let ln_density = |z: &Vec<f64>| {
+            let of_each: Vec<f64> = self
+                .proposals
+                .iter()
+                .map(|(count, proposal)| (count / all).ln() + proposal.ln_density(z))
+                .collect();
+            let largest = of_each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            largest
+                + of_each
+                    .iter()
+                    .map(|v| (v - largest).exp())
+                    .sum::<f64>()
+                    .ln()
+        };
+        self.points
+            .iter()
+            .zip(&self.ln_values)
+            .map(|(z, value)| value - ln_density(z))
+            .collect()
     }
 }
 
@@ -157,34 +264,103 @@ fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     (largest + (sum / count).ln(), (variance / count).sqrt())
 }
 
-/// Point `index` of the proposal in standard deviations of the normal, and the logarithm of its density.
-fn proposed(index: usize, scales: &[[f64; 2]]) -> (Vec<f64>, f64) {
-    // the root of x^(d+1) = x + 1 (Roberts, 2018)
-    let exponent = 1.0 / (scales.len() as f64 + 1.0);
-    let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
-    let mut ln_density = 0.0;
-    let z = scales
-        .iter()
-        .enumerate()
-        .map(|(axis, [below, above])| {
-            let share = (0.5 + (index as f64 + 1.0) * ratio.powf(-(axis as f64 + 1.0))).fract();
-            // the halves of a split density meet at its peak: each has the weight of its scale
-            let left = below / (below + above);
-            let (scale, quantile) = if share < left {
-                (*below, t4_quantile(0.5 * share / left))
-            } else {
-                (
-                    *above,
-                    t4_quantile(0.5 + 0.5 * (share - left) / (1.0 - left)),
-                )
-            };
-            // ⅜ (1 + t²/4)^(-5/2), times 2/(below + above)
-            ln_density +=
-                (0.75 / (below + above)).ln() - 2.5 * (0.25 * quantile * quantile).ln_1p();
-            scale * quantile
+/// A product of split t distributions with four degrees of freedom along the columns of a factor.
+#[derive(Clone)]
+struct Proposal {
+    centre: Vec<f64>,
+    /// Lower triangle by rows.
+    factor: Vec<Vec<f64>>,
+    /// Below and above the centre, an entry for each axis.
+    scales: Vec<[f64; 2]>,
+}
+
+impl Proposal {
+    fn about_the_centre(scales: Vec<[f64; 2]>) -> Self {
+        let axes = scales.len();
+        let unit = |row: usize| {
+            (0..=row)
+                .map(|k| if k == row { 1.0 } else { 0.0 })
+                .collect()
+        };
+        Self {
+            centre: vec![0.0; axes],
+            factor: (0..axes).map(unit).collect(),
+            scales,
+        }
+    }
+
+    /// The proposal about a point, along the axes of the covariance of Laplace's method there, and the step from it to the minimum of the linearised problem; `None` where
+    /// the covariance is not positive definite.
+    fn about(integrand: &Integrand<'_>, point: &[f64]) -> Option<(Self, Vec<f64>)> {
+        let deviations = &integrand.problem.prior.deviation;
+        let there = integrand
+            .problem
+            .linearisation(&integrand.parameters(point))?;
+        let svd = ScaledDecomposition::new(&there, deviations)?;
+        let axes: Vec<Vec<f64>> = principal_axes(&svd, deviations)
+            .iter()
+            .map(|axis| solved(&integrand.factor, axis))
+            .collect();
+        let mut step = vec![0.0; point.len()];
+        for (axis, projection) in axes.iter().zip(&svd.projected) {
+            for (own, along) in step.iter_mut().zip(axis) {
+                *own -= along * projection;
+            }
+        }
+        let proposal = Self {
+            factor: cholesky(&covariance(&axes))?,
+            scales: vec![[1.0; 2]; point.len()],
+            centre: point.to_vec(),
+        };
+        Some((proposal, step))
+    }
+
+    /// Row `axis` of the covariance.
+    fn covariances(&self, axis: usize) -> Option<Vec<f64>> {
+        let own = self.factor.get(axis)?;
+        let product = |row: &Vec<f64>| row.iter().zip(own).map(|(a, b)| a * b).sum();
+        Some(self.factor.iter().map(product).collect())
+    }
+
+    /// Point `index` in standard deviations of the normal.
+    fn point(&self, index: usize) -> Vec<f64> {
+        // the root of x^(d+1) = x + 1 (Roberts, 2018)
+        let exponent = 1.0 / (self.scales.len() as f64 + 1.0);
+        let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
+        let along: Vec<f64> = self
+            .scales
+            .iter()
+            .enumerate()
+            .map(|(axis, [below, above])| {
+                let share = (0.5 + (index as f64 + 1.0) * ratio.powf(-(axis as f64 + 1.0))).fract();
+                // the halves of a split density meet at its peak: each has the weight of its scale
+                let left = below / (below + above);
+                if share < left {
+                    below * t4_quantile(0.5 * share / left)
+                } else {
+                    above * t4_quantile(0.5 + 0.5 * (share - left) / (1.0 - left))
+                }
+            })
+            .collect();
+        self.factor
+            .iter()
+            .zip(&self.centre)
+            .map(|(row, centre)| centre + row.iter().zip(&along).map(|(l, t)| l * t).sum::<f64>())
+            .collect()
+    }
+
+    fn ln_density(&self, z: &[f64]) -> f64 {
+        let from_centre: Vec<f64> = z.iter().zip(&self.centre).map(|(z, c)| z - c).collect();
+        let along = solved(&self.factor, &from_centre);
+        let axes = along.iter().zip(&self.scales).zip(&self.factor);
+        axes.map(|((along, [below, above]), row)| {
+            let t = along / if *along < 0.0 { below } else { above };
+            let width = (below + above) * row.last().copied().unwrap_or(f64::NAN);
+            // 3/8 (1 + t^2/4)^(-5/2), times 2/width
+            (0.75 / width).ln() - 2.5 * (0.25 * t * t).ln_1p()
         })
-        .collect();
-    (z, ln_density)
+        .sum()
+    }
 }
 
 /// Quantile of Student's t of four degrees of freedom (Shaw, *J. Comput. Finance* **9** (2006) 37).
@@ -195,22 +371,44 @@ fn t4_quantile(probability: f64) -> f64 {
     (p - 0.5).signum() * 2.0 * (q - 1.0).max(0.0).sqrt()
 }
 
-/// Covariance of θ from the decomposition of data and prior together, scaled by the deviations of the prior.
-fn covariance(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>> {
-    let directions = || svd.right.iter().zip(&svd.singular_values);
-    let scaled = |vector: &[f64]| -> Vec<f64> {
-        vector.iter().zip(deviations).map(|(v, s)| v * s).collect()
+/// Standard deviations of θ along its principal axes, from the decomposition of data and prior together, scaled by the deviations of the prior.
+fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>> {
+    let axis = |(vector, s): (&Vec<f64>, &f64)| -> Vec<f64> {
+        vector
+            .iter()
+            .zip(deviations)
+            .map(|(v, deviation)| v * deviation / s)
+            .collect()
     };
-    let mut covariance = vec![vec![0.0; deviations.len()]; deviations.len()];
-    for (vector, s) in directions() {
-        let vector = scaled(vector);
-        for (row, a) in covariance.iter_mut().zip(&vector) {
-            for (entry, b) in row.iter_mut().zip(&vector) {
-                *entry += a * b / (s * s);
+    svd.right
+        .iter()
+        .zip(&svd.singular_values)
+        .map(axis)
+        .collect()
+}
+
+/// Covariance of which `axes` are the standard deviations along its principal axes.
+fn covariance(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let count = axes.len();
+    let mut covariance = vec![vec![0.0; count]; count];
+    for axis in axes {
+        for (row, a) in covariance.iter_mut().zip(axis) {
+            for (entry, b) in row.iter_mut().zip(axis) {
+                *entry += a * b;
             }
         }
     }
     covariance
+}
+
+/// The solution x of F x = b for a lower triangle F by rows.
+fn solved(factor: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
+    let mut x: Vec<f64> = Vec::with_capacity(b.len());
+    for (row, b) in factor.iter().zip(b) {
+        let known: f64 = row.iter().zip(&x).map(|(l, x)| l * x).sum();
+        x.push((b - known) / row.last().copied().unwrap_or(f64::NAN));
+    }
+    x
 }
 
 /// Lower Cholesky factor by rows, row i with i + 1 entries; `None` unless the matrix is positive definite.
