@@ -322,6 +322,16 @@ pub enum CmodError {
         /// The theory.
         theory: &'static str,
     },
+    /// The data determine no card of a solid that relaxes.
+    #[error("{what} is not determined by the data (nearest value {value}), expected {expected}")]
+    CardUndetermined {
+        /// Which part of the card.
+        what: &'static str,
+        /// The value nearest to the data.
+        value: f64,
+        /// What data of a card show.
+        expected: &'static str,
+    },
     /// A Prony series is too long for a program.
     #[error("{found} terms, expected at most {most} as {program} takes")]
     CardTerms {

@@ -38,6 +38,7 @@
 mod constant_q;
 mod differentiable;
 mod elastic;
+mod fractional_maxwell;
 mod fractional_zener;
 mod generalised_maxwell;
 mod havriliak_negami;
@@ -55,6 +56,7 @@ mod zener;
 pub use constant_q::ConstantQ;
 pub use differentiable::DifferentiableModulus;
 pub use elastic::Elastic;
+pub use fractional_maxwell::FractionalMaxwell;
 pub use fractional_zener::FractionalZener;
 pub use generalised_maxwell::{GeneralisedMaxwell, MaxwellBranch};
 pub use havriliak_negami::HavriliakNegami;

@@ -23,15 +23,18 @@
 //! # Ok::<(), cmod::CmodError>(())
 //! ```
 
+mod in_band;
 mod isotropic;
 
 use std::fmt::Write as _;
 
 use num_complex::Complex64;
-use rodwave::modulus::GeneralisedMaxwell;
+use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell};
 
-use super::fit::RheologicalFit;
-use crate::error::{CmodError, check_positive};
+use super::data::ModulusData;
+use super::fit::{FitOptions, RheologicalFit};
+use crate::error::{CmodError, check_not_negative, check_positive};
+use in_band::in_band;
 use isotropic::Isotropic;
 
 /// Most terms that ANSYS takes for shear, and for bulk.
@@ -64,50 +67,141 @@ pub struct MaterialCard<'a> {
     name: &'a str,
     density: f64,
     poisson_ratio: f64,
-    law: &'a GeneralisedMaxwell,
+    /// That of an elastic bulk.
+    instantaneous_ratio: f64,
+    law: GeneralisedMaxwell,
     comments: Vec<String>,
 }
 
 impl<'a> MaterialCard<'a> {
-    /// A material with the Prony series of a `fit`, otherwise as [`Self::new`]. The card begins with comments on how well the
-    /// modulus is known: |E| at each of `frequency_hz` with its standard uncertainty, by random and by common errors.
+    /// A material with the Prony series of a `fit` to `data`, as far as the data determine it.
+    ///
+    /// Branches that relax outside of the band of the data are seen by their flank alone. The card has relaxation times within the band
+    /// only, 1/ω₂ <= τᵢ <= 1/ω₁: what is slower becomes a part of the long-term modulus, what is faster a branch at the upper end, and the
+    /// moduli are fitted anew. Branches that are not identified are left out. Then
+    ///
+    /// ```text
+    /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
+    /// ```
+    ///
+    /// The card begins with comments: the band, the largest deviation of the card from the data, |E| at both ends and the middle of the
+    /// band with its standard uncertainty, by random and by common errors ([`RheologicalFit::prediction`]), E(0) and E(∞), and the
+    /// interval of each parameter.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::NonPhysical`] for a frequency that is not
-    /// finite and above 0.
+    /// As [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::CardUndetermined`] if the data determine no
+    /// long-term modulus, or no relaxation.
     pub fn from_fit(
         name: &'a str,
         density: f64,
         poisson_ratio: f64,
-        fit: &'a RheologicalFit,
-        frequency_hz: &[f64],
+        fit: &RheologicalFit,
+        data: &ModulusData,
     ) -> Result<Self, CmodError> {
-        let series = fit.law.prony_series().ok_or_else(|| CmodError::CardLaw {
+        let card_law = || CmodError::CardLaw {
             law: fit.law.law().to_string(),
-        })?;
-        let mut card = Self::new(name, density, poisson_ratio, series)?;
+        };
+        let series = fit.law.prony_series().ok_or_else(card_law)?;
+        let options = FitOptions::default().with_error_scale(fit.error_scale);
+        let own = in_band(data, series, options)?;
+        let law = own.law.prony_series().ok_or_else(card_law)?;
+        let mut card = Self::new(name, density, poisson_ratio, law)?;
+        let (lowest, highest) = data.band();
+        let hertz = |omega: f64| omega / std::f64::consts::TAU;
+        card.comments.push(format!(
+            "data: {} lines, {:.4e} to {:.4e} Hz",
+            data.len(),
+            hertz(lowest),
+            hertz(highest)
+        ));
+        let lines = data.omega.iter().zip(&data.modulus);
+        let (deviation, at) = lines
+            .map(|(omega, modulus)| ((law.at(*omega) / modulus - 1.0).norm(), *omega))
+            .fold((0.0, lowest), |a, b| if a.0 >= b.0 { a } else { b });
+        card.comments.push(format!(
+            "largest deviation from the data: {:.2e} % of |E|, at {:.3e} Hz",
+            100.0 * deviation,
+            hertz(at)
+        ));
         card.comments
             .push("modulus with its standard uncertainty".to_owned());
-        for f in frequency_hz {
-            let predicted = fit.prediction(std::f64::consts::TAU * f)?;
-            let size = predicted.modulus.norm();
-            let Complex64 { re, im } = predicted.modulus / size;
-            // d|E| = Re(conj(E) dE)/|E|
-            let along = |c: [[f64; 2]; 2]| {
-                let [[storage, mixed], [_, loss]] = c;
-                re * re * storage + 2.0 * re * im * mixed + im * im * loss
-            };
-            let random = along(predicted.random_covariance);
-            let common = (along(predicted.covariance) - random).max(0.0);
-            let percent = |variance: f64| 100.0 * variance.sqrt() / size;
+        for omega in [lowest, (lowest * highest).sqrt(), highest] {
+            card.comments.push(size_at(fit, omega)?);
+        }
+        card.comments.push(format!(
+            "E(0) = {:.4e} Pa, E(inf) = {:.4e} Pa if nothing relaxes out of the band",
+            law.equilibrium_modulus(),
+            law.unrelaxed_modulus()
+        ));
+        card.comments
+            .push(format!("{:.0} % intervals; all are identified", 100.0 * options.confidence));
+        for parameter in &own.parameters {
             card.comments.push(format!(
-                "|E| at {f:.3e} Hz: {size:.4e} Pa +- {:.1e} % (random {:.1e} %, common {:.1e} %)",
-                percent(random + common),
-                percent(random),
-                percent(common),
+                "{}: {:.3e} to {:.3e} {}",
+                parameter.name, parameter.interval.lower, parameter.interval.upper, parameter.unit
             ));
         }
         Ok(card)
+    }
+
+    /// With a further line of comment at the end, as on the temperature and the source of the data; characters beyond the first 76, and
+    /// such as do not print, are left out.
+    #[must_use]
+    pub fn with_comment(mut self, comment: &str) -> Self {
+        let prints = comment.chars().filter(|c| !c.is_control());
+        self.comments.push(prints.take(76).collect());
+        self
+    }
+
+    /// With the Poisson ratio as that at `frequency_hz` instead of the instantaneous one: for [`BulkBehaviour::Elastic`]
+    /// K = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 - E(ω)/(6K) is then ν there, in its real part. Its
+    /// `standard_uncertainty` u, if stated, makes one of 2u/(1 - 2ν) of K:
+    /// a comment says so.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty finite and not negative, and the
+    /// instantaneous ratio that follows above -1.
+    pub fn with_poisson_ratio_at(
+        mut self,
+        frequency_hz: f64,
+        standard_uncertainty: Option<f64>,
+    ) -> Result<Self, CmodError> {
+        let frequency = check_positive("frequency of the Poisson ratio [Hz]", frequency_hz)?;
+        let ratio = self.poisson_ratio;
+        let of = |uncertainty| check_not_negative("uncertainty of the Poisson ratio", uncertainty);
+        let (of_ratio, of_bulk) = match standard_uncertainty.map(of).transpose()? {
+            Some(u) => {
+                let percent = 200.0 * u / (1.0 - 2.0 * ratio);
+                (format!("+- {u}"), format!(" +- {percent:.1e} %"))
+            }
+            None => ("(uncertainty not stated)".to_owned(), String::new()),
+        };
+        let storage = self.law.at(std::f64::consts::TAU * frequency).re;
+        let bulk = storage / (3.0 * (1.0 - 2.0 * self.poisson_ratio));
+        let instantaneous = 0.5 - self.law.unrelaxed_modulus() / (6.0 * bulk);
+        if instantaneous <= -1.0 {
+            return Err(CmodError::NonPhysical {
+                quantity: "instantaneous Poisson ratio",
+                value: instantaneous,
+                expected: "above -1",
+            });
+        }
+        self.instantaneous_ratio = instantaneous;
+        self.comments.push(format!(
+            "Poisson ratio {ratio} {of_ratio} at {frequency:.3e} Hz"
+        ));
+        self.comments.push(format!(
+            "elastic bulk: K = {bulk:.4e} Pa{of_bulk}, instantaneous ratio {instantaneous:.4}"
+        ));
+        Ok(self)
+    }
+
+    /// The instantaneous Poisson ratio.
+    fn ratio(&self, bulk: BulkBehaviour) -> f64 {
+        match bulk {
+            BulkBehaviour::ConstantPoissonRatio => self.poisson_ratio,
+            BulkBehaviour::Elastic => self.instantaneous_ratio,
+        }
     }
 
     /// The comments, each after the `mark` that begins a comment of the program.
@@ -127,7 +221,7 @@ impl<'a> MaterialCard<'a> {
         name: &'a str,
         density: f64,
         poisson_ratio: f64,
-        law: &'a GeneralisedMaxwell,
+        law: &GeneralisedMaxwell,
     ) -> Result<Self, CmodError> {
         let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if !(name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -161,7 +255,8 @@ impl<'a> MaterialCard<'a> {
             name,
             density,
             poisson_ratio,
-            law,
+            instantaneous_ratio: poisson_ratio,
+            law: law.clone(),
             comments: Vec::new(),
         })
     }
@@ -171,7 +266,7 @@ impl<'a> MaterialCard<'a> {
     /// # Errors
     /// [`CmodError::NonPhysical`] if branches lie so close that the roots of [`BulkBehaviour::Elastic`] cannot be told apart.
     pub fn abaqus(&self, moduli: Moduli, bulk: BulkBehaviour) -> Result<String, CmodError> {
-        let solid = Isotropic::of(self.law, self.poisson_ratio, bulk)?;
+        let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         let (keyword, shear, compression) = match moduli {
             Moduli::Instantaneous => (
                 "INSTANTANEOUS",
@@ -187,7 +282,7 @@ impl<'a> MaterialCard<'a> {
         let poisson = 0.5 * (3.0 * compression - 2.0 * shear) / (3.0 * compression + shear);
         let (young, poisson) = match (moduli, bulk) {
             // as given, without the rounding of the way there and back
-            (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.poisson_ratio),
+            (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.ratio(bulk)),
             (Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio) => {
                 (self.law.equilibrium_modulus(), self.poisson_ratio)
             }
@@ -218,14 +313,14 @@ impl<'a> MaterialCard<'a> {
     /// # Errors
     /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`]; as [`Self::abaqus`].
     pub fn ansys(&self, material: u32, bulk: BulkBehaviour) -> Result<String, CmodError> {
-        let solid = Isotropic::of(self.law, self.poisson_ratio, bulk)?;
+        let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
         let mut text = format!(
             "! {}; units: m, kg, s, Pa; elastic constants are instantaneous\n{}MP,EX,{material},{}\nMP,PRXY,{material},{}\nMP,DENS,{material},{}\n",
             self.name,
             self.commented("!"),
             number(self.law.unrelaxed_modulus()),
-            self.poisson_ratio,
+            self.ratio(bulk),
             self.density,
         );
         let shear = |term: &isotropic::Term| term.shear / solid.instantaneous_shear;
@@ -254,7 +349,7 @@ impl<'a> MaterialCard<'a> {
     /// # Errors
     /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included; as [`Self::abaqus`].
     pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
-        let solid = Isotropic::of(self.law, self.poisson_ratio, BulkBehaviour::Elastic)?;
+        let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
         let mut text = format!(
             "*MAT_GENERAL_VISCOELASTIC_TITLE\n{}\n$ units: m, kg, s, Pa\n{}$#     mid        ro      bulk       pcf        ef      tref         a         b\n{material:>10}{}{}{}\n$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk\n{}\n$#      gi     betai        ki    betaki\n",
@@ -277,6 +372,28 @@ impl<'a> MaterialCard<'a> {
         }
         Ok(text)
     }
+}
+
+/// |E| at `omega` with its standard uncertainty, in words.
+fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
+    let predicted = fit.prediction(omega)?;
+    let size = predicted.modulus.norm();
+    let Complex64 { re, im } = predicted.modulus / size;
+    // d|E| = Re(conj(E) dE)/|E|
+    let along = |c: [[f64; 2]; 2]| {
+        let [[storage, mixed], [_, loss]] = c;
+        re * re * storage + 2.0 * re * im * mixed + im * im * loss
+    };
+    let random = along(predicted.random_covariance);
+    let common = (along(predicted.covariance) - random).max(0.0);
+    let percent = |variance: f64| 100.0 * variance.sqrt() / size;
+    Ok(format!(
+        "|E| at {:.3e} Hz: {size:.4e} Pa +- {:.1e} % (random {:.1e} %, common {:.1e} %)",
+        omega / std::f64::consts::TAU,
+        percent(random + common),
+        percent(random),
+        percent(common),
+    ))
 }
 
 /// Accepts a long-term shear modulus that rounding has left above 0: it is what the terms leave of the instantaneous one.

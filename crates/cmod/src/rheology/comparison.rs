@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::data::ModulusData;
-use super::fit::{Criterion, FitOptions, RheologicalFit};
+use super::fit::{Criterion, FitOptions, PredictedModulus, RheologicalFit, mean_of};
 use super::law::Law;
 use crate::error::CmodError;
 
@@ -32,8 +32,10 @@ pub struct ComparisonRow {
     /// Criterion less that of the preferred law.
     pub difference: f64,
     /// exp(-difference/2), as a share of all: by BIC the probability of the law, if one of them is true and none is more likely
-    /// beforehand.
+    /// beforehand. 0 for a law that is the same function as one before.
     pub weight: f64,
+    /// The law before that is the same function, as Zener's is of a generalised Maxwell model with one branch: the two count as one.
+    pub same_as: Option<Law>,
 }
 
 impl Comparison {
@@ -52,16 +54,40 @@ impl Comparison {
                     fit,
                     difference: 0.0,
                     weight: 0.0,
+                    same_as: None,
                 }),
                 Err(error) => refused.push((*law, error)),
             }
         }
         let score = |row: &ComparisonRow| options.criterion.of(row.fit.aicc, row.fit.bic);
-        rows.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        let least = rows.first().map_or(0.0, score);
-        for row in &mut rows {
-            row.difference = score(row) - least;
-            row.weight = (-0.5 * row.difference).exp();
+        // of one function there is one value; the law that is told simplest comes first
+        let own = |row: &ComparisonRow| (row.fit.law.simplest(), row.fit.parameters.len());
+        let scores: Vec<f64> = rows
+            .iter()
+            .map(|row| {
+                let same = rows.iter().filter(|other| own(other) == own(row));
+                same.map(score).fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        let mut ranked: Vec<(f64, ComparisonRow)> = scores.into_iter().zip(rows).collect();
+        ranked.sort_by(|(a, x), (b, y)| {
+            let is_other = |row: &ComparisonRow| row.fit.law.law() != row.fit.law.simplest();
+            a.total_cmp(b).then(is_other(x).cmp(&is_other(y)))
+        });
+        let least = ranked.first().map_or(0.0, |(score, _)| *score);
+        let mut seen: Vec<((Law, usize), Law)> = Vec::new();
+        let mut rows = Vec::with_capacity(ranked.len());
+        for (score, mut row) in ranked {
+            row.difference = score - least;
+            let function = own(&row);
+            row.same_as = seen
+                .iter()
+                .find_map(|(other, law)| (*other == function).then_some(*law));
+            if row.same_as.is_none() {
+                row.weight = (-0.5 * row.difference).exp();
+                seen.push((function, row.fit.law.law()));
+            }
+            rows.push(row);
         }
         let all: f64 = rows.iter().map(|row| row.weight).sum();
         for row in &mut rows {
@@ -72,6 +98,34 @@ impl Comparison {
             refused,
             criterion: options.criterion,
         })
+    }
+
+    /// Modulus at `omega` > 0 [rad/s] as the mean over the laws by their [weights](ComparisonRow::weight), with the scatter between
+    /// them in its covariance; `None` if none could be fitted.
+    ///
+    /// # Errors
+    /// As [`RheologicalFit::prediction`].
+    pub fn prediction(&self, omega: f64) -> Result<Option<PredictedModulus>, CmodError> {
+        let mut all = Vec::with_capacity(self.rows.len());
+        for row in &self.rows {
+            all.push((row.weight, row.fit.prediction(omega)?));
+        }
+        let of = |pick: fn(&PredictedModulus) -> [[f64; 2]; 2]| {
+            mean_of(
+                all.iter()
+                    // 0 times an infinite variance is none
+                    .filter(|(weight, _)| *weight > 0.0)
+                    .map(|(weight, one)| (*weight, one.modulus, pick(one))),
+            )
+        };
+        let (modulus, covariance) = of(|one| one.covariance);
+        let (_, random_covariance) = of(|one| one.random_covariance);
+        Ok(all.first().map(|(_, first)| PredictedModulus {
+            modulus,
+            covariance,
+            random_covariance,
+            within_band: first.within_band,
+        }))
     }
 
     /// The preferred law; `None` if none could be fitted.
@@ -111,6 +165,9 @@ impl fmt::Display for Comparison {
                     "not white"
                 }
             )?;
+            if let Some(same) = row.same_as {
+                write!(f, "  the same function as {same}")?;
+            }
         }
         for (law, error) in &self.refused {
             write!(f, "\n{law:<20} {error}")?;

@@ -303,6 +303,13 @@ impl ModulusData {
         &self.modulus
     }
 
+    /// Geometric mean of the lowest and the highest frequency \[Hz\].
+    #[must_use]
+    pub fn middle_frequency_hz(&self) -> f64 {
+        let (lowest, highest) = self.band();
+        (lowest * highest).sqrt() / std::f64::consts::TAU
+    }
+
     /// Lowest and highest angular frequency [rad/s].
     pub(super) fn band(&self) -> (f64, f64) {
         let fold = |start, pick: fn(f64, f64) -> f64| self.omega.iter().copied().fold(start, pick);

@@ -202,6 +202,20 @@ pub struct RheologicalFit {
     pub(super) dispersion: f64,
     pub(super) information: Information,
     pub(super) coordinates: Vec<f64>,
+    /// Lowest and highest angular frequency of the data [rad/s].
+    pub(super) band: (f64, f64),
+    /// The orders among which the one of a Prony series was chosen; empty where it was given.
+    pub(super) alternatives: Vec<Alternative>,
+}
+
+/// One of the orders among which a criterion chose.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Alternative {
+    /// Its probability, by the criterion of prediction.
+    pub(super) weight: f64,
+    pub(super) model: Prony,
+    pub(super) coordinates: Vec<f64>,
+    pub(super) information: Information,
 }
 
 impl RheologicalFit {
@@ -212,41 +226,7 @@ impl RheologicalFit {
     /// errors; [`CmodError::NonPhysical`] for a density or a level of confidence out of its range; [`CmodError::NoLaw`] if
     /// no start has a finite χ².
     pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
-        match law {
-            Law::KelvinVoigt => {
-                let model = model::kelvin_voigt()?;
-                let starts = vec![start::of_kelvin_voigt(data)];
-                let wrap = |at: &[f64]| Ok(FittedLaw::KelvinVoigt(model.law_at(at)?));
-                best_of(&model, data, &starts, options, law, wrap)
-            }
-            Law::Zener => {
-                let model = model::zener()?;
-                let starts = start::of_one_relaxation(data, Shape::Zener);
-                let wrap = |at: &[f64]| Ok(FittedLaw::Zener(model.law_at(at)?));
-                best_of(&model, data, &starts, options, law, wrap)
-            }
-            Law::FractionalZener => {
-                let model = model::fractional_zener()?;
-                let mut starts = start::of_one_relaxation(data, Shape::FractionalZener);
-                starts.truncate(2);
-                let wrap = |at: &[f64]| Ok(FittedLaw::FractionalZener(model.law_at(at)?));
-                best_of(&model, data, &starts, options, law, wrap)
-            }
-            Law::HavriliakNegami => {
-                let model = model::havriliak_negami()?;
-                let mut starts = start::of_one_relaxation(data, Shape::HavriliakNegami);
-                starts.truncate(3);
-                let wrap = |at: &[f64]| Ok(FittedLaw::HavriliakNegami(model.law_at(at)?));
-                best_of(&model, data, &starts, options, law, wrap)
-            }
-            Law::GeneralisedMaxwell => Ok(PronyFit::new(data, options)?.fit),
-            Law::PowerLaw { density } => {
-                let model = PowerLawModel::new(check_positive("density [kg/m^3]", density)?);
-                let starts: Vec<_> = start::of_power_law(data, &model).into_iter().collect();
-                let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
-                best_of(&model, data, &starts, options, law, wrap)
-            }
-        }
+        Self::of_law(data, law, None, options)
     }
 
     /// Fits the law that `start` is, with its number of branches if it is a Prony series, from its parameters.
@@ -260,73 +240,102 @@ impl RheologicalFit {
         start: &FittedLaw,
         options: &FitOptions,
     ) -> Result<Self, CmodError> {
-        let law = start.law();
-        match start {
-            FittedLaw::KelvinVoigt(own) => {
-                let model = model::kelvin_voigt()?;
-                let wrap = |at: &[f64]| Ok(FittedLaw::KelvinVoigt(model.law_at(at)?));
-                best_of(
-                    &model,
-                    data,
-                    &[model.coordinates_of(own)],
-                    options,
-                    law,
-                    wrap,
-                )
+        Self::of_law(data, start.law(), Some(start), options)
+    }
+
+    fn of_law(
+        data: &ModulusData,
+        law: Law,
+        start: Option<&FittedLaw>,
+        options: &FitOptions,
+    ) -> Result<Self, CmodError> {
+        macro_rules! linked {
+            ($kind:ident, $model:expr, $starts:expr, $elsewhere:expr) => {{
+                let model = $model?;
+                let starts = match start {
+                    Some(FittedLaw::$kind(own)) => vec![model.coordinates_of(own)],
+                    _ => $starts,
+                };
+                let wrap = |at: &[f64]| Ok(FittedLaw::$kind(model.law_at(at)?));
+                best_of(&model, data, &starts, $elsewhere, options, law, wrap)
+            }};
+        }
+        let none = Vec::new;
+        let (lowest, highest) = data.band();
+        let middle = (lowest * highest).sqrt();
+        let best = |shape, most| {
+            let mut starts = start::of_one_relaxation(data, shape);
+            starts.truncate(most);
+            starts
+        };
+        let limits = |shape| start::at_the_limits(data, shape);
+        match law {
+            Law::Elastic => linked!(Elastic, model::elastic(), start::of_elastic(data), none()),
+            Law::KelvinVoigt => {
+                let starts = vec![start::of_kelvin_voigt(data)];
+                linked!(KelvinVoigt, model::kelvin_voigt(), starts, none())
             }
-            FittedLaw::Zener(own) => {
-                let model = model::zener()?;
-                let wrap = |at: &[f64]| Ok(FittedLaw::Zener(model.law_at(at)?));
-                best_of(
-                    &model,
-                    data,
-                    &[model.coordinates_of(own)],
-                    options,
-                    law,
-                    wrap,
-                )
+            Law::ConstantQ => {
+                let reference = match start {
+                    Some(FittedLaw::ConstantQ(own)) => own.spring_pot().reference_omega(),
+                    _ => middle,
+                };
+                let starts = vec![start::of_constant_q(data)];
+                linked!(ConstantQ, model::constant_q(reference), starts, none())
             }
-            FittedLaw::FractionalZener(own) => {
-                let model = model::fractional_zener()?;
-                let wrap = |at: &[f64]| Ok(FittedLaw::FractionalZener(model.law_at(at)?));
-                best_of(
-                    &model,
-                    data,
-                    &[model.coordinates_of(own)],
-                    options,
-                    law,
-                    wrap,
-                )
+            Law::SpringPot => {
+                let reference = match start {
+                    Some(FittedLaw::SpringPot(own)) => own.reference_omega(),
+                    _ => middle,
+                };
+                let starts = vec![start::of_spring_pot(data)];
+                linked!(SpringPot, model::spring_pot(reference), starts, none())
             }
-            FittedLaw::HavriliakNegami(own) => {
-                let model = model::havriliak_negami()?;
-                let wrap = |at: &[f64]| Ok(FittedLaw::HavriliakNegami(model.law_at(at)?));
-                best_of(
-                    &model,
-                    data,
-                    &[model.coordinates_of(own)],
-                    options,
-                    law,
-                    wrap,
-                )
+            Law::Maxwell => {
+                let starts = start::of_fluid(data, &[1.0]);
+                linked!(Maxwell, model::maxwell(), starts, none())
             }
-            FittedLaw::GeneralisedMaxwell(own) => {
-                let solid = own.equilibrium_modulus() > 0.0;
-                let model = Prony::new(solid, own.branches().len());
-                let at = Prony::coordinates(own.equilibrium_modulus(), own.branches());
-                let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
-                best_of(&model, data, &[at], options, law, wrap)
+            Law::FractionalMaxwell => {
+                let starts = start::of_fluid(data, &[0.1, 0.3, 0.6, 0.9]);
+                linked!(FractionalMaxwell, model::fractional_maxwell(), starts, none())
             }
-            FittedLaw::PowerLaw(own) => {
-                let model = PowerLawModel::new(own.density);
-                let at = vec![
-                    own.damping_factor.ln(),
-                    own.damping_exponent,
-                    own.wave_number_factor.ln(),
-                    own.wave_number_exponent,
-                ];
+            Law::Zener => {
+                let shape = Shape::Zener;
+                linked!(Zener, model::zener(), best(shape, 1), limits(shape))
+            }
+            Law::FractionalZener => {
+                let shape = Shape::FractionalZener;
+                let model = model::fractional_zener();
+                linked!(FractionalZener, model, best(shape, 2), limits(shape))
+            }
+            Law::HavriliakNegami => {
+                let shape = Shape::HavriliakNegami;
+                let model = model::havriliak_negami();
+                linked!(HavriliakNegami, model, best(shape, 3), limits(shape))
+            }
+            Law::GeneralisedMaxwell => match start {
+                Some(FittedLaw::GeneralisedMaxwell(own)) => {
+                    let solid = own.equilibrium_modulus() > 0.0;
+                    let model = Prony::new(solid, own.branches().len());
+                    let at = Prony::coordinates(own.equilibrium_modulus(), own.branches());
+                    let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
+                    best_of(&model, data, &[at], none(), options, law, wrap)
+                }
+                _ => Ok(PronyFit::new(data, options)?.fit),
+            },
+            Law::PowerLaw { density } => {
+                let model = PowerLawModel::new(check_positive("density [kg/m^3]", density)?);
+                let starts: Vec<_> = match start {
+                    Some(FittedLaw::PowerLaw(own)) => vec![vec![
+                        own.damping_factor.ln(),
+                        own.damping_exponent,
+                        own.wave_number_factor.ln(),
+                        own.wave_number_exponent,
+                    ]],
+                    _ => start::of_power_law(data, &model).into_iter().collect(),
+                };
                 let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));
-                best_of(&model, data, &[at], options, law, wrap)
+                best_of(&model, data, &starts, none(), options, law, wrap)
             }
         }
     }
@@ -347,7 +356,11 @@ impl RheologicalFit {
             })
     }
 
-    /// Modulus of the law at `omega` > 0 [rad/s] with the covariance that follows from that of the parameters, random and common.
+    /// Modulus at `omega` > 0 [rad/s] with its covariance by the errors of the parameters, random and common.
+    ///
+    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders by their weights w
+    /// (exp(-AICc/2), normalised), and the scatter between them counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the
+    /// difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if a law of more parameters
@@ -356,8 +369,6 @@ impl RheologicalFit {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
         let model = self.law.model()?;
         let parameters = model.kinds().len();
-        let mut modulus = [Complex64::ZERO];
-        let mut gradient = vec![Complex64::ZERO; parameters];
         let Some(at) = self.coordinates.get(..parameters) else {
             return Err(CmodError::ChangedResult {
                 what: "fitted parameters",
@@ -365,31 +376,75 @@ impl RheologicalFit {
                 expected: parameters,
             });
         };
-        model.evaluate(at, &[omega], &mut modulus, &mut gradient);
-        let random_covariance = self
-            .information
-            .of_modulus(&gradient)
-            .map(|row| row.map(|entry| self.variance_factor * entry));
+        let (modulus, gradient) = evaluated(model.as_ref(), at, omega);
+        let own = self.information.of_modulus(&gradient);
+        let alternatives = self.alternatives.iter().map(|other| {
+            // behind the coordinates of the series may be those of shifts, which it does not depend on
+            let (at, _) = other.coordinates.split_at(other.model.kinds().len());
+            let (modulus, gradient) = evaluated(&other.model, at, omega);
+            let covariance = other.information.of_modulus(&gradient);
+            (other.weight, modulus, covariance)
+        });
+        let mut all: Vec<_> = alternatives.collect();
+        if all.is_empty() {
+            all.push((1.0, modulus, own));
+        }
+        let scaled = |(weight, modulus, covariance): (f64, Complex64, [[f64; 2]; 2])| {
+            let covariance = covariance.map(|row| row.map(|entry| self.variance_factor * entry));
+            (weight, modulus, covariance)
+        };
+        let (mean, random_covariance) = mean_of(all.into_iter().map(scaled));
         let mut covariance = random_covariance;
         for error in &self.common_errors {
             let products = gradient.iter().zip(&error.shift).map(|(g, s)| g * s);
             let shift: Complex64 = products.sum();
-            let parts = [shift.re, shift.im];
-            for (row, own) in covariance.iter_mut().zip(parts) {
-                for (entry, other) in row.iter_mut().zip(parts) {
-                    *entry += own * other;
-                }
-            }
+            add_square(&mut covariance, 1.0, shift);
         }
         Ok(PredictedModulus {
-            modulus: modulus[0],
+            modulus: mean,
             covariance,
             random_covariance,
+            within_band: self.band.0 <= omega && omega <= self.band.1,
         })
     }
 }
 
-/// Modulus that a fitted law predicts.
+fn evaluated<M: Model + ?Sized>(model: &M, at: &[f64], omega: f64) -> (Complex64, Vec<Complex64>) {
+    let mut modulus = [Complex64::ZERO];
+    let mut gradient = vec![Complex64::ZERO; at.len()];
+    model.evaluate(at, &[omega], &mut modulus, &mut gradient);
+    (modulus[0], gradient)
+}
+
+/// Mean and covariance of a mixture of (weight, mean, covariance); the weights sum to 1.
+pub(super) fn mean_of(
+    parts: impl Iterator<Item = (f64, Complex64, [[f64; 2]; 2])>,
+) -> (Complex64, [[f64; 2]; 2]) {
+    let parts: Vec<_> = parts.collect();
+    let mean: Complex64 = parts.iter().map(|(weight, modulus, _)| weight * modulus).sum();
+    let mut sum = [[0.0; 2]; 2];
+    for (weight, modulus, covariance) in parts {
+        for (row, own) in sum.iter_mut().zip(covariance) {
+            for (entry, own) in row.iter_mut().zip(own) {
+                *entry += weight * own;
+            }
+        }
+        add_square(&mut sum, weight, modulus - mean);
+    }
+    (mean, sum)
+}
+
+/// Adds `weight` d dᵀ of d = (Re, Im) of `difference`.
+fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64) {
+    let parts = [difference.re, difference.im];
+    for (row, own) in covariance.iter_mut().zip(parts) {
+        for (entry, other) in row.iter_mut().zip(parts) {
+            *entry += weight * own * other;
+        }
+    }
+}
+
+/// Modulus that a fitted law, or several, predict.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PredictedModulus {
@@ -398,8 +453,11 @@ pub struct PredictedModulus {
     /// Covariance of (E', E'') \[Pa²\], by rows; infinite where the data leave it open. Of the law, if it is true: a wrong law is
     /// no more certain by it.
     pub covariance: [[f64; 2]; 2],
-    /// Its part by the random errors.
+    /// Its part by the random errors, and by the choice of an order or a law.
     pub random_covariance: [[f64; 2]; 2],
+    /// Whether the frequency lies between the lowest and the highest line of the data. Beyond them the modulus and its covariance hold
+    /// only if the law is that of the material there too, which the data cannot show.
+    pub within_band: bool,
 }
 
 /// Minimises from all starts and judges the best.
@@ -407,16 +465,22 @@ fn best_of<M: Model>(
     model: &M,
     data: &ModulusData,
     starts: &[Vec<f64>],
+    mut elsewhere: Vec<Vec<f64>>,
     options: &FitOptions,
     law: Law,
     wrap: impl Fn(&[f64]) -> Result<FittedLaw, CmodError>,
 ) -> Result<RheologicalFit, CmodError> {
     let options = options.checked()?;
     enough(data, model.kinds().len(), options.error_scale)?;
-    let best = starts
+    let minima = starts
         .iter()
-        .filter_map(|start| minimise(model, data, start, None, Effort::Full))
-        .min_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared))
+        .filter_map(|start| minimise(model, data, start, None, Effort::Full));
+    let mut minima: Vec<_> = minima.collect();
+    minima.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
+    elsewhere.extend(minima.iter().skip(1).map(|other| other.at.clone()));
+    let best = minima
+        .into_iter()
+        .next()
         .ok_or_else(|| CmodError::NoLaw {
             law: law.to_string(),
         })?;
@@ -427,6 +491,7 @@ fn best_of<M: Model>(
         band: data.band(),
         sequences: std::slice::from_ref(&sequence),
         options,
+        elsewhere,
     };
     scene.judge(best, law, wrap)
 }

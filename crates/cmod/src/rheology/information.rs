@@ -111,6 +111,20 @@ impl Information {
         })
     }
 
+    /// Covariance of the last `count` coordinates; infinite where the data do not see them.
+    pub(super) fn of_last(&self, count: usize) -> Vec<Vec<f64>> {
+        let parameters = self.singular_values.len();
+        let unit = |own: usize| {
+            let mut unit = vec![0.0; parameters];
+            unit[own] = 1.0;
+            unit
+        };
+        let first = parameters.saturating_sub(count);
+        let units: Vec<Vec<f64>> = (first..parameters).map(unit).collect();
+        let row = |a: &Vec<f64>| units.iter().map(|b| self.covariance(a, b)).collect();
+        units.iter().map(row).collect()
+    }
+
     /// Variance of a coordinate.
     pub(super) fn variance(&self, index: usize) -> f64 {
         let mut unit = vec![0.0; self.singular_values.len()];

@@ -7,11 +7,11 @@ use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores};
 use super::information::Information;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, count, minimise};
-use super::model::Model;
+use super::model::{Model, ParameterKind};
 use super::parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
 };
-use super::profile::{End, end};
+use super::profile::{End, Profile};
 use super::whiteness::Whiteness;
 use crate::error::CmodError;
 
@@ -26,7 +26,12 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
+    /// Coordinates in other regions from which the law may fit as well.
+    pub(super) elsewhere: Vec<Vec<f64>>,
 }
+
+/// Where a loss has vanished: e^-30 of what it was.
+const VANISHED: f64 = 30.0;
 
 impl<M: Model + ?Sized> Scene<'_, M> {
     /// Errors, intervals, verdicts. A profile that finds a lower minimum begins the judgement anew from there.
@@ -50,12 +55,16 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 _ => 1.0,
             } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
-            let judged = self.parameters(
-                &minimum,
-                (&information, &common),
-                variance_factor,
-                degrees_of_freedom,
-            );
+            let quantile = self.options.quantile(degrees_of_freedom);
+            let others = self.others(&minimum, variance_factor * quantile * quantile);
+            let judged = others.and_then(|others| {
+                self.parameters(
+                    &minimum,
+                    (&information, &common),
+                    &others,
+                    (variance_factor, quantile),
+                )
+            });
             match judged {
                 Ok(parameters) => {
                     let scores = Scores::of(
@@ -88,6 +97,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         dispersion: self.data.scatter.of_chi_squared,
                         information,
                         coordinates: minimum.at,
+                        band: self.band,
+                        alternatives: Vec::new(),
                     });
                 }
                 Err(lower) => {
@@ -114,20 +125,69 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         self.data.common.iter().map(of).collect()
     }
 
+    /// Minima reached from elsewhere whose χ² exceeds the least by no more than the threshold, or the coordinates of a lower one.
+    fn others(&self, minimum: &Minimum, threshold: f64) -> Result<Vec<Vec<f64>>, Vec<f64>> {
+        let mut others = Vec::new();
+        if !self.options.profiles {
+            return Ok(others);
+        }
+        for start in &self.elsewhere {
+            let found = minimise(self.model, self.data, start, None, Effort::Comparison);
+            if let Some(found) = found {
+                let rise = found.chi_squared - minimum.chi_squared;
+                if rise < -2e-2 * threshold {
+                    return Err(found.at);
+                }
+                if rise <= threshold {
+                    others.push(found.at);
+                }
+            }
+        }
+        Ok(others)
+    }
+
+    /// χ² that has to be lost before an end of an interval, for each parameter.
+    ///
+    /// A loss that was looked for at all places of the band is found somewhere, also where there is none. As long as χ² without it is
+    /// not larger by the threshold and the price g ln n of its g parameters (Schwarz), the data may have none, and its
+    /// parameters have an end only where χ² has risen by as much.
+    fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
+        let kinds = self.model.kinds();
+        let of = |kind: &ParameterKind| {
+            let Some(loss) = kind.loss.filter(|_| self.options.profiles) else {
+                return threshold;
+            };
+            let members = kinds.iter().filter(|other| other.loss == kind.loss).count();
+            let price = count(members) * count(2 * self.data.len()).ln();
+            let dearer = threshold + variance_factor * price;
+            let mut start = minimum.at.clone();
+            if let Some(coordinate) = start.get_mut(loss.coordinate) {
+                *coordinate += loss.vanishes_towards * VANISHED;
+            }
+            let held = Some(loss.coordinate);
+            let without = minimise(self.model, self.data, &start, held, Effort::Comparison);
+            match without {
+                Some(without) if without.chi_squared - minimum.chi_squared < dearer => dearer,
+                _ => threshold,
+            }
+        };
+        kinds.iter().map(of).collect()
+    }
+
     /// The parameters, or the coordinates of a lower minimum.
     #[allow(
         clippy::indexing_slicing,
-        reason = "`at`, the variances, the correlations and each common shift have one entry for each of the kinds of the model"
+        reason = "`at`, the variances, the correlations, the thresholds and each common shift have one entry for each of the kinds of the model"
     )]
     fn parameters(
         &self,
         minimum: &Minimum,
         (information, common): (&Information, &[CommonShift]),
-        variance_factor: f64,
-        degrees_of_freedom: usize,
+        others: &[Vec<f64>],
+        (variance_factor, quantile): (f64, f64),
     ) -> Result<Vec<Parameter>, Vec<f64>> {
-        let quantile = self.options.quantile(degrees_of_freedom);
         let threshold = variance_factor * quantile * quantile;
+        let thresholds = self.thresholds(minimum, threshold, variance_factor);
         let kinds = self.model.kinds();
         let mut parameters = Vec::with_capacity(kinds.len());
         let standard_errors: Vec<f64> = (0..kinds.len())
@@ -135,11 +195,14 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             .collect();
         // what goes with a parameter of large error has no linear error either
         let is_linear = |index: usize| {
-            (0..kinds.len()).all(|other| {
+            let errors_are_small = (0..kinds.len()).all(|other| {
                 // a comparison with NaN is false
                 standard_errors[other] <= LINEAR_BELOW
                     || other != index && information.correlation(index, other).abs() < ASSOCIATED
-            })
+            });
+            let near = 2.0 * quantile * standard_errors[index];
+            let is_near = |other: &Vec<f64>| (other[index] - minimum.at[index]).abs() <= near;
+            errors_are_small && thresholds[index] <= threshold && others.iter().all(is_near)
         };
         for (index, kind) in kinds.iter().enumerate() {
             let here = minimum.at[index];
@@ -161,9 +224,16 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                     if !self.options.profiles {
                         return End::Open;
                     }
-                    let first = direction * (0.5 * quantile * standard_error).min(0.7);
-                    let (at, chi) = (&minimum.at, minimum.chi_squared);
-                    end(self.model, self.data, at, chi, index, first, threshold)
+                    let profile = Profile {
+                        model: self.model,
+                        data: self.data,
+                        at: &minimum.at,
+                        chi_squared: minimum.chi_squared,
+                        elsewhere: &self.elsewhere,
+                        index,
+                        threshold: thresholds[index],
+                    };
+                    profile.end(direction * (0.5 * quantile * standard_error).min(0.7))
                 });
                 let ends = match ends {
                     [End::LowerMinimum(at), _] | [_, End::LowerMinimum(at)] => return Err(at),

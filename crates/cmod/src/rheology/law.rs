@@ -4,7 +4,8 @@ use std::fmt;
 
 use num_complex::Complex64;
 use rodwave::modulus::{
-    ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, KelvinVoigt, Zener,
+    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell,
+    HavriliakNegami, KelvinVoigt, Maxwell, SpringPot, Zener,
 };
 
 use super::model::{self, Model};
@@ -16,6 +17,16 @@ use crate::error::CmodError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Law {
+    /// [`Elastic`]: E, without loss.
+    Elastic,
+    /// [`Maxwell`]: E sτ/(1 + sτ).
+    Maxwell,
+    /// [`FractionalMaxwell`]: E₁ (sτ)^α/(1 + (sτ)^α).
+    FractionalMaxwell,
+    /// [`ConstantQ`]: E (s/ω₀)^{2g}, told by its loss factor, ω₀ the geometric mean of the ends of the band.
+    ConstantQ,
+    /// [`SpringPot`]: the same function, told by its exponent.
+    SpringPot,
     /// [`KelvinVoigt`]: E + sη.
     KelvinVoigt,
     /// [`Zener`]: E₀ + ΔE sτ/(1 + sτ).
@@ -36,6 +47,11 @@ pub enum Law {
 impl fmt::Display for Law {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
+            Self::Elastic => "elastic",
+            Self::Maxwell => "Maxwell",
+            Self::FractionalMaxwell => "fractional Maxwell",
+            Self::ConstantQ => "constant Q",
+            Self::SpringPot => "spring-pot",
             Self::KelvinVoigt => "Kelvin-Voigt",
             Self::Zener => "Zener",
             Self::FractionalZener => "fractional Zener",
@@ -50,6 +66,16 @@ impl fmt::Display for Law {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FittedLaw {
+    /// A spring.
+    Elastic(Elastic),
+    /// Spring and dashpot in series.
+    Maxwell(Maxwell),
+    /// Spring and spring-pot in series.
+    FractionalMaxwell(FractionalMaxwell),
+    /// Constant loss factor.
+    ConstantQ(ConstantQ),
+    /// A power of the frequency.
+    SpringPot(SpringPot),
     /// Spring and dashpot in parallel.
     KelvinVoigt(KelvinVoigt),
     /// The standard linear solid.
@@ -69,6 +95,11 @@ impl FittedLaw {
     #[must_use]
     pub fn modulus(&self, omega: f64) -> Complex64 {
         match self {
+            Self::Elastic(law) => law.at(omega),
+            Self::Maxwell(law) => law.at(omega),
+            Self::FractionalMaxwell(law) => law.at(omega),
+            Self::ConstantQ(law) => law.at(omega),
+            Self::SpringPot(law) => law.at(omega),
             Self::KelvinVoigt(law) => law.at(omega),
             Self::Zener(law) => law.at(omega),
             Self::FractionalZener(law) => law.at(omega),
@@ -82,6 +113,11 @@ impl FittedLaw {
     #[must_use]
     pub fn law(&self) -> Law {
         match self {
+            Self::Elastic(_) => Law::Elastic,
+            Self::Maxwell(_) => Law::Maxwell,
+            Self::FractionalMaxwell(_) => Law::FractionalMaxwell,
+            Self::ConstantQ(_) => Law::ConstantQ,
+            Self::SpringPot(_) => Law::SpringPot,
             Self::KelvinVoigt(_) => Law::KelvinVoigt,
             Self::Zener(_) => Law::Zener,
             Self::FractionalZener(_) => Law::FractionalZener,
@@ -102,9 +138,34 @@ impl FittedLaw {
         }
     }
 
+    /// The simplest law that is the same function: a generalised Maxwell model of one branch or none is another law, and the
+    /// spring-pot is constant Q.
+    #[must_use]
+    pub fn simplest(&self) -> Law {
+        match self {
+            Self::GeneralisedMaxwell(law) => {
+                match (law.equilibrium_modulus() > 0.0, law.branches().len()) {
+                    (true, 0) => Law::Elastic,
+                    (true, 1) => Law::Zener,
+                    (false, 1) => Law::Maxwell,
+                    _ => Law::GeneralisedMaxwell,
+                }
+            }
+            Self::SpringPot(_) => Law::ConstantQ,
+            other => other.law(),
+        }
+    }
+
     /// The law as a function of its coordinates.
     pub(super) fn model(&self) -> Result<Box<dyn Model>, CmodError> {
         Ok(match self {
+            Self::Elastic(_) => Box::new(model::elastic()?),
+            Self::Maxwell(_) => Box::new(model::maxwell()?),
+            Self::FractionalMaxwell(_) => Box::new(model::fractional_maxwell()?),
+            Self::ConstantQ(law) => {
+                Box::new(model::constant_q(law.spring_pot().reference_omega())?)
+            }
+            Self::SpringPot(law) => Box::new(model::spring_pot(law.reference_omega())?),
             Self::KelvinVoigt(_) => Box::new(model::kelvin_voigt()?),
             Self::Zener(_) => Box::new(model::zener()?),
             Self::FractionalZener(_) => Box::new(model::fractional_zener()?),

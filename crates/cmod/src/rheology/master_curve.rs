@@ -6,12 +6,14 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use super::data::ModulusData;
-use super::fit::{FitOptions, RheologicalFit, enough};
+use super::fit::{Alternative, FitOptions, RheologicalFit, Scores, enough};
+use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, minimise};
-use super::order::{Order, choose};
+use super::order::{Order, Refined, choose, weighted};
 use super::overlap;
+use super::parameter::{Interval, IntervalMethod, Verdict};
 use super::prony::Prony;
 use super::shift_law::ShiftLaws;
 use super::sweep::TemperatureSweep;
@@ -47,15 +49,19 @@ pub struct MasterCurve {
 }
 
 /// The shift at one temperature.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Shift {
     /// T \[K\].
     pub temperature: f64,
-    /// ln a_T.
+    /// ln a_T, the mean over the orders of the series by their weights, as in [`RheologicalFit::prediction`].
     pub log_shift: f64,
-    /// Standard error of ln a_T; 0 at the reference.
+    /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
+    /// Interval of ln a_T at the level of the fit.
+    pub interval: Interval,
+    /// Whether the data determine it, with the series that was chosen.
+    pub verdict: Verdict,
     /// b_T as given.
     pub vertical: f64,
     /// ln (a_T/a_{T-1}) from the overlap with the temperature before; `None` for the first, and where they do not overlap. Then the
@@ -123,6 +129,7 @@ impl MasterCurve {
             law: Law::GeneralisedMaxwell.to_string(),
         };
         let mut best = None;
+        let mut alternatives = Vec::new();
         for _ in 0..MOST_ROUNDS {
             let shifted = shifted(sweep, &joined, &log_shifts);
             let chosen = choose(&shifted, &options)?;
@@ -138,6 +145,31 @@ impl MasterCurve {
             start.extend(others.iter().map(|step| log_shifts[*step]));
             let minimum =
                 minimise(&model, &joined, &start, None, Effort::Full).ok_or_else(no_law)?;
+            let own_shifts = minimum.at[minimum.at.len() - others.len()..].to_vec();
+            let joint = |(_, tried): (f64, &Refined)| {
+                let solid = tried.series.equilibrium > 0.0;
+                let branches = tried.series.branches.len();
+                let shifts = shift_of_line.clone();
+                let model = Prony::shifted(solid, branches, shifts, &temperatures);
+                let start = [tried.minimum.at.as_slice(), own_shifts.as_slice()].concat();
+                let minimum = minimise(&model, &joined, &start, None, Effort::Comparison)?;
+                let values = 2 * joined.len();
+                let scores = Scores::of(
+                    options.error_scale,
+                    minimum.chi_squared,
+                    values,
+                    minimum.at.len(),
+                );
+                let information = Information::of(&minimum.linearised, minimum.at.len())?;
+                let alternative = Alternative {
+                    weight: 0.0,
+                    model: Prony::new(solid, branches),
+                    coordinates: minimum.at,
+                    information,
+                };
+                Some((scores.aicc, alternative))
+            };
+            alternatives = weighted(chosen.candidates().into_iter().filter_map(joint).collect());
             let first = minimum.at.len() - others.len();
             for (step, found) in others.iter().zip(&minimum.at[first..]) {
                 log_shifts[*step] = *found;
@@ -168,18 +200,41 @@ impl MasterCurve {
             band: shifted.band(),
             sequences: &sequences,
             options,
+            elsewhere: Vec::new(),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
-        let fit = scene.judge(minimum, Law::GeneralisedMaxwell, wrap)?;
+        let mut fit = scene.judge(minimum, Law::GeneralisedMaxwell, wrap)?;
+        fit.alternatives = alternatives;
         let first = fit.parameters.len() - others.len();
         let found = &fit.parameters[first..];
+        let (means, covariance) = shifts_of(&fit, others.len());
+        let quantile = options.quantile(fit.degrees_of_freedom);
         let shifts: Vec<Shift> = (0..count)
             .map(|step| {
                 let own = others.iter().position(|other| *other == step);
+                let log_shift = own.map_or(0.0, |k| means[k]);
+                let standard_error = own.map_or(0.0, |k| covariance[k][k].sqrt());
+                let linear = Interval {
+                    lower: log_shift - quantile * standard_error,
+                    upper: log_shift + quantile * standard_error,
+                    method: IntervalMethod::Linear,
+                };
+                // of a profile the wider end of the two
+                let profile = own.map(|k| found[k].interval);
+                let interval = match profile.filter(|of| of.method == IntervalMethod::Profile) {
+                    Some(of) => Interval {
+                        lower: linear.lower.min(of.lower.ln()),
+                        upper: linear.upper.max(of.upper.ln()),
+                        method: IntervalMethod::Profile,
+                    },
+                    None => linear,
+                };
                 Shift {
                     temperature: sweep.temperatures[step],
-                    log_shift: own.map_or(0.0, |k| fit.coordinates[first + k]),
-                    standard_error: own.map_or(0.0, |k| found[k].standard_error),
+                    log_shift,
+                    standard_error,
+                    interval,
+                    verdict: own.map_or(Verdict::Identified, |k| found[k].verdict.clone()),
                     vertical: factors[step],
                     overlap: overlaps[step],
                 }
@@ -211,10 +266,10 @@ impl MasterCurve {
         self.fit.law.prony_series()
     }
 
-    /// The laws of Williams, Landel & Ferry and of Arrhenius fitted to the shifts.
+    /// The laws of Williams, Landel & Ferry and of Arrhenius fitted to the shifts that are identified.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three temperatures; [`CmodError::ShiftsUndetermined`] if the data leave a
+    /// [`CmodError::TooFewReadings`] below three temperatures whose shifts are identified; [`CmodError::ShiftsUndetermined`] if the data leave a
     /// combination of the shifts open; [`CmodError::ChangedResult`] if lists of this result have been changed and there are more
     /// shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
@@ -232,31 +287,70 @@ impl MasterCurve {
                 expected: others.len(),
             });
         };
-        let unit = |own: usize| -> Vec<f64> {
-            let is_own = |k: usize| f64::from(u8::from(k == own));
-            (0..parameters).map(is_own).collect()
-        };
-        let units: Vec<Vec<f64>> = (first..parameters).map(unit).collect();
-        let information = &self.fit.information;
-        let covariance: Vec<Vec<f64>> = units
-            .iter()
-            .map(|a| {
-                let along = |g: &[f64], shift: &[f64]| -> f64 {
-                    g.iter().zip(shift).map(|(g, shift)| g * shift).sum()
-                };
-                let entry = |b: &Vec<f64>| {
-                    let common = self.fit.common_errors.iter();
-                    let common =
-                        common.map(|error| along(a, &error.shift) * along(b, &error.shift));
-                    self.fit.variance_factor * information.covariance(a, b) + common.sum::<f64>()
-                };
-                units.iter().map(entry).collect()
-            })
+        // a shift that the data leave open, at one end or both, says nothing of the law
+        let identified: Vec<usize> = (0..others.len())
+            .filter(|k| others.get(*k).is_some_and(|shift| shift.verdict.is_identified()))
             .collect();
+        let (_, all) = shifts_of(&self.fit, parameters - first);
+        let covariance: Vec<Vec<f64>> = identified
+            .iter()
+            .filter_map(|row| all.get(*row))
+            .map(|row| identified.iter().filter_map(|k| row.get(*k).copied()).collect())
+            .collect();
+        let others: Vec<&Shift> = identified.iter().filter_map(|k| others.get(*k).copied()).collect();
         let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();
         let log_shifts: Vec<f64> = others.iter().map(|s| s.log_shift).collect();
         ShiftLaws::new(reference, &differences, &log_shifts, &covariance)
     }
+}
+
+/// The last `count` coordinates, which are shifts, as means over the orders, with their covariance by random and common errors and by the
+/// scatter between the orders.
+fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let own = (1.0, &fit.coordinates, &fit.information);
+    let mut all: Vec<(f64, &Vec<f64>, &Information)> = fit
+        .alternatives
+        .iter()
+        .map(|other| (other.weight, &other.coordinates, &other.information))
+        .collect();
+    if all.is_empty() {
+        all.push(own);
+    }
+    let last = |values: &[f64]| values.iter().skip(values.len().saturating_sub(count)).copied().collect::<Vec<f64>>();
+    let shifts: Vec<(f64, Vec<f64>, &Information)> = all
+        .into_iter()
+        .map(|(weight, at, information)| (weight, last(at), information))
+        .collect();
+    let mean: Vec<f64> = (0..count)
+        .map(|k| {
+            let of = |(weight, at, _): &(f64, Vec<f64>, &Information)| Some(weight * at.get(k)?);
+            shifts.iter().filter_map(of).sum()
+        })
+        .collect();
+    let mut sum = vec![vec![0.0; count]; count];
+    let mut add = |weight: f64, vector: &[f64]| {
+        for (row, own) in sum.iter_mut().zip(vector) {
+            for (entry, other) in row.iter_mut().zip(vector) {
+                *entry += weight * own * other;
+            }
+        }
+    };
+    for (weight, at, _) in &shifts {
+        let difference: Vec<f64> = at.iter().zip(&mean).map(|(a, m)| a - m).collect();
+        add(*weight, &difference);
+    }
+    for error in &fit.common_errors {
+        add(1.0, &last(&error.shift));
+    }
+    for (weight, _, information) in &shifts {
+        let random = information.of_last(count);
+        for (row, own) in sum.iter_mut().zip(random) {
+            for (entry, own) in row.iter_mut().zip(own) {
+                *entry += weight * fit.variance_factor * own;
+            }
+        }
+    }
+    (mean, sum)
 }
 
 /// The relative shift of each temperature to the one before.

@@ -2,7 +2,8 @@
 
 use num_complex::Complex64;
 use rodwave::modulus::{
-    DifferentiableModulus, FractionalZener, HavriliakNegami, KelvinVoigt, Zener,
+    ConstantQ, DifferentiableModulus, Elastic, FractionalMaxwell, FractionalZener, HavriliakNegami,
+    KelvinVoigt, Maxwell, SpringPot, Zener,
 };
 
 use super::parameter::Scale;
@@ -29,6 +30,17 @@ pub(super) struct ParameterKind {
     pub(super) scale: Scale,
     /// Coordinate of the relaxation time that the parameter belongs to, if any.
     pub(super) relaxation_time: Option<usize>,
+    /// The loss that the parameter describes, if it does.
+    pub(super) loss: Option<Loss>,
+}
+
+/// A loss that vanishes where a coordinate goes to an end of its range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Loss {
+    /// The coordinate.
+    pub(super) coordinate: usize,
+    /// Sign of the direction.
+    pub(super) vanishes_towards: f64,
 }
 
 impl ParameterKind {
@@ -38,12 +50,103 @@ impl ParameterKind {
             unit,
             scale,
             relaxation_time: None,
+            loss: None,
         }
+    }
+
+    /// The parameter describes a loss that vanishes where `coordinate` goes to -∞.
+    pub(super) fn of_loss(self, coordinate: usize) -> Self {
+        self.of_loss_towards(coordinate, -1.0)
+    }
+
+    /// The same where it goes to ∞ (1) or to -∞ (-1).
+    fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
+        self.loss = Some(Loss {
+            coordinate,
+            vanishes_towards,
+        });
+        self
     }
 
     pub(super) fn of_relaxation(mut self, index: usize) -> Self {
         self.relaxation_time = Some(index);
         self
+    }
+}
+
+/// A model of which only some coordinates are free.
+pub(super) struct Partial<'a, M> {
+    whole: &'a M,
+    /// Coordinates of the whole model; those that are not free keep these values.
+    at: Vec<f64>,
+    free: Vec<usize>,
+    kinds: Vec<ParameterKind>,
+}
+
+impl<'a, M: Model> Partial<'a, M> {
+    /// `free` counts the kinds of `whole`, of which `at` has one coordinate each.
+    pub(super) fn new(whole: &'a M, at: Vec<f64>, free: Vec<usize>) -> Self {
+        let of = |index: &usize| {
+            let kind = whole.kinds().get(*index)?;
+            let place = |whole: usize| free.iter().position(|own| *own == whole);
+            let loss = kind.loss.and_then(|loss| {
+                let coordinate = place(loss.coordinate)?;
+                Some(Loss { coordinate, ..loss })
+            });
+            Some(ParameterKind {
+                relaxation_time: kind.relaxation_time.and_then(place),
+                loss,
+                ..kind.clone()
+            })
+        };
+        Self {
+            kinds: free.iter().filter_map(of).collect(),
+            whole,
+            at,
+            free,
+        }
+    }
+
+    /// All coordinates.
+    pub(super) fn whole_at(&self, free: &[f64]) -> Vec<f64> {
+        let mut at = self.at.clone();
+        for (index, value) in self.free.iter().zip(free) {
+            if let Some(own) = at.get_mut(*index) {
+                *own = *value;
+            }
+        }
+        at
+    }
+}
+
+impl<M: Model> Model for Partial<'_, M> {
+    fn kinds(&self) -> &[ParameterKind] {
+        &self.kinds
+    }
+
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a row has one element for each coordinate of the whole model, and `free` counts these"
+    )]
+    fn evaluate(
+        &self,
+        at: &[f64],
+        omega: &[f64],
+        modulus: &mut [Complex64],
+        gradient: &mut [Complex64],
+    ) -> bool {
+        let whole_at = self.whole_at(at);
+        let mut rows = vec![Complex64::ZERO; whole_at.len() * omega.len()];
+        if !self.whole.evaluate(&whole_at, omega, modulus, &mut rows) {
+            return false;
+        }
+        let rows = rows.chunks_exact(whole_at.len());
+        for (own, row) in gradient.chunks_exact_mut(at.len()).zip(rows) {
+            for (entry, index) in own.iter_mut().zip(&self.free) {
+                *entry = row[*index];
+            }
+        }
+        true
     }
 }
 
@@ -161,17 +264,80 @@ pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, rodwave::RodwaveErro
         law: KelvinVoigt::new(1.0, 1.0)?,
         kinds: vec![
             ParameterKind::new("modulus", "Pa", Scale::Ratio),
-            ParameterKind::new("viscosity", "Pa s", Scale::Ratio),
+            ParameterKind::new("viscosity", "Pa s", Scale::Ratio).of_loss(1),
         ],
         link: Link::Identity,
+    })
+}
+
+pub(super) fn elastic() -> Result<Linked<Elastic>, rodwave::RodwaveError> {
+    Ok(Linked {
+        law: Elastic::new(1.0)?,
+        kinds: vec![ParameterKind::new("modulus", "Pa", Scale::Ratio)],
+        link: Link::Identity,
+    })
+}
+
+/// |E| and the loss factor of constant Q at the angular frequency `reference`.
+pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::RodwaveError> {
+    Ok(Linked {
+        law: ConstantQ::new(1.0, 0.1, reference)?,
+        kinds: vec![
+            ParameterKind::new("modulus in the middle of the band", "Pa", Scale::Ratio),
+            ParameterKind::new("loss factor", "1", Scale::Ratio).of_loss(1),
+        ],
+        link: Link::Identity,
+    })
+}
+
+/// |E| at the angular frequency `reference` and the exponent.
+pub(super) fn spring_pot(reference: f64) -> Result<Linked<SpringPot>, rodwave::RodwaveError> {
+    Ok(Linked {
+        law: SpringPot::new(1.0, 0.5, reference)?,
+        kinds: vec![
+            ParameterKind::new("modulus in the middle of the band", "Pa", Scale::Ratio),
+            ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss(1),
+        ],
+        link: Link::Exponent,
+    })
+}
+
+fn fluid_kinds() -> Vec<ParameterKind> {
+    vec![
+        ParameterKind::new("unrelaxed modulus", "Pa", Scale::Ratio),
+        ParameterKind::new("relaxation time", "s", Scale::Ratio)
+            .of_relaxation(1)
+            .of_loss_towards(1, 1.0),
+    ]
+}
+
+pub(super) fn maxwell() -> Result<Linked<Maxwell>, rodwave::RodwaveError> {
+    Ok(Linked {
+        law: Maxwell::new(1.0, 1.0)?,
+        kinds: fluid_kinds(),
+        link: Link::Identity,
+    })
+}
+
+pub(super) fn fractional_maxwell() -> Result<Linked<FractionalMaxwell>, rodwave::RodwaveError> {
+    let mut kinds = fluid_kinds();
+    kinds.push(ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss_towards(1, 1.0));
+    Ok(Linked {
+        law: FractionalMaxwell::new(1.0, 1.0, 0.5)?,
+        kinds,
+        link: Link::Exponent,
     })
 }
 
 fn step_kinds() -> Vec<ParameterKind> {
     vec![
         ParameterKind::new("relaxed modulus", "Pa", Scale::Ratio),
-        ParameterKind::new("modulus increment", "Pa", Scale::Ratio).of_relaxation(2),
-        ParameterKind::new("relaxation time", "s", Scale::Ratio).of_relaxation(2),
+        ParameterKind::new("modulus increment", "Pa", Scale::Ratio)
+            .of_relaxation(2)
+            .of_loss(1),
+        ParameterKind::new("relaxation time", "s", Scale::Ratio)
+            .of_relaxation(2)
+            .of_loss(1),
     ]
 }
 
@@ -185,7 +351,7 @@ pub(super) fn zener() -> Result<Linked<Zener>, rodwave::RodwaveError> {
 
 pub(super) fn fractional_zener() -> Result<Linked<FractionalZener>, rodwave::RodwaveError> {
     let mut kinds = step_kinds();
-    kinds.push(ParameterKind::new("exponent", "1", Scale::LogOdds));
+    kinds.push(ParameterKind::new("exponent", "1", Scale::LogOdds).of_loss(1));
     Ok(Linked {
         law: FractionalZener::new(1.0, 2.0, 1.0, 0.5)?,
         kinds,
@@ -195,16 +361,9 @@ pub(super) fn fractional_zener() -> Result<Linked<FractionalZener>, rodwave::Rod
 
 pub(super) fn havriliak_negami() -> Result<Linked<HavriliakNegami>, rodwave::RodwaveError> {
     let mut kinds = step_kinds();
-    kinds.push(ParameterKind::new(
-        "low-frequency exponent",
-        "1",
-        Scale::LogOdds,
-    ));
-    kinds.push(ParameterKind::new(
-        "high-frequency exponent",
-        "1",
-        Scale::LogOdds,
-    ));
+    for name in ["low-frequency exponent", "high-frequency exponent"] {
+        kinds.push(ParameterKind::new(name, "1", Scale::LogOdds).of_loss(1));
+    }
     Ok(Linked {
         law: HavriliakNegami::new(1.0, 2.0, 1.0, 0.5, 0.5)?,
         kinds,
@@ -263,6 +422,11 @@ mod tests {
         check(&zener().unwrap(), &step, &OMEGA);
         let with = |more: &[f64]| [step.as_slice(), more].concat();
         check(&fractional_zener().unwrap(), &with(&[0.3]), &OMEGA);
+        check(&elastic().unwrap(), &[21.4], &OMEGA);
+        check(&constant_q(3e3).unwrap(), &[21.4, -2.3], &OMEGA);
+        check(&spring_pot(3e3).unwrap(), &[21.4, -2.3], &OMEGA);
+        check(&maxwell().unwrap(), &[21.4, -8.6], &OMEGA);
+        check(&fractional_maxwell().unwrap(), &[21.4, -8.6, 0.3], &OMEGA);
         check(&havriliak_negami().unwrap(), &with(&[0.3, -0.7]), &OMEGA);
         check(
             &PowerLawModel::new(1150.0),

@@ -9,7 +9,8 @@
 use rodwave::modulus::MaxwellBranch;
 
 use super::data::ModulusData;
-use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores, enough};
+use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
+use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, count, minimise};
@@ -27,6 +28,8 @@ const WORTHWHILE: f64 = 1.0;
 /// would keep them.
 const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
+/// An order of less weight, by that of the best, has no part in a prediction.
+const LEAST_WEIGHT: f64 = 1e-3;
 /// Orders are no longer tried when the criterion is worse than its best by this, twice in a row.
 const HOPELESS: f64 = 30.0;
 
@@ -100,6 +103,7 @@ impl PronyFit {
         let chosen = Chosen {
             best: here,
             orders: vec![order],
+            tried: Vec::new(),
         };
         Self::judged(data, options, chosen)
     }
@@ -114,10 +118,14 @@ impl PronyFit {
             band: data.band(),
             sequences: std::slice::from_ref(&sequence),
             options,
+            elsewhere: series.elsewhere(data),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
+        let alternatives = chosen.alternatives();
+        let mut fit = scene.judge(chosen.best.minimum, Law::GeneralisedMaxwell, wrap)?;
+        fit.alternatives = alternatives;
         Ok(Self {
-            fit: scene.judge(chosen.best.minimum, Law::GeneralisedMaxwell, wrap)?,
+            fit,
             orders: chosen.orders,
         })
     }
@@ -139,12 +147,51 @@ fn no_law() -> CmodError {
 pub(super) struct Chosen {
     pub(super) best: Refined,
     pub(super) orders: Vec<Order>,
+    /// The series of these orders; none where the order was given.
+    tried: Vec<Refined>,
+}
+
+impl Chosen {
+    /// The series that may have a part in a prediction, each with the value of its criterion.
+    pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
+        let score = |order: &Order| if order.aicc.is_finite() { order.aicc } else { order.bic };
+        let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
+        let all = self.orders.iter().map(score).zip(&self.tried);
+        all.filter(|(score, _)| 0.5 * (score - least) < -LEAST_WEIGHT.ln())
+            .collect()
+    }
+
+    fn alternatives(&self) -> Vec<Alternative> {
+        let of = |(score, tried): (f64, &Refined)| {
+            let coordinates = tried.minimum.at.clone();
+            let alternative = Alternative {
+                weight: 0.0,
+                model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
+                information: Information::of(&tried.minimum.linearised, coordinates.len())?,
+                coordinates,
+            };
+            Some((score, alternative))
+        };
+        weighted(self.candidates().into_iter().filter_map(of).collect())
+    }
+}
+
+/// The alternatives with their weights exp(-AICc/2), normalised, from their AICc.
+pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
+    let least = all.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
+    let weight = |score: f64| (0.5 * (least - score)).exp();
+    let sum: f64 = all.iter().map(|(score, _)| weight(*score)).sum();
+    for (score, alternative) in &mut all {
+        alternative.weight = weight(*score) / sum;
+    }
+    all.into_iter().map(|(_, alternative)| alternative).collect()
 }
 
 pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen, CmodError> {
     let here = Refined::of(data, Series::best(data)).ok_or_else(no_law)?;
     let mut here = here.with_further_lines(data, options);
     let mut orders: Vec<Order> = Vec::new();
+    let mut tried: Vec<Refined> = Vec::new();
     let mut best: Option<(f64, Refined)> = None;
     let mut hopeless = 0;
     loop {
@@ -157,6 +204,7 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
             let value = options.criterion.of(order.aicc, order.bic);
             of_level = of_level.min(value);
             orders.push(order);
+            tried.push(candidate.clone());
             if best.as_ref().is_none_or(|(least, _)| value < *least) {
                 best = Some((value, candidate));
             }
@@ -179,7 +227,11 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
     }
     let (_, best) = best.ok_or_else(no_law)?;
     let best = best.settled(data).ok_or_else(no_law)?;
-    Ok(Chosen { best, orders })
+    Ok(Chosen {
+        best,
+        orders,
+        tried,
+    })
 }
 
 /// E∞ and branches in the order of increasing relaxation times.
@@ -218,11 +270,11 @@ impl Series {
         }
     }
 
-    fn coordinates(&self) -> Vec<f64> {
+    pub(super) fn coordinates(&self) -> Vec<f64> {
         Prony::coordinates(self.equilibrium, &self.branches)
     }
 
-    fn of_coordinates(at: &[f64], solid: bool) -> Self {
+    pub(super) fn of_coordinates(at: &[f64], solid: bool) -> Self {
         let (equilibrium, rest) = at.split_at(usize::from(solid));
         let branches = rest.as_chunks().0;
         Self {
@@ -235,6 +287,42 @@ impl Series {
                 })
                 .collect(),
         }
+    }
+
+    /// Series with the same number of parameters from which the law may fit as well: the spring as a slow relaxation, and the first and
+    /// the last branch out of the band.
+    fn elsewhere(&self, data: &ModulusData) -> Vec<Vec<f64>> {
+        const FAR: f64 = 30.0;
+        let (lowest, highest) = data.band();
+        let mut all = Vec::new();
+        let mut with = |change: &dyn Fn(&mut Self) -> Option<()>| {
+            let mut other = self.clone();
+            if change(&mut other).is_some() {
+                all.push(other.coordinates());
+            }
+        };
+        if self.equilibrium > 0.0 {
+            with(&|other| {
+                let slowest = other.branches.last_mut()?;
+                slowest.modulus += other.equilibrium;
+                slowest.relaxation_time = FAR / lowest;
+                other.equilibrium *= 1e-3;
+                Some(())
+            });
+        }
+        with(&|other| {
+            let slowest = other.branches.last_mut()?;
+            slowest.relaxation_time = slowest.relaxation_time.max(FAR / lowest);
+            Some(())
+        });
+        with(&|other| {
+            let fastest = other.branches.first_mut()?;
+            let time = fastest.relaxation_time.min((FAR * highest).recip());
+            fastest.modulus *= fastest.relaxation_time / time;
+            fastest.relaxation_time = time;
+            Some(())
+        });
+        all
     }
 
     /// With the largest branch as two, or the first one.
@@ -259,7 +347,7 @@ impl Series {
     }
 
     /// The same relaxation times with the best moduli, and χ²; branches without a modulus are gone.
-    fn with_best_moduli(mut self, data: &ModulusData) -> (f64, Self) {
+    pub(super) fn with_best_moduli(mut self, data: &ModulusData) -> (f64, Self) {
         let solid = self.equilibrium > 0.0;
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(1 + self.branches.len());
         if solid {

@@ -70,8 +70,8 @@ impl PowerLawModel {
         Self {
             density,
             kinds: vec![
-                ParameterKind::new("damping factor", "s^p/m", Scale::Ratio),
-                ParameterKind::new("damping exponent", "1", Scale::Difference),
+                ParameterKind::new("damping factor", "s^p/m", Scale::Ratio).of_loss(0),
+                ParameterKind::new("damping exponent", "1", Scale::Difference).of_loss(0),
                 ParameterKind::new("wave number factor", "s^q/m", Scale::Ratio),
                 ParameterKind::new("wave number exponent", "1", Scale::Difference),
             ],

@@ -4,13 +4,17 @@ use super::data::ModulusData;
 use super::least_squares::{Effort, minimise};
 use super::model::Model;
 
-/// A parameter is followed this far on its scale, a factor of 1e5 for a logarithm; without an end until there it has none.
-const RANGE: f64 = 11.5;
+/// A parameter is followed this far on its scale, a factor of 1e21 for a logarithm: beyond, no law here depends on it.
+const RANGE: f64 = 50.0;
+/// Where an end was found, χ² is looked at again at these distances beyond it: a plateau may follow a rise.
+const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
+/// Most plateaus beyond an end.
+const MOST_PLATEAUS: usize = 4;
 
 /// What lies on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum End {
-    /// χ² has risen by the threshold at this coordinate.
+    /// χ² has risen by the threshold at this coordinate, and stays above it as far as was looked.
     At(f64),
     /// It has not within [`RANGE`].
     Open,
@@ -18,83 +22,134 @@ pub(super) enum End {
     LowerMinimum(Vec<f64>),
 }
 
-/// Searches for the coordinate `index` from the minimum `at` in the direction of the sign of `first_step`.
+/// A minimum of χ² and a parameter whose profile is followed from there.
+pub(super) struct Profile<'a, M: ?Sized> {
+    pub(super) model: &'a M,
+    pub(super) data: &'a ModulusData,
+    pub(super) at: &'a [f64],
+    pub(super) chi_squared: f64,
+    /// Other coordinates from which the law may fit as well.
+    pub(super) elsewhere: &'a [Vec<f64>],
+    pub(super) index: usize,
+    pub(super) threshold: f64,
+}
+
+/// The rise of χ² and where.
+type Reached = (f64, Vec<f64>);
+
 #[allow(
     clippy::indexing_slicing,
     reason = "`index` is that of a parameter of the model, and `at` and the minima have one coordinate for each"
 )]
-pub(super) fn end<M: Model + ?Sized>(
-    model: &M,
-    data: &ModulusData,
-    at: &[f64],
-    chi_squared: f64,
-    index: usize,
-    first_step: f64,
-    threshold: f64,
-) -> End {
-    let here = at[index];
-    let mut inside = at.to_vec();
-    let mut rise_inside = 0.0;
-    let mut step = first_step;
-    let rise_at = |coordinate: f64, start: &[f64]| {
+impl<M: Model + ?Sized> Profile<'_, M> {
+    /// Searches in the direction of the sign of `first_step`.
+    pub(super) fn end(&self, first_step: f64) -> End {
+        let mut inside = (0.0, self.at.to_vec());
+        let mut step = first_step;
+        for _ in 0..MOST_PLATEAUS {
+            let (from, outside) = match self.walk(inside, step) {
+                Walk::Risen(inside, outside) => (inside, outside),
+                Walk::Open => return End::Open,
+                Walk::Lower(at) => return End::LowerMinimum(at),
+            };
+            let far = BEYOND
+                .iter()
+                .map(|beyond| outside.0 + beyond.copysign(first_step))
+                .filter(|coordinate| (coordinate - self.at[self.index]).abs() <= RANGE)
+                .filter_map(|coordinate| self.least(coordinate))
+                .find(|(rise, _)| *rise <= self.threshold);
+            match far {
+                None => return End::At(self.between(from, outside)),
+                Some((rise, at)) if self.is_lower(rise) => return End::LowerMinimum(at),
+                Some(plateau) => {
+                    inside = plateau;
+                    step = 1.0_f64.copysign(first_step);
+                }
+            }
+        }
+        End::Open
+    }
+
+    fn is_lower(&self, rise: f64) -> bool {
+        rise < -2e-2 * self.threshold
+    }
+
+    fn rise(&self, coordinate: f64, start: &[f64]) -> Option<Reached> {
         let mut start = start.to_vec();
-        start[index] = coordinate;
-        minimise(model, data, &start, Some(index), Effort::Comparison)
-            .map(|minimum| (minimum.chi_squared - chi_squared, minimum.at))
-    };
-    let mut distance: f64 = 0.0;
-    let (mut outside, mut rise_outside) = loop {
-        distance += step;
-        if distance.abs() > RANGE {
-            return End::Open;
+        start[self.index] = coordinate;
+        let held = Some(self.index);
+        minimise(self.model, self.data, &start, held, Effort::Comparison)
+            .map(|minimum| (minimum.chi_squared - self.chi_squared, minimum.at))
+    }
+
+    /// The least χ² at a coordinate that the other starts find.
+    fn least(&self, coordinate: f64) -> Option<Reached> {
+        let starts = self.elsewhere.iter();
+        starts
+            .filter_map(|start| self.rise(coordinate, start))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// From a point inside until χ² has risen by the threshold.
+    fn walk(&self, mut inside: Reached, mut step: f64) -> Walk {
+        let mut coordinate = inside.1[self.index];
+        loop {
+            coordinate += step;
+            if (coordinate - self.at[self.index]).abs() > RANGE {
+                return Walk::Open;
+            }
+            // where there is no law, there is an end
+            let Some((rise, point)) = self.rise(coordinate, &inside.1) else {
+                return Walk::Risen(inside, (coordinate, f64::INFINITY));
+            };
+            if self.is_lower(rise) {
+                return Walk::Lower(point);
+            }
+            if rise > self.threshold {
+                return Walk::Risen(inside, (coordinate, rise));
+            }
+            inside = (rise, point);
+            step *= 1.6;
         }
-        // where there is no law, there is an end
-        let Some((rise, point)) = rise_at(here + distance, &inside) else {
-            break (here + distance, f64::INFINITY);
-        };
-        if rise < -2e-2 * threshold {
-            return End::LowerMinimum(point);
+    }
+
+    /// Where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is nearly a straight line.
+    fn between(&self, mut inside: Reached, (mut outside, mut rise_outside): (f64, f64)) -> f64 {
+        let threshold = self.threshold;
+        for _ in 0..20 {
+            let (low, high) = (inside.0.max(0.0).sqrt(), rise_outside.sqrt());
+            let share = if high.is_finite() {
+                ((threshold.sqrt() - low) / (high - low)).clamp(0.05, 0.95)
+            } else {
+                0.5
+            };
+            let here = inside.1[self.index];
+            let middle = here + share * (outside - here);
+            match self.rise(middle, &inside.1) {
+                Some((rise, _)) if rise > threshold => {
+                    (outside, rise_outside) = (middle, rise);
+                }
+                Some(point) => inside = point,
+                None => (outside, rise_outside) = (middle, f64::INFINITY),
+            }
+            let close = (inside.0 - threshold)
+                .abs()
+                .min((rise_outside - threshold).abs());
+            if close < 1e-2 * threshold || (outside - inside.1[self.index]).abs() < 1e-3 {
+                break;
+            }
         }
-        if rise > threshold {
-            break (here + distance, rise);
-        }
-        inside = point;
-        rise_inside = rise;
-        step *= 1.6;
-    };
-    // χ² is nearly a parabola in the coordinate: its root is nearly a straight line
-    for _ in 0..20 {
-        let (low, high) = (rise_inside.max(0.0).sqrt(), rise_outside.sqrt());
-        let share = if high.is_finite() {
-            ((threshold.sqrt() - low) / (high - low)).clamp(0.05, 0.95)
+        if (rise_outside - threshold).abs() < (threshold - inside.0).abs() {
+            outside
         } else {
-            0.5
-        };
-        let middle = inside[index] + share * (outside - inside[index]);
-        match rise_at(middle, &inside) {
-            Some((rise, _)) if rise > threshold => {
-                outside = middle;
-                rise_outside = rise;
-            }
-            Some((rise, point)) => {
-                inside = point;
-                rise_inside = rise;
-            }
-            None => {
-                outside = middle;
-                rise_outside = f64::INFINITY;
-            }
-        }
-        let close = (rise_inside - threshold)
-            .abs()
-            .min((rise_outside - threshold).abs());
-        if close < 1e-2 * threshold || (outside - inside[index]).abs() < 1e-3 {
-            break;
+            inside.1[self.index]
         }
     }
-    if (rise_outside - threshold).abs() < (threshold - rise_inside).abs() {
-        End::At(outside)
-    } else {
-        End::At(inside[index])
-    }
+}
+
+enum Walk {
+    /// The last point inside, and the coordinate and the rise outside.
+    Risen(Reached, (f64, f64)),
+    Open,
+    Lower(Vec<f64>),
 }

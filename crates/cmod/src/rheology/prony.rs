@@ -9,7 +9,7 @@ use super::parameter::Scale;
 
 /// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the logarithms of the shifts
 /// a_T: on a line of temperature T the law is taken at ω a_T.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prony {
     solid: bool,
     branches: usize,
@@ -42,10 +42,10 @@ impl Prony {
         for i in 0..branches {
             let time = first + 2 * i + 1;
             let modulus = ParameterKind::new(format!("modulus {}", i + 1), "Pa", Scale::Ratio);
-            kinds.push(modulus.of_relaxation(time));
+            kinds.push(modulus.of_relaxation(time).of_loss(time - 1));
             let relaxation =
                 ParameterKind::new(format!("relaxation time {}", i + 1), "s", Scale::Ratio);
-            kinds.push(relaxation.of_relaxation(time));
+            kinds.push(relaxation.of_relaxation(time).of_loss(time - 1));
         }
         for temperature in shifted {
             let name = format!("shift factor at {temperature} K");

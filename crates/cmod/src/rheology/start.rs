@@ -93,6 +93,118 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     best.into_iter().map(|(_, at)| at).collect()
 }
 
+/// Coordinates at the limits that a relaxation may have without a change of what is seen: slower than the band, beside a spring and
+/// without one, and faster.
+pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
+    const FAR: f64 = 30.0;
+    let lines = some_lines(data);
+    let (lowest, highest) = data.band();
+    let log_odds = |p: f64| (p / (1.0 - p)).ln();
+    let exponents = match shape {
+        Shape::Zener => Vec::new(),
+        Shape::FractionalZener => vec![log_odds(0.5)],
+        Shape::HavriliakNegami => vec![log_odds(0.6), log_odds(0.3)],
+    };
+    let moduli = |log_time: f64| {
+        let spread: Vec<Complex64> = lines
+            .iter()
+            .filter_map(|line| data.omega.get(*line))
+            .map(|omega| {
+                let s_tau = Complex64::new(0.0, omega * log_time.exp());
+                s_tau / (1.0 + s_tau)
+            })
+            .collect();
+        let (_, relaxed, increment) = two_moduli(data, &lines, &spread);
+        (relaxed, increment)
+    };
+    let (slow, fast) = ((FAR / lowest).ln(), -(FAR * highest).ln());
+    let (relaxed, increment) = moduli(slow);
+    let (own, of_fast) = moduli(fast);
+    let all = relaxed + increment;
+    [
+        (relaxed, increment, slow),
+        (1e-3 * all, all, slow),
+        (own, of_fast, fast),
+    ]
+    .into_iter()
+    .map(|(relaxed, increment, time)| [vec![relaxed.ln(), increment.ln(), time], exponents.clone()].concat())
+    .collect()
+}
+
+/// ln E of the elastic law, which is linear in E.
+pub(super) fn of_elastic(data: &ModulusData) -> Vec<Vec<f64>> {
+    let ones = vec![Complex64::ONE; data.len()];
+    vec![vec![one_modulus(data, &ones).1.ln()]]
+}
+
+/// ln |E| and ln of the loss factor, as means.
+pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
+    let n = count(data.len());
+    let size: f64 = data.modulus.iter().map(|e| e.norm().ln() / n).sum();
+    let loss: f64 = data.modulus.iter().map(|e| e.im / e.re / n).sum();
+    vec![size, loss.max(1e-3).ln()]
+}
+
+/// The same with the exponent (2/π) atan tan δ.
+pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
+    let mut at = of_constant_q(data);
+    if let Some(loss) = at.last_mut() {
+        let exponent = (std::f64::consts::FRAC_2_PI * loss.exp().atan()).min(0.999);
+        *loss = (exponent / (1.0 - exponent)).ln();
+    }
+    at
+}
+
+/// ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the best of a grid for each of the `exponents`, and
+/// of these the two best.
+pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
+    let (lowest, highest) = data.band();
+    let decade = std::f64::consts::LN_10;
+    let mut best = Vec::new();
+    for alpha in exponents {
+        let mut of_shape: Option<(f64, Vec<f64>)> = None;
+        let mut log_time = -highest.ln() - 3.0 * decade;
+        while log_time <= -lowest.ln() + 3.0 * decade {
+            let spread: Vec<Complex64> = data
+                .omega
+                .iter()
+                .map(|omega| {
+                    let power = Complex64::new(0.0, omega * log_time.exp()).powf(*alpha);
+                    power / (1.0 + power)
+                })
+                .collect();
+            let (chi_squared, modulus) = one_modulus(data, &spread);
+            if modulus > 0.0 && of_shape.as_ref().is_none_or(|(least, _)| chi_squared < *least) {
+                let mut at = vec![modulus.ln(), log_time];
+                if *alpha < 1.0 {
+                    at.push((alpha / (1.0 - alpha)).ln());
+                }
+                of_shape = Some((chi_squared, at));
+            }
+            log_time += decade / TIMES_A_DECADE;
+        }
+        best.extend(of_shape);
+    }
+    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    best.into_iter().take(2).map(|(_, at)| at).collect()
+}
+
+/// χ² and the best modulus of E `spread`.
+fn one_modulus(data: &ModulusData, spread: &[Complex64]) -> (f64, f64) {
+    let (mut own, mut mixed, mut square) = (0.0, 0.0, 0.0);
+    let lines = data.whitening.iter().zip(&data.modulus).zip(spread);
+    for ((whitening, modulus), spread) in lines {
+        let column = whitening.apply(*spread);
+        let target = whitening.apply(*modulus);
+        for (column, target) in column.into_iter().zip(target) {
+            own += column * column;
+            mixed += column * target;
+            square += target * target;
+        }
+    }
+    (square - mixed * mixed / own, mixed / own)
+}
+
 /// ln E and ln η of the Kelvin-Voigt model, which is linear in E and η.
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     let lines: Vec<usize> = (0..data.len()).collect();

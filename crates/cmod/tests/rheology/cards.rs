@@ -1,9 +1,14 @@
 //! Cards are read back by a small parser of each format, and E(ω) is computed from their numbers.
 
+use std::f64::consts::TAU;
+
 use cmod::CmodError;
 use cmod::rheology::card::{BulkBehaviour, LS_DYNA_TERMS, MaterialCard, Moduli};
+use cmod::rheology::{FitOptions, PronyFit};
 use num_complex::Complex64;
-use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
+use rodwave::modulus::{ComplexModulus, ConstantQ, GeneralisedMaxwell, MaxwellBranch};
+
+use crate::measured::{Noise, logarithmic, measured};
 
 fn law() -> GeneralisedMaxwell {
     let branch = |modulus, relaxation_time| MaxwellBranch {
@@ -300,4 +305,93 @@ fn materials_that_have_no_card() {
     let twins = GeneralisedMaxwell::new(1e9, twins).unwrap();
     let card = MaterialCard::new("PP", 912.0, 0.3, &twins).unwrap();
     assert!(card.ansys(1, BulkBehaviour::Elastic).is_err());
+}
+
+/// Records of constant Q over two decades: whatever series the criterion takes, the card is no stiffer beyond the band than E' + E'' at its
+/// top, no softer than E' - E'' at its bottom, and its Poisson ratio is the stated one at the stated frequency.
+#[test]
+fn l1_cards_hold_what_the_band_of_the_data_allows() {
+    let law = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
+    let frequency = logarithmic(150.0, 15e3, 40);
+    let (mut highest, mut unlimited): (f64, f64) = (0.0, 0.0);
+    for seed in 0..60 {
+        let noise = Noise::circular(0.01);
+        let data = measured(|omega| law.at(omega), &frequency, noise, seed);
+        let options = FitOptions::default().with_profiles(false);
+        let fit = PronyFit::new(&data, &options).unwrap().fit;
+        let top = law.at(TAU * 15e3);
+        let series = fit.law.prony_series().unwrap();
+        unlimited = unlimited.max(series.unrelaxed_modulus() / top.norm());
+        let card = MaterialCard::from_fit("PP", 912.0, 0.35, &fit, &data)
+            .and_then(|card| card.with_poisson_ratio_at(1.5e3, Some(0.01)))
+            .unwrap();
+        let text = card
+            .abaqus(Moduli::Instantaneous, BulkBehaviour::Elastic)
+            .unwrap();
+        let solid = read_abaqus(&text);
+        let young = |omega: f64| solid.young(omega);
+        let instantaneous = young(1e12).re;
+        highest = highest.max(instantaneous / top.norm());
+        // E' + E'' is 1.095 |E|; three standard errors of 1 % on a line
+        assert!(instantaneous < 1.13 * top.norm(), "{text}");
+        assert!(young(1e-6).re > 0.87 * law.at(TAU * 150.0).norm(), "{text}");
+        let (k, g) = (solid.bulk, Solid::relaxed(solid.shear, &solid.shear_terms, TAU * 1.5e3));
+        let poisson = (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g));
+        assert!((poisson.re - 0.35).abs() < 1e-9, "{poisson}");
+        // 40 lines of 1 % and a law of few branches: the largest deviation is some standard errors
+        let deviation = frequency
+            .iter()
+            .map(|f| (young(TAU * f) / law.at(TAU * f) - 1.0).norm())
+            .fold(0.0, f64::max);
+        assert!(deviation < 0.05, "{deviation} {text}");
+    }
+    println!("E(inf)/|E| at the top: {highest:.2}, of the series themselves {unlimited:.2}");
+    assert!(unlimited > 1.5, "the test shows nothing: {unlimited}");
+}
+
+/// The card says what it rests on, and what the data do not determine is no part of it.
+#[test]
+fn l1_cards_begin_with_what_they_rest_on() {
+    let law = law();
+    let frequency = logarithmic(100.0, 15e3, 60);
+    let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.003), 1);
+    let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
+    let card = MaterialCard::from_fit("PP", 912.0, 0.35, &fit, &data)
+        .and_then(|card| card.with_poisson_ratio_at(1e3, Some(0.02)))
+        .unwrap()
+        .with_comment("temperature of the data: 23 degC\nSHA-256 00");
+    let text = card.ls_dyna(1).unwrap();
+    for said in [
+        "$ data: 60 lines, 1.0000e2 to 1.5000e4 Hz\n",
+        "$ largest deviation from the data: ",
+        "$ E(0) = ",
+        "$ relaxation time 1: ",
+        "$ Poisson ratio 0.35 +- 0.02 at 1.000e3 Hz",
+        "$ elastic bulk: K = ",
+        "+- 1.3e1 %",
+        "$ temperature of the data: 23 degCSHA-256 00\n",
+    ] {
+        assert!(text.contains(said), "{said} {text}");
+    }
+    let comments = || text.lines().filter(|line| line.starts_with("$ "));
+    assert!(comments().all(|line| line.len() <= 80), "{text}");
+
+    // a fluid, and a spring: no card, with the reason
+    let refused = |law: &dyn ComplexModulus| {
+        let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.003), 1);
+        let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
+        MaterialCard::from_fit("PP", 912.0, 0.35, &fit, &data)
+            .unwrap_err()
+            .to_string()
+    };
+    let branch = |modulus, relaxation_time| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    let fluid = GeneralisedMaxwell::new(0.0, vec![branch(2e9, 3e-4)]).unwrap();
+    let reason = refused(&fluid);
+    assert!(reason.contains("long-term modulus of the card"), "{reason}");
+    let spring = GeneralisedMaxwell::new(2e9, Vec::new()).unwrap();
+    let reason = refused(&spring);
+    assert!(reason.contains("number of relaxations"), "{reason}");
 }

@@ -192,9 +192,10 @@ fn r23_cards_and_master_curves_take_common_errors() {
         data.with_common_errors(vec![CommonError { source, shift }])
             .unwrap()
     };
+    let data = at(1.0, 1);
     let fit =
-        RheologicalFit::new(&at(1.0, 1), Law::GeneralisedMaxwell, &FitOptions::default()).unwrap();
-    let card = MaterialCard::from_fit("PP", 912.0, 0.4, &fit, &[200.0, 20e3]).unwrap();
+        RheologicalFit::new(&data, Law::GeneralisedMaxwell, &FitOptions::default()).unwrap();
+    let card = MaterialCard::from_fit("PP", 912.0, 0.4, &fit, &data).unwrap();
     let texts = [
         card.abaqus(Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio)
             .unwrap(),
@@ -202,8 +203,8 @@ fn r23_cards_and_master_curves_take_common_errors() {
         card.ls_dyna(1).unwrap(),
     ];
     for (text, mark) in texts.iter().zip(["** ", "! ", "$ "]) {
-        let comments: Vec<&str> = text.lines().filter(|line| line.contains("|E|")).collect();
-        assert_eq!(comments.len(), 2);
+        let comments: Vec<&str> = text.lines().filter(|line| line.contains("|E| at")).collect();
+        assert_eq!(comments.len(), 3);
         for comment in comments {
             assert!(comment.starts_with(mark) && comment.len() < 80, "{comment}");
             assert!(comment.contains("common 1.0e0 %"), "{comment}");
@@ -211,7 +212,7 @@ fn r23_cards_and_master_curves_take_common_errors() {
     }
     let zener = RheologicalFit::new(&at(1.0, 1), Law::Zener, &FitOptions::default()).unwrap();
     assert_eq!(
-        MaterialCard::from_fit("PP", 912.0, 0.4, &zener, &[])
+        MaterialCard::from_fit("PP", 912.0, 0.4, &zener, &data)
             .unwrap_err()
             .to_string(),
         "the fitted law is Zener, expected a generalised Maxwell law: a card is a Prony series"

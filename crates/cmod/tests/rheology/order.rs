@@ -1,7 +1,11 @@
 //! The number of branches of a Prony series.
 
 use cmod::rheology::{Criterion, FitOptions, Law, PronyFit, RheologicalFit};
-use rodwave::modulus::{ComplexModulus, FractionalZener, GeneralisedMaxwell, MaxwellBranch};
+use std::f64::consts::TAU;
+
+use rodwave::modulus::{
+    ComplexModulus, ConstantQ, FractionalZener, GeneralisedMaxwell, HavriliakNegami, MaxwellBranch,
+};
 
 use super::measured::{Noise, logarithmic, measured};
 
@@ -154,5 +158,54 @@ fn criteria_are_ordered() {
             fit.fit.parameters.len()
         };
         assert!(branches(Criterion::Aicc) >= branches(Criterion::Bic));
+    }
+}
+
+/// Materials with a continuous spectrum are no Prony series: 95 % intervals of a predicted modulus cover the truth inside the band
+/// as they say only with the scatter between the orders.
+#[test]
+fn l5_predictions_of_continuous_spectra_cover() {
+    let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let constant = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
+    let skew = HavriliakNegami::new(1.0e9, 4.0e9, 1e-4, 0.6, 0.4).unwrap();
+    let laws: [(&str, &dyn ComplexModulus); 3] = [
+        ("fractional Zener", &fractional),
+        ("constant Q", &constant),
+        ("Havriliak-Negami", &skew),
+    ];
+    let seeds: u64 = std::env::var("SEEDS").map_or(20, |text| text.parse().unwrap());
+    let options = FitOptions::default().with_profiles(false);
+    let (mut all, mut inside) = ([0.0; 2], 0.0);
+    for (name, law) in laws {
+        for (lines, noise) in [(60, 0.01), (150, 0.003)] {
+            let frequency = logarithmic(50.0, 20e3, lines);
+            let mut covered = [0.0; 2];
+            let mut checked = 0.0;
+            for seed in 0..seeds {
+                let circular = Noise::circular(noise);
+                let data = measured(|omega| law.at(omega), &frequency, circular, seed);
+                let fit = PronyFit::new(&data, &options).unwrap().fit;
+                for f in logarithmic(60.0, 18e3, 12) {
+                    let predicted = fit.prediction(TAU * f).unwrap();
+                    assert!(predicted.within_band);
+                    let error = predicted.modulus - law.at(TAU * f);
+                    let [[storage, _], [_, loss]] = predicted.covariance;
+                    checked += 1.0;
+                    covered[0] += f64::from(u8::from(error.re.abs() < 1.96 * storage.sqrt()));
+                    covered[1] += f64::from(u8::from(error.im.abs() < 1.96 * loss.sqrt()));
+                }
+                assert!(!fit.prediction(TAU * 25e3).unwrap().within_band);
+            }
+            let share = covered.map(|covered| covered / checked);
+            println!("{name}, {lines} lines, {noise}: {share:.3?}");
+            inside += checked;
+            all[0] += covered[0];
+            all[1] += covered[1];
+        }
+    }
+    let share = all.map(|covered| covered / inside);
+    println!("{share:.3?}");
+    for share in share {
+        assert!((0.92..0.98).contains(&share), "{share}");
     }
 }

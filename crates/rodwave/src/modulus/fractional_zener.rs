@@ -59,7 +59,12 @@ impl FractionalZener {
 
     /// E of (sτ)^α, which takes most of the time.
     fn at_power(&self, power: Complex64) -> Complex64 {
-        self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
+        if power.norm_sqr() <= 1.0 {
+            self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
+        } else {
+            // without the difference of two large products that the imaginary part of the above is
+            self.step.unrelaxed - quotient(self.step.increment().into(), 1.0 + power)
+        }
     }
 
     /// ∂E/∂ln s of (sτ)^α.

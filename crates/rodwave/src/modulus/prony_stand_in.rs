@@ -156,7 +156,15 @@ impl PronyStandIn {
                 branch.modulus * phase * phase / (1.0 + phase * phase)
             })
             .sum();
-        let stand_in = GeneralisedMaxwell::new((wanted - of_branches).max(0.0), branches)?;
+        let spring = wanted - of_branches;
+        if spring.is_nan() || spring < 0.0 {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "spring that the branches leave in the middle of the band [Pa]",
+                value: spring,
+                expected: "0 or more: more branches a decade",
+            });
+        }
+        let stand_in = GeneralisedMaxwell::new(spring, branches)?;
         let points = 8 * count;
         let greatest_error = (0..=points)
             .map(|j| {

@@ -21,6 +21,7 @@ pub(super) struct Term {
 }
 
 impl Isotropic {
+    /// With the instantaneous `poisson_ratio`.
     pub(super) fn of(
         law: &GeneralisedMaxwell,
         poisson_ratio: f64,

@@ -1,11 +1,13 @@
 //! Cards of the Prony series for programs that compute with a material.
 
-use cmod::rheology::Comparison;
+use cmod::CmodError;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
+use cmod::rheology::{Comparison, ModulusData};
 
 use super::Found;
 use super::laws::{CardsSheet, ProgramSheet};
 use crate::outcome::Attachment;
+use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
 
 /// The cards of the Prony series.
@@ -13,39 +15,41 @@ pub(super) fn attach(
     outcome: &mut Outcome,
     found: &Found<'_>,
     comparison: &Comparison,
+    data: &ModulusData,
     asked: &CardsSheet,
 ) -> Result<(), RodlabError> {
     let refused = |error| RodlabError::step("laws.cards", error);
-    let fitted = comparison
-        .rows
-        .iter()
-        .find_map(|row| Some((&row.fit, row.fit.law.prony_series()?)));
-    let Some((fit, series)) = fitted else {
+    let fits = comparison.rows.iter().map(|row| &row.fit);
+    let Some(fit) = fits.into_iter().find(|fit| fit.law.prony_series().is_some()) else {
         // it is in the log why it could not be fitted
         return Ok(());
     };
-    let mut valid = found.estimate.valid().map(|line| line.frequency_hz);
-    let band = valid.next().map_or_else(Vec::new, |first| {
-        let last = valid.last().unwrap_or(first);
-        vec![first, (first * last).sqrt(), last]
-    });
-    let card = match MaterialCard::from_fit(
-        &asked.name,
-        found.sheet.specimen.density.with_uncertainty().value,
-        asked.poisson_ratio.si(),
-        fit,
-        &band,
-    ) {
+    let ratio = asked.poisson_ratio.with_uncertainty();
+    let density = found.sheet.specimen.density.with_uncertainty().value;
+    let card = match MaterialCard::from_fit(&asked.name, density, ratio.value, fit, data) {
         Ok(card) => card,
-        // a series without a spring is no solid: the programs do not take it
-        Err(error @ cmod::CmodError::NonPhysical { .. }) if series.equilibrium_modulus() <= 0.0 => {
-            outcome.warnings.push(format!(
-                "No card is written: {error}; the valid lines do not reach low enough frequencies to show a long-term modulus."
-            ));
+        Err(error @ CmodError::CardUndetermined { .. }) => {
+            outcome
+                .warnings
+                .push(format!("No card is written: {error}."));
             return Ok(());
         }
         Err(error) => return Err(refused(error)),
     };
+    let at = asked.poisson_ratio_at.as_ref().map(Exact::si);
+    let at = at.unwrap_or_else(|| data.middle_frequency_hz());
+    let mut card = card
+        .with_poisson_ratio_at(at, ratio.standard_uncertainty)
+        .map_err(refused)?
+        .with_comment(&match &asked.temperature {
+            Some(temperature) => format!("temperature of the data: {temperature}"),
+            None => "temperature of the data: not stated".to_owned(),
+        });
+    for input in &outcome.inputs {
+        card = card
+            .with_comment(&format!("source: {}", input.path))
+            .with_comment(&format!("SHA-256 {}", input.sha256));
+    }
     for program in &asked.programs {
         let (name, text) = match program {
             ProgramSheet::Abaqus => (

@@ -13,7 +13,7 @@ use crate::digits::significant;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 use crate::outcome::{Column, LogEntry, Quantity, Table};
-use crate::sheet::{Exact, NotFollowed, Ratio};
+use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 
 /// Lines that are fitted by default at most.
@@ -44,6 +44,16 @@ pub struct LawsSheet {
 /// A law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum LawSheet {
+    /// A spring.
+    Elastic,
+    /// Spring and dashpot in series.
+    Maxwell,
+    /// Spring and spring-pot in series.
+    FractionalMaxwell,
+    /// Constant loss factor.
+    ConstantQ,
+    /// The same function, told by its exponent.
+    SpringPot,
     /// Spring and dashpot in parallel.
     KelvinVoigt,
     /// The standard linear solid.
@@ -73,8 +83,14 @@ pub enum CriterionSheet {
 pub struct CardsSheet {
     /// Name of the material, a letter followed by letters, digits, `-` or `_`.
     pub name: String,
-    /// Instantaneous Poisson's ratio.
-    pub poisson_ratio: NotFollowed<Ratio>,
+    /// Poisson's ratio, as `"0.40 ± 0.02"`.
+    pub poisson_ratio: Stated<PoissonRatio>,
+    /// The frequency at which that is the ratio, as `"1 kHz"`; the middle of the fitted lines by default.
+    #[serde(default)]
+    pub poisson_ratio_at: Option<Exact<Frequency>>,
+    /// Temperature of the specimen, as `"23 degC"`: a comment of the card.
+    #[serde(default)]
+    pub temperature: Option<Stated<Temperature>>,
     /// The programs, as `[Abaqus, Ansys, LsDyna]`.
     pub programs: Vec<ProgramSheet>,
 }
@@ -108,6 +124,16 @@ impl LawsSheet {
         if let Some(cards) = &self.cards {
             chosen.stated("laws.cards.name", &cards.name);
             chosen.stated("laws.cards.poisson_ratio", &cards.poisson_ratio);
+            chosen.either(
+                "laws.cards.poisson_ratio_at",
+                cards.poisson_ratio_at.as_ref(),
+                "geometric mean of the lowest and the highest line",
+            );
+            chosen.either(
+                "laws.cards.temperature",
+                cards.temperature.as_ref(),
+                "not stated",
+            );
             chosen.stated("laws.cards.programs", format!("{:?}", cards.programs));
         }
     }
@@ -159,6 +185,11 @@ pub(super) fn fit(
         .laws
         .iter()
         .map(|law| match law {
+            LawSheet::Elastic => Law::Elastic,
+            LawSheet::Maxwell => Law::Maxwell,
+            LawSheet::FractionalMaxwell => Law::FractionalMaxwell,
+            LawSheet::ConstantQ => Law::ConstantQ,
+            LawSheet::SpringPot => Law::SpringPot,
             LawSheet::KelvinVoigt => Law::KelvinVoigt,
             LawSheet::Zener => Law::Zener,
             LawSheet::FractionalZener => Law::FractionalZener,
@@ -219,7 +250,7 @@ pub(super) fn fit(
         .figures
         .push(figure(found, &points, &comparison, best));
     if let Some(cards) = &asked.cards {
-        cards::attach(outcome, found, &comparison, cards)?;
+        cards::attach(outcome, found, &comparison, &data, cards)?;
     }
     Ok(())
 }
@@ -296,7 +327,10 @@ fn table(comparison: &Comparison) -> Table {
             Column::words(
                 "law",
                 rows.iter()
-                    .map(|row| row.fit.law.law().to_string())
+                    .map(|row| match row.same_as {
+                        Some(same) => format!("{} (the same as {same})", row.fit.law.law()),
+                        None => row.fit.law.law().to_string(),
+                    })
                     .collect(),
             ),
             numbers("parameters", &|fit| fit.parameters.len() as f64),

@@ -1,0 +1,111 @@
+//! The modulus of a spring in series with a spring-pot.
+
+use num_complex::Complex64;
+use statrs::function::gamma::gamma;
+
+use super::differentiable::{exactly, named, write};
+use super::time_domain::{after_step, finite_compliance, fractional_decay};
+use super::{
+    ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus, check_exponent,
+};
+use crate::RodwaveError;
+use crate::error::check_positive;
+use crate::quotient::quotient;
+
+/// A material without an equilibrium that creeps as a power of time: the [`FractionalZener`](super::FractionalZener) with E₀ = 0.
+///
+/// ```text
+/// E(s) = E₁ (sτ)^α/(1 + (sτ)^α) ,    0 < α <= 1
+/// E(t) = E₁ E_α(-(t/τ)^α) ,    J(t) = (1 + (t/τ)^α/Γ(1 + α))/E₁
+/// ```
+///
+/// with the Mittag-Leffler function E_α; the [`Maxwell`](super::Maxwell) model for α = 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FractionalMaxwell {
+    modulus: f64,
+    relaxation_time: f64,
+    exponent: f64,
+}
+
+impl FractionalMaxwell {
+    /// A spring of `modulus` E₁ = E(∞) \[Pa\] in series with a spring-pot, with `relaxation_time` τ \[s\] and `exponent` α.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0 and α is at most 1.
+    pub fn new(modulus: f64, relaxation_time: f64, exponent: f64) -> Result<Self, RodwaveError> {
+        Ok(Self {
+            modulus: check_positive("unrelaxed modulus [Pa]", modulus)?,
+            relaxation_time: check_positive("relaxation time [s]", relaxation_time)?,
+            exponent: check_exponent("exponent of the relaxation", exponent)?,
+        })
+    }
+
+    /// (sτ)^α.
+    fn power(&self, s: Complex64) -> Complex64 {
+        (s * self.relaxation_time).powf(self.exponent)
+    }
+}
+
+impl ComplexModulus for FractionalMaxwell {
+    fn at(&self, omega: f64) -> Complex64 {
+        self.at_s(Complex64::new(0.0, omega))
+    }
+
+    fn slope(&self, omega: f64) -> Complex64 {
+        let power = self.power(Complex64::new(0.0, omega));
+        quotient(
+            quotient(self.modulus * self.exponent * power, 1.0 + power),
+            1.0 + power,
+        )
+    }
+}
+
+impl LaplaceModulus for FractionalMaxwell {
+    fn at_s(&self, s: Complex64) -> Complex64 {
+        let power = self.power(s);
+        if power.norm_sqr() <= 1.0 {
+            quotient(self.modulus * power, 1.0 + power)
+        } else {
+            // without the difference of two large products that the imaginary part of the above is
+            self.modulus - quotient(self.modulus.into(), 1.0 + power)
+        }
+    }
+}
+
+/// Parameters: `ln_unrelaxed_modulus`, `ln_relaxation_time`, `exponent`.
+impl DifferentiableModulus for FractionalMaxwell {
+    fn parameter_names(&self) -> Vec<String> {
+        named(&["ln_unrelaxed_modulus", "ln_relaxation_time", "exponent"])
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.modulus.ln(), self.relaxation_time.ln(), self.exponent]
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
+        let [modulus, relaxation_time, exponent] = exactly(parameters)?;
+        Self::new(modulus.exp(), relaxation_time.exp(), exponent)
+    }
+
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        let slope = self.slope(omega);
+        let by_exponent = if slope == Complex64::ZERO {
+            Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
+        } else {
+            slope * Complex64::new(0.0, omega * self.relaxation_time).ln() / self.exponent
+        };
+        write(&[self.at(omega), slope, by_exponent], derivatives)
+    }
+}
+
+impl TimeDomainModulus for FractionalMaxwell {
+    fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
+        let decay = fractional_decay(self.exponent, after_step(time)? / self.relaxation_time)?;
+        Ok(self.modulus * decay)
+    }
+
+    fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
+        let growth = (after_step(time)? / self.relaxation_time).powf(self.exponent);
+        finite_compliance((1.0 + growth / gamma(1.0 + self.exponent)) / self.modulus)
+    }
+}
