@@ -141,6 +141,10 @@ impl<'a> MaterialCard<'a> {
                 parameter.name, parameter.interval.lower, parameter.interval.upper, parameter.unit
             ));
         }
+        if own.parameters.len() < 1 + 2 * law.branches().len() {
+            card.comments
+                .push("a relaxation time without an interval is an end of the band".to_owned());
+        }
         Ok(card)
     }
 

@@ -138,7 +138,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 if rise < -2e-2 * threshold {
                     return Err(found.at);
                 }
-                if rise <= threshold {
+                if rise <= threshold && self.model.is_in_order(&found.at) {
                     others.push(found.at);
                 }
             }

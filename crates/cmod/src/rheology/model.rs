@@ -12,6 +12,11 @@ use super::parameter::Scale;
 pub(super) trait Model {
     fn kinds(&self) -> &[ParameterKind];
 
+    /// Whether the parameters have the order that their names tell: branches that have changed places are the same law.
+    fn is_in_order(&self, _at: &[f64]) -> bool {
+        true
+    }
+
     /// Writes the moduli at `omega` and, by rows, their derivatives by the coordinates; false where there is no such law.
     fn evaluate(
         &self,
@@ -122,6 +127,10 @@ impl<'a, M: Model> Partial<'a, M> {
 impl<M: Model> Model for Partial<'_, M> {
     fn kinds(&self) -> &[ParameterKind] {
         &self.kinds
+    }
+
+    fn is_in_order(&self, at: &[f64]) -> bool {
+        self.whole.is_in_order(&self.whole_at(at))
     }
 
     #[allow(

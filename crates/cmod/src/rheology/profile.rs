@@ -8,6 +8,8 @@ use super::model::Model;
 const RANGE: f64 = 50.0;
 /// Where an end was found, χ² is looked at again at these distances beyond it: a plateau may follow a rise.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
+/// Longest step of a walk.
+const LONGEST: f64 = 8.0;
 /// Most plateaus beyond an end.
 const MOST_PLATEAUS: usize = 4;
 
@@ -87,19 +89,37 @@ impl<M: Model + ?Sized> Profile<'_, M> {
         let starts = self.elsewhere.iter();
         starts
             .filter_map(|start| self.rise(coordinate, start))
+            .filter(|(_, at)| self.model.is_in_order(at))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// From a point inside until χ² has risen by the threshold.
+    /// From a point inside until χ² has risen by the threshold. The others follow from where they were, or as far on as they went on the
+    /// last step: a valley is straight in the logarithms.
     fn walk(&self, mut inside: Reached, mut step: f64) -> Walk {
         let mut coordinate = inside.1[self.index];
+        let mut before: Option<Vec<f64>> = None;
         loop {
             coordinate += step;
             if (coordinate - self.at[self.index]).abs() > RANGE {
                 return Walk::Open;
             }
+            let ahead = before.as_ref().and_then(|before| {
+                let here = &inside.1;
+                let share = step / (here[self.index] - before[self.index]);
+                let further = here.iter().zip(before).map(|(h, b)| h + share * (h - b));
+                self.rise(coordinate, &further.collect::<Vec<f64>>())
+            });
+            let follows = ahead.as_ref().is_some_and(|(rise, _)| *rise <= self.threshold);
+            let reached = if follows {
+                ahead
+            } else {
+                let own = self.rise(coordinate, &inside.1);
+                own.into_iter()
+                    .chain(ahead)
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+            };
             // where there is no law, there is an end
-            let Some((rise, point)) = self.rise(coordinate, &inside.1) else {
+            let Some((rise, point)) = reached else {
                 return Walk::Risen(inside, (coordinate, f64::INFINITY));
             };
             if self.is_lower(rise) {
@@ -108,8 +128,9 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             if rise > self.threshold {
                 return Walk::Risen(inside, (coordinate, rise));
             }
+            before = Some(inside.1);
             inside = (rise, point);
-            step *= 1.6;
+            step = (1.6 * step).clamp(-LONGEST, LONGEST);
         }
     }
 

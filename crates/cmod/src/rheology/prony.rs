@@ -111,6 +111,11 @@ impl Model for Prony {
         &self.kinds
     }
 
+    fn is_in_order(&self, at: &[f64]) -> bool {
+        let times = at.iter().skip(self.first() + 1).step_by(2);
+        times.take(self.branches).is_sorted()
+    }
+
     #[allow(
         clippy::indexing_slicing,
         reason = "`at`, and with it every row, has the coordinates that `kinds` names; `modulus` has the lines of `omega`"

@@ -365,7 +365,7 @@ fn l1_cards_begin_with_what_they_rest_on() {
         "$ data: 60 lines, 1.0000e2 to 1.5000e4 Hz\n",
         "$ largest deviation from the data: ",
         "$ E(0) = ",
-        "$ relaxation time 1: ",
+        "$ modulus 1: ",
         "$ Poisson ratio 0.35 +- 0.02 at 1.000e3 Hz",
         "$ elastic bulk: K = ",
         "+- 1.3e1 %",

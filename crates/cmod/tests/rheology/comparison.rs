@@ -1,7 +1,9 @@
 //! Laws side by side.
 
 use cmod::rheology::{Comparison, FitOptions, Law};
-use rodwave::modulus::{ComplexModulus, FractionalZener};
+use rodwave::modulus::{
+    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, Maxwell, Zener,
+};
 
 use super::measured::{Noise, logarithmic, measured};
 
@@ -74,4 +76,82 @@ fn table_names_what_was_refused() {
         text.contains("Havriliak-Negami     4 readings, expected at least 5"),
         "{text}"
     );
+}
+
+/// Zener's law and a generalised Maxwell model of one branch are one function: they share one weight, and the name is Zener's.
+#[test]
+fn l7_same_function_counts_once() {
+    let law = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
+    let frequency = logarithmic(100.0, 40e3, 60);
+    let laws = [
+        Law::GeneralisedMaxwell,
+        Law::Zener,
+        Law::FractionalZener,
+        Law::KelvinVoigt,
+    ];
+    let mut right = 0;
+    for seed in 0..40 {
+        let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.005), seed);
+        let comparison = Comparison::new(&data, &laws, &FitOptions::default()).unwrap();
+        right += u32::from(comparison.best().unwrap().law.law() == Law::Zener);
+        let twin = comparison.rows.iter().find(|row| row.same_as.is_some());
+        if let Some(twin) = twin {
+            assert_eq!(twin.fit.law.law(), Law::GeneralisedMaxwell);
+            assert_eq!((twin.same_as, twin.weight), (Some(Law::Zener), 0.0));
+        }
+        let all: f64 = comparison.rows.iter().map(|row| row.weight).sum();
+        assert!((all - 1.0).abs() < 1e-12);
+    }
+    // by BIC one parameter more is taken in e^-ln n of all cases: P(chi-square of 1 > 4.8) = 0.03
+    assert!(right >= 36, "{right}");
+}
+
+/// Of constant loss, constant Q is named, with its loss factor; of the other simple laws each is its own.
+#[test]
+fn l8_simple_laws_are_named() {
+    let frequency = logarithmic(100.0, 20e3, 60);
+    let elastic = Elastic::new(2.0e9).unwrap();
+    let maxwell = Maxwell::new(2.0e9, 4e5).unwrap();
+    let fractional = FractionalMaxwell::new(2.0e9, 1e-4, 0.4).unwrap();
+    let constant = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
+    let cases: [(&dyn ComplexModulus, Law); 4] = [
+        (&elastic, Law::Elastic),
+        (&maxwell, Law::Maxwell),
+        (&fractional, Law::FractionalMaxwell),
+        (&constant, Law::ConstantQ),
+    ];
+    let laws = [
+        Law::Elastic,
+        Law::Maxwell,
+        Law::FractionalMaxwell,
+        Law::SpringPot,
+        Law::ConstantQ,
+        Law::KelvinVoigt,
+        Law::Zener,
+        Law::FractionalZener,
+        Law::GeneralisedMaxwell,
+        Law::PowerLaw { density: 1000.0 },
+    ];
+    let options = FitOptions::default().with_profiles(false);
+    for (law, name) in cases {
+        let mut right = 0;
+        let mut covered = 0;
+        for seed in 0..20 {
+            let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.01), seed);
+            let comparison = Comparison::new(&data, &laws, &options).unwrap();
+            let best = comparison.best().unwrap();
+            right += u32::from(best.law.law() == name);
+            if let Some(loss) = best.parameter("loss factor") {
+                covered += u32::from(loss.interval.contains(0.1));
+            }
+            let middle = std::f64::consts::TAU * 1e3;
+            let predicted = comparison.prediction(middle).unwrap().unwrap();
+            let error = predicted.modulus.re - law.at(middle).re;
+            assert!(error.abs() < 5.0 * predicted.covariance[0][0].sqrt());
+        }
+        println!("{name}: {right} of 20");
+        // nine other laws, each taken by chance in some per cent of all cases
+        assert!(right >= 16, "{name}: {right}");
+        assert!(name != Law::ConstantQ || covered + 3 >= right, "{covered}");
+    }
 }

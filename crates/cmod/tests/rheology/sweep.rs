@@ -302,3 +302,39 @@ fn sweeps_that_cannot_be() {
         Err(CmodError::ReferenceTest { index: 2, count: 2 })
     ));
 }
+
+/// A fractional material with five and with thirteen frequencies a temperature: the order of the series is not known, and without the
+/// scatter between orders the shifts are covered too seldom.
+#[test]
+fn l6_shifts_cover_with_few_frequencies() {
+    let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
+    let seeds: u64 = std::env::var("SEEDS").map_or(15, |text| text.parse().unwrap());
+    let options = FitOptions::default().with_profiles(false);
+    for lines in [5, 13] {
+        let (mut one, mut two, mut all) = (0.0, 0.0, 0.0);
+        for seed in 0..seeds {
+            let steps = (0..9_u32).map(|k| {
+                let temperature = 313.15 + 10.0 * f64::from(k);
+                let a = wlf(8.0, 180.0, temperature).exp();
+                let frequency = logarithmic(300.0, 10e3, lines);
+                let noise = Noise::circular(0.005);
+                let seed = 1000 * seed + u64::from(k);
+                (temperature, measured(|omega| law.at(omega * a), &frequency, noise, seed))
+            });
+            let sweep = TemperatureSweep::new(steps.collect()).unwrap();
+            let curve = MasterCurve::new(&sweep, 4, &options).unwrap();
+            for shift in curve.shifts.iter().filter(|shift| shift.standard_error > 0.0) {
+                let truth = wlf(8.0, 180.0, shift.temperature);
+                let error = (shift.log_shift - truth).abs() / shift.standard_error;
+                one += f64::from(u8::from(error < 1.0));
+                two += f64::from(u8::from(shift.interval.contains(truth)));
+                all += 1.0;
+            }
+        }
+        let (one, two) = (one / all, two / all);
+        println!("{lines} frequencies: {one:.3} {two:.3}");
+        // of 120 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 30 independent ones
+        assert!((0.43..0.93).contains(&one), "{lines}: {one}");
+        assert!(two > 0.85, "{lines}: {two}");
+    }
+}

@@ -151,3 +151,66 @@ fn profiles_can_be_left_out() {
     let time = fit.parameter("relaxation time").unwrap();
     assert!(matches!(time.verdict, Verdict::NotIdentifiable(_)), "{fit}");
 }
+
+/// A relaxation of one second and more, seen from 50 Hz on: only E₀ + ΔE and ΔE/τ are seen. The relaxed modulus may be anything below
+/// their sum, far from where the minimum happens to lie.
+#[test]
+fn l2_spring_below_a_slow_relaxation_is_never_identified() {
+    let frequency = logarithmic(50.0, 10e3, 60);
+    let (mut covered, mut seeds) = (0, 0);
+    for time in [1.0, 10.0] {
+        let law = Zener::new(2.0e9, 3.0e9, time).unwrap();
+        for seed in 0..30 {
+            let data = measured(
+                |omega| law.at(omega),
+                &frequency,
+                Noise::circular(0.001),
+                seed,
+            );
+            let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
+            let relaxed = fit.parameter("relaxed modulus").unwrap();
+            assert!(!relaxed.verdict.is_identified(), "{seed}: {fit}");
+            covered += u32::from(relaxed.interval.contains(2.0e9));
+            seeds += 1;
+        }
+    }
+    // 57 of 60, less three standard deviations
+    assert!(covered >= 52, "{covered} of {seeds}");
+}
+
+/// An elastic rod has no loss, and noise is none: what describes a loss is never identified, whatever law is asked for.
+#[test]
+fn l2_elastic_rod_has_no_identified_loss() {
+    let frequency = logarithmic(100.0, 10e3, 60);
+    let laws = [
+        Law::KelvinVoigt,
+        Law::ConstantQ,
+        Law::Maxwell,
+        Law::Zener,
+        Law::FractionalZener,
+        Law::PowerLaw { density: 1000.0 },
+        Law::GeneralisedMaxwell,
+    ];
+    let options = FitOptions::default();
+    for seed in 0..30 {
+        let elastic = |_| num_complex::Complex64::from(2.0e9);
+        let data = measured(elastic, &frequency, Noise::circular(0.01), seed);
+        for law in laws {
+            let Ok(fit) = RheologicalFit::new(&data, law, &options) else {
+                continue; // damping below 0 has no power law
+            };
+            for parameter in &fit.parameters {
+                let of_stiffness = ["modulus", "relaxed modulus", "unrelaxed modulus"];
+                let of_stiffness = of_stiffness.contains(&parameter.name.as_str())
+                    || parameter.name.starts_with("modulus in the middle")
+                    || parameter.name.starts_with("equilibrium")
+                    || parameter.name.starts_with("wave number");
+                assert!(
+                    of_stiffness || !parameter.verdict.is_identified(),
+                    "{seed}: {} {parameter:?}",
+                    fit.law.law()
+                );
+            }
+        }
+    }
+}
