@@ -198,6 +198,9 @@ pub struct RheologicalFit {
     pub whiteness: Whiteness,
     /// Why the iteration ended.
     pub ending: Ending,
+    /// Of a Prony series that was chosen without a spring: the greatest E∞ \[Pa\] that the data do not exclude at the level of the fit. Near 0
+    /// the material has no equilibrium; of the size of the modulus the series has none by chance, because a slow branch does as well.
+    pub equilibrium_limit: Option<f64>,
     /// Variance of χ² by that of known errors.
     pub(super) dispersion: f64,
     pub(super) information: Information,

@@ -30,6 +30,8 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
 
+/// Least price of a loss in χ²: with the threshold four standard deviations, which noise reaches at one place in 30 000.
+const LEAST_PRICE: f64 = 12.0;
 /// Where a loss has vanished: e^-30 of what it was.
 const VANISHED: f64 = 30.0;
 
@@ -94,6 +96,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         whiteness: Whiteness::of(&minimum.linearised.residual, self.sequences),
                         residuals: minimum.linearised.residual,
                         ending: minimum.ending,
+                        equilibrium_limit: None,
                         dispersion: self.data.scatter.of_chi_squared,
                         information,
                         coordinates: minimum.at,
@@ -149,8 +152,9 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     /// χ² that has to be lost before an end of an interval, for each parameter.
     ///
     /// A loss that was looked for at all places of the band is found somewhere, also where there is none. As long as χ² without it is
-    /// not larger by the threshold and the price g ln n of its g parameters (Schwarz), the data may have none, and its
-    /// parameters have an end only where χ² has risen by as much.
+    /// not larger by the threshold and the price g ln n of its g parameters (Schwarz), or [`LEAST_PRICE`], the data may have none, and its
+    /// parameters have an end only where χ² has risen by as much. The same holds of a spring beside it: what the one carries the other
+    /// can.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
         let of = |kind: &ParameterKind| {
@@ -159,7 +163,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             };
             let members = kinds.iter().filter(|other| other.loss == kind.loss).count();
             let price = count(members) * count(2 * self.data.len()).ln();
-            let dearer = threshold + variance_factor * price;
+            let dearer = threshold + variance_factor * price.max(LEAST_PRICE);
             let mut start = minimum.at.clone();
             if let Some(coordinate) = start.get_mut(loss.coordinate) {
                 *coordinate += loss.vanishes_towards * VANISHED;
@@ -171,7 +175,17 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 _ => threshold,
             }
         };
-        kinds.iter().map(of).collect()
+        let mut thresholds: Vec<f64> = kinds.iter().map(of).collect();
+        let is_part = |kind: &ParameterKind| kind.unit == "Pa" && kind.relaxation_time.is_some();
+        if kinds.iter().any(is_part) {
+            let dearest = thresholds.iter().copied().fold(threshold, f64::max);
+            for (own, kind) in thresholds.iter_mut().zip(kinds) {
+                if kind.unit == "Pa" && kind.loss.is_none() {
+                    *own = dearest;
+                }
+            }
+        }
+        thresholds
     }
 
     /// The parameters, or the coordinates of a lower minimum.

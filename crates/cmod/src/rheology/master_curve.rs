@@ -1,19 +1,21 @@
 //! One curve from moduli at several temperatures.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::data::ModulusData;
-use super::fit::{Alternative, FitOptions, RheologicalFit, Scores, enough};
+use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
 use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Effort, minimise};
-use super::order::{Order, Refined, choose, weighted};
-use super::overlap;
-use super::parameter::{Interval, IntervalMethod, Verdict};
+use super::least_squares::{Effort, Minimum, count, minimise};
+use super::order::{Order, Refined, Series, choose, weighted};
+use super::overlap::{self, Overlap};
+use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
 use super::prony::Prony;
 use super::shift_law::ShiftLaws;
 use super::sweep::TemperatureSweep;
@@ -28,9 +30,12 @@ const MOST_ROUNDS: usize = 5;
 /// E(ω, T) = b_T E_ref(ω a_T) ,    a = 1 at the reference
 /// ```
 ///
-/// Neighbouring temperatures are first shifted onto each other where they overlap. Then series and all shifts are fitted together to
+/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves differ there by no more than their errors.
+/// Temperatures that are not connected with the reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
+/// left out. Then series and all shifts are fitted together to
 /// all lines, so that the shifts come with their covariance, and whether the material can be shifted to one curve at all is told by χ²
-/// and the whiteness of the residuals.
+/// and the whiteness of the residuals. b_T is 1 unless stated; where χ² refuses that (p < 0.01), all b_T are fitted too, and kept if BIC
+/// prefers them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -42,8 +47,11 @@ pub struct MasterCurve {
     pub orders: Vec<Order>,
     /// Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// One for each temperature.
+    /// One for each temperature that is connected with the reference.
     pub shifts: Vec<Shift>,
+    /// Temperatures that are not: their curves, or those between, overlap nowhere within their errors, and no shift was stated. They
+    /// have no part in the curve.
+    pub unconnected: Vec<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
 }
@@ -62,10 +70,13 @@ pub struct Shift {
     pub interval: Interval,
     /// Whether the data determine it, with the series that was chosen.
     pub verdict: Verdict,
-    /// b_T as given.
+    /// Whether ln a_T is the stated one, because the curves overlap nowhere; it has no error of its own then.
+    pub is_stated: bool,
+    /// b_T, as stated or estimated.
     pub vertical: f64,
-    /// ln (a_T/a_{T-1}) from the overlap with the temperature before; `None` for the first, and where they do not overlap. Then the
-    /// iteration began with no shift between the two.
+    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not demand another.
+    pub vertical_standard_error: f64,
+    /// ln (a_T/a_{T-1}) from the overlap with the temperature before; `None` for the first, and where they do not overlap.
     pub overlap: Option<f64>,
 }
 
@@ -104,86 +115,69 @@ impl MasterCurve {
                 count,
             });
         }
+        let links = links(sweep, &sweep.factors(reference));
+        let connected = connected(&links, reference);
+        let unconnected: Vec<f64> = (0..count)
+            .filter(|step| !connected.contains(step))
+            .map(|step| sweep.temperatures[step])
+            .collect();
+        let sweep = &sweep.part(connected.clone());
+        let links = &links[connected.clone()];
+        let reference = reference - connected.start();
+        let count = sweep.temperatures.len();
         let factors = sweep.factors(reference);
-        let overlaps = overlaps(sweep, &factors);
-        let mut log_shifts = accumulated(&overlaps, reference);
-        let joined = ModulusData::joined(sweep.data.iter().zip(factors.iter().copied()));
+        let starts = Starts::of(sweep, links, reference);
+        let mut joined = ModulusData::joined(sweep.data.iter().zip(factors.iter().copied()));
         enough(&joined, count, options.error_scale)?;
-
-        let others: Vec<usize> = (0..count).filter(|step| *step != reference).collect();
-        let temperatures: Vec<f64> = others
-            .iter()
-            .map(|step| sweep.temperatures[*step])
-            .collect();
-        let shift_of_line: Vec<Option<usize>> = sweep
-            .data
-            .iter()
-            .enumerate()
-            .flat_map(|(step, data)| {
-                let shift = others.iter().position(|other| *other == step);
-                std::iter::repeat_n(shift, data.len())
-            })
-            .collect();
-
-        let no_law = || CmodError::NoLaw {
-            law: Law::GeneralisedMaxwell.to_string(),
+        let of_lines = |of_step: &dyn Fn(usize) -> Option<usize>| -> Vec<Option<usize>> {
+            let steps = sweep.data.iter().enumerate();
+            steps
+                .flat_map(|(step, data)| std::iter::repeat_n(of_step(step), data.len()))
+                .collect()
         };
-        let mut best = None;
-        let mut alternatives = Vec::new();
-        for _ in 0..MOST_ROUNDS {
-            let shifted = shifted(sweep, &joined, &log_shifts);
-            let chosen = choose(&shifted, &options)?;
-            let series = &chosen.best.series;
-            let solid = series.equilibrium > 0.0;
-            let model = Prony::shifted(
-                solid,
-                series.branches.len(),
-                shift_of_line.clone(),
-                &temperatures,
-            );
-            let mut start = chosen.best.minimum.at.clone();
-            start.extend(others.iter().map(|step| log_shifts[*step]));
-            let minimum =
-                minimise(&model, &joined, &start, None, Effort::Full).ok_or_else(no_law)?;
-            let own_shifts = minimum.at[minimum.at.len() - others.len()..].to_vec();
-            let joint = |(_, tried): (f64, &Refined)| {
-                let solid = tried.series.equilibrium > 0.0;
-                let branches = tried.series.branches.len();
-                let shifts = shift_of_line.clone();
-                let model = Prony::shifted(solid, branches, shifts, &temperatures);
-                let start = [tried.minimum.at.as_slice(), own_shifts.as_slice()].concat();
-                let minimum = minimise(&model, &joined, &start, None, Effort::Comparison)?;
-                let values = 2 * joined.len();
-                let scores = Scores::of(
-                    options.error_scale,
-                    minimum.chi_squared,
-                    values,
-                    minimum.at.len(),
-                );
-                let information = Information::of(&minimum.linearised, minimum.at.len())?;
-                let alternative = Alternative {
-                    weight: 0.0,
-                    model: Prony::new(solid, branches),
-                    coordinates: minimum.at,
-                    information,
-                };
-                Some((scores.aicc, alternative))
-            };
-            alternatives = weighted(chosen.candidates().into_iter().filter_map(joint).collect());
-            let first = minimum.at.len() - others.len();
-            for (step, found) in others.iter().zip(&minimum.at[first..]) {
-                log_shifts[*step] = *found;
-            }
-            let key = (series.branches.len(), solid);
-            let settled = matches!(&best, Some((before, _, _, _)) if *before == key);
-            best = Some((key, model, minimum, chosen.orders));
-            if settled {
-                break;
+        // a stated shift is taken into the frequencies
+        let stated = of_lines(&|step| starts.is_stated[step].then_some(step));
+        for (omega, step) in joined.omega.iter_mut().zip(stated) {
+            *omega *= step.map_or(1.0, |step| starts.log_shifts[step].exp());
+        }
+        let others: Vec<usize> = (0..count)
+            .filter(|step| *step != reference && !starts.is_stated[*step])
+            .collect();
+        let scaled: Vec<usize> = (0..count).filter(|step| *step != reference).collect();
+        let kelvin = |steps: &[usize]| -> Vec<f64> {
+            steps.iter().map(|step| sweep.temperatures[*step]).collect()
+        };
+        let place = |steps: &[usize], step: usize| steps.iter().position(|own| *own == step);
+        let joint = Joint {
+            sweep,
+            joined: &joined,
+            options,
+            shift_of_line: of_lines(&|step| place(&others, step)),
+            factor_of_line: of_lines(&|step| place(&scaled, step)),
+            temperatures: kelvin(&others),
+            scaled_temperatures: kelvin(&scaled),
+            others,
+            scaled,
+        };
+        let mut settled = joint.settle(&starts, false)?;
+        if !sweep.vertical_is_stated && (starts.demand_factors() || settled.is_refused(&joint)) {
+            let with_factors = joint.settle(&starts, true)?;
+            if with_factors.bic(&joint) < settled.bic(&joint) {
+                settled = with_factors;
             }
         }
-        let (_, model, minimum, orders) = best.ok_or_else(no_law)?;
-
-        let shifted = shifted(sweep, &joined, &log_shifts);
+        let Settled {
+            model,
+            minimum,
+            orders,
+            alternatives,
+            log_shifts,
+            log_factors,
+        } = settled;
+        let has_factors = log_factors.is_some();
+        let none = vec![0.0; count];
+        let shifted = shifted(sweep, &joined, &log_shifts, log_factors.as_ref().unwrap_or(&none));
+        let others = &joint.others;
         let mut begin = 0;
         let sequences: Vec<_> = sweep
             .data
@@ -208,11 +202,19 @@ impl MasterCurve {
         let first = fit.parameters.len() - others.len();
         let found = &fit.parameters[first..];
         let (means, covariance) = shifts_of(&fit, others.len());
+        let vertical: Vec<&Parameter> = if has_factors {
+            let before = first - joint.scaled.len();
+            fit.parameters[before..first].iter().collect()
+        } else {
+            Vec::new()
+        };
         let quantile = options.quantile(fit.degrees_of_freedom);
         let shifts: Vec<Shift> = (0..count)
             .map(|step| {
                 let own = others.iter().position(|other| *other == step);
-                let log_shift = own.map_or(0.0, |k| means[k]);
+                let stated = starts.is_stated[step].then(|| starts.log_shifts[step]);
+                let log_shift = own.map_or(stated.unwrap_or(0.0), |k| means[k]);
+                let factor = place(&joint.scaled, step).and_then(|k| vertical.get(k).copied());
                 let standard_error = own.map_or(0.0, |k| covariance[k][k].sqrt());
                 let linear = Interval {
                     lower: log_shift - quantile * standard_error,
@@ -235,8 +237,10 @@ impl MasterCurve {
                     standard_error,
                     interval,
                     verdict: own.map_or(Verdict::Identified, |k| found[k].verdict.clone()),
-                    vertical: factors[step],
-                    overlap: overlaps[step],
+                    is_stated: stated.is_some(),
+                    vertical: factors[step] * factor.map_or(1.0, |factor| factor.value),
+                    vertical_standard_error: factor.map_or(0.0, |factor| factor.standard_error),
+                    overlap: links[step].and_then(|link| link.overlap),
                 }
             })
             .collect();
@@ -244,11 +248,13 @@ impl MasterCurve {
             .iter()
             .zip(&shifts)
             .flat_map(|(sequence, shift)| sequence.clone().map(move |line| (line, shift)))
-            .map(|(line, shift)| MasterPoint {
-                temperature: shift.temperature,
-                reduced_frequency_hz: joined.omega[line] * shift.log_shift.exp()
-                    / std::f64::consts::TAU,
-                modulus: joined.modulus[line],
+            .map(|(line, shift)| {
+                let factor = if shift.is_stated { 1.0 } else { shift.log_shift.exp() };
+                MasterPoint {
+                    temperature: shift.temperature,
+                    reduced_frequency_hz: joined.omega[line] * factor / std::f64::consts::TAU,
+                    modulus: shifted.modulus[line],
+                }
             })
             .collect();
         Ok(Self {
@@ -256,6 +262,7 @@ impl MasterCurve {
             orders,
             reference_temperature: sweep.temperatures[reference],
             shifts,
+            unconnected,
             points,
         })
     }
@@ -277,7 +284,7 @@ impl MasterCurve {
         let others: Vec<&Shift> = self
             .shifts
             .iter()
-            .filter(|shift| shift.temperature.total_cmp(&reference).is_ne())
+            .filter(|shift| shift.temperature.total_cmp(&reference).is_ne() && !shift.is_stated)
             .collect();
         let parameters = self.fit.parameters.len();
         let Some(first) = parameters.checked_sub(others.len()) else {
@@ -353,53 +360,269 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     (mean, sum)
 }
 
-/// The relative shift of each temperature to the one before.
-fn overlaps(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<f64>> {
+/// How a temperature is connected with the one before.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    /// ln of the ratio of the shifts where the curves overlap.
+    overlap: Option<f64>,
+    /// ln of the ratio of the factors there.
+    log_factor: f64,
+}
+
+/// The links of each temperature to the one before; `None` where there is none, as of the first.
+fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
         .iter()
         .zip(factors)
         .map(|(data, factor)| ModulusData::joined(std::iter::once((data, *factor))))
         .collect();
+    let between = |pair: &[ModulusData]| {
+        let [colder, warmer] = pair else {
+            return None;
+        };
+        let plain = overlap::best(colder, warmer, false).filter(Overlap::agrees);
+        let found = plain.or_else(|| {
+            let free = (!sweep.vertical_is_stated).then(|| overlap::best(colder, warmer, true));
+            free.flatten().filter(Overlap::agrees)
+        });
+        let of_overlap = found.map(|found| Link {
+            overlap: Some(found.log_shift),
+            log_factor: found.log_factor,
+        });
+        of_overlap.or_else(|| {
+            sweep.stated_shifts.is_some().then_some(Link {
+                overlap: None,
+                log_factor: 0.0,
+            })
+        })
+    };
     std::iter::once(None)
-        .chain(reduced.windows(2).map(|pair| match pair {
-            [colder, warmer] => overlap::shift(colder, warmer),
-            _ => None,
-        }))
+        .chain(reduced.windows(2).map(between))
         .collect()
 }
 
-/// ln a_T with 0 at the reference.
+/// The temperatures that links connect with the reference.
+fn connected(links: &[Option<Link>], reference: usize) -> RangeInclusive<usize> {
+    let is_linked = |step: &usize| links.get(*step).is_some_and(Option::is_some);
+    let below = (1..=reference).rev().take_while(is_linked).count();
+    let above = (reference + 1..links.len()).take_while(is_linked).count();
+    reference - below..=reference + above
+}
+
+/// Shifts and factors to begin with.
+struct Starts {
+    /// ln a_T, 0 at the reference.
+    log_shifts: Vec<f64>,
+    log_factors: Vec<f64>,
+    /// Whether ln a_T is the stated one.
+    is_stated: Vec<bool>,
+}
+
 #[allow(
     clippy::indexing_slicing,
     reason = "there is one entry for each temperature, and `reference` is below their number"
 )]
-fn accumulated(overlaps: &[Option<f64>], reference: usize) -> Vec<f64> {
-    let mut sum = 0.0;
-    let all: Vec<f64> = overlaps
-        .iter()
-        .map(|overlap| {
-            sum += overlap.unwrap_or(0.0);
-            sum
-        })
-        .collect();
-    all.iter().map(|shift| shift - all[reference]).collect()
+impl Starts {
+    /// From the reference to both sides.
+    fn of(sweep: &TemperatureSweep, links: &[Option<Link>], reference: usize) -> Self {
+        let count = links.len();
+        let mut starts = Self {
+            log_shifts: vec![0.0; count],
+            log_factors: vec![0.0; count],
+            is_stated: vec![false; count],
+        };
+        let mut go = |from: usize, to: usize, link: Option<Link>, sign: f64| {
+            let Some(link) = link else {
+                return;
+            };
+            starts.log_factors[to] = starts.log_factors[from] + sign * link.log_factor;
+            match (link.overlap, &sweep.stated_shifts) {
+                (Some(relative), _) => {
+                    starts.log_shifts[to] = starts.log_shifts[from] + sign * relative;
+                }
+                (None, Some(stated)) => {
+                    starts.log_shifts[to] = stated[to] - stated[reference];
+                    starts.is_stated[to] = true;
+                }
+                (None, None) => {}
+            }
+        };
+        for to in reference + 1..count {
+            go(to - 1, to, links[to], 1.0);
+        }
+        for to in (0..reference).rev() {
+            go(to + 1, to, links[to + 1], -1.0);
+        }
+        starts
+    }
+
+    fn demand_factors(&self) -> bool {
+        self.log_factors.iter().any(|factor| *factor != 0.0)
+    }
 }
 
-/// All lines at their reduced frequencies.
-fn shifted(sweep: &TemperatureSweep, joined: &ModulusData, log_shifts: &[f64]) -> ModulusData {
-    let factors = sweep
-        .data
-        .iter()
-        .zip(log_shifts)
-        .flat_map(|(data, shift)| std::iter::repeat_n(shift.exp(), data.len()));
+/// Series, shifts and factors fitted together to all lines.
+struct Joint<'a> {
+    sweep: &'a TemperatureSweep,
+    joined: &'a ModulusData,
+    options: FitOptions,
+    shift_of_line: Vec<Option<usize>>,
+    factor_of_line: Vec<Option<usize>>,
+    /// Steps whose shifts, and whose factors, are found, with their temperatures.
+    others: Vec<usize>,
+    scaled: Vec<usize>,
+    temperatures: Vec<f64>,
+    scaled_temperatures: Vec<f64>,
+}
+
+/// The minimum of an order that the next round does not change.
+struct Settled {
+    model: Prony,
+    minimum: Minimum,
+    orders: Vec<Order>,
+    alternatives: Vec<Alternative>,
+    /// By which the frequencies of each step are still to be multiplied.
+    log_shifts: Vec<f64>,
+    log_factors: Option<Vec<f64>>,
+}
+
+impl Settled {
+    fn bic(&self, joint: &Joint<'_>) -> f64 {
+        joint.scores(&self.minimum).bic
+    }
+
+    /// Whether χ² is too large by chance.
+    fn is_refused(&self, joint: &Joint<'_>) -> bool {
+        const LEVEL: f64 = 0.01;
+        let freedom = (2 * joint.joined.len()).saturating_sub(self.minimum.at.len());
+        let dispersion = joint.joined.scatter.of_chi_squared;
+        joint.options.error_scale == ErrorScale::FromResidual
+            || ChiSquared::new(count(freedom) / dispersion)
+                .is_ok_and(|chi| chi.sf(self.minimum.chi_squared / dispersion) < LEVEL)
+    }
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "all lists of steps count the temperatures, of which `log_shifts` and `log_factors` have one element each, and the last               coordinates are factors and shifts of these"
+)]
+impl Joint<'_> {
+    fn scores(&self, minimum: &Minimum) -> Scores {
+        let values = 2 * self.joined.len();
+        let scale = self.options.error_scale;
+        Scores::of(scale, minimum.chi_squared, values, minimum.at.len())
+    }
+
+    fn model(&self, series: &Series, with_factors: bool) -> Prony {
+        let model = Prony::shifted(
+            series.equilibrium > 0.0,
+            series.branches.len(),
+            self.shift_of_line.clone(),
+            &self.temperatures,
+        );
+        if with_factors {
+            model.with_factors(self.factor_of_line.clone(), &self.scaled_temperatures)
+        } else {
+            model
+        }
+    }
+
+    fn settle(&self, starts: &Starts, with_factors: bool) -> Result<Settled, CmodError> {
+        let no_law = || CmodError::NoLaw {
+            law: Law::GeneralisedMaxwell.to_string(),
+        };
+        let mut log_shifts = starts.log_shifts.clone();
+        for (shift, is_stated) in log_shifts.iter_mut().zip(&starts.is_stated) {
+            if *is_stated {
+                *shift = 0.0; // it is in the frequencies
+            }
+        }
+        let mut log_factors = vec![0.0; log_shifts.len()];
+        if with_factors {
+            log_factors.clone_from(&starts.log_factors);
+        }
+        let mut best: Option<((usize, bool), Settled)> = None;
+        for _ in 0..MOST_ROUNDS {
+            let shifted = shifted(self.sweep, self.joined, &log_shifts, &log_factors);
+            let chosen = choose(&shifted, &self.options)?;
+            let series = &chosen.best.series;
+            let model = self.model(series, with_factors);
+            let mut behind: Vec<f64> = Vec::new();
+            if with_factors {
+                behind.extend(self.scaled.iter().map(|step| log_factors[*step]));
+            }
+            behind.extend(self.others.iter().map(|step| log_shifts[*step]));
+            let start = [chosen.best.minimum.at.as_slice(), behind.as_slice()].concat();
+            let minimum =
+                minimise(&model, self.joined, &start, None, Effort::Full).ok_or_else(no_law)?;
+            let found = &minimum.at[minimum.at.len() - behind.len()..];
+            let (factors, shifts) = found.split_at(behind.len() - self.others.len());
+            for (step, factor) in self.scaled.iter().zip(factors) {
+                log_factors[*step] = *factor;
+            }
+            for (step, shift) in self.others.iter().zip(shifts) {
+                log_shifts[*step] = *shift;
+            }
+            let of_order = |(_, tried): (f64, &Refined)| {
+                let model = self.model(&tried.series, with_factors);
+                let start = [tried.minimum.at.as_slice(), found].concat();
+                let minimum = minimise(&model, self.joined, &start, None, Effort::Comparison)?;
+                let information = Information::of(&minimum.linearised, minimum.at.len())?;
+                let aicc = self.scores(&minimum).aicc;
+                let alternative = Alternative {
+                    weight: 0.0,
+                    model: Prony::new(
+                        tried.series.equilibrium > 0.0,
+                        tried.series.branches.len(),
+                    ),
+                    coordinates: minimum.at,
+                    information,
+                };
+                Some((aicc, alternative))
+            };
+            let of_orders = chosen.candidates().into_iter().filter_map(of_order);
+            let alternatives = weighted(of_orders.collect());
+            let key = (series.branches.len(), series.equilibrium > 0.0);
+            let is_last = best.as_ref().is_some_and(|(before, _)| *before == key);
+            let settled = Settled {
+                model,
+                minimum,
+                orders: chosen.orders,
+                alternatives,
+                log_shifts: log_shifts.clone(),
+                log_factors: with_factors.then(|| log_factors.clone()),
+            };
+            best = Some((key, settled));
+            if is_last {
+                break;
+            }
+        }
+        best.map(|(_, settled)| settled).ok_or_else(no_law)
+    }
+}
+
+/// All lines at their reduced frequencies, with moduli divided by the factors.
+fn shifted(
+    sweep: &TemperatureSweep,
+    joined: &ModulusData,
+    log_shifts: &[f64],
+    log_factors: &[f64],
+) -> ModulusData {
+    let of_lines = |of_steps: &[f64]| -> Vec<f64> {
+        let steps = sweep.data.iter().zip(of_steps);
+        steps
+            .flat_map(|(data, log)| std::iter::repeat_n(log.exp(), data.len()))
+            .collect()
+    };
+    let (shifts, factors) = (of_lines(log_shifts), of_lines(log_factors));
+    let of = |line: usize| factors.get(line).copied().unwrap_or(1.0);
+    let moduli = joined.modulus.iter().enumerate();
+    let whitening = joined.whitening.iter().enumerate();
     ModulusData {
-        omega: joined
-            .omega
-            .iter()
-            .zip(factors)
-            .map(|(omega, a)| omega * a)
-            .collect(),
+        omega: joined.omega.iter().zip(shifts).map(|(omega, a)| omega * a).collect(),
+        modulus: moduli.map(|(line, modulus)| modulus / of(line)).collect(),
+        whitening: whitening.map(|(line, w)| w.scaled(of(line).recip())).collect(),
         ..joined.clone()
     }
 }
@@ -410,9 +633,15 @@ impl fmt::Display for MasterCurve {
         for shift in &self.shifts {
             writeln!(
                 f,
-                "{:>8.2} K  ln a = {:>8.3} +- {:.3}",
-                shift.temperature, shift.log_shift, shift.standard_error
+                "{:>8.2} K  ln a = {:>8.3} +- {:.3}{}",
+                shift.temperature,
+                shift.log_shift,
+                shift.standard_error,
+                if shift.is_stated { ", as stated" } else { "" }
             )?;
+        }
+        for temperature in &self.unconnected {
+            writeln!(f, "{temperature:>8.2} K  not connected: overlaps no other curve")?;
         }
         write!(f, "{}", self.fit)
     }

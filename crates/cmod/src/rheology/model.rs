@@ -65,7 +65,7 @@ impl ParameterKind {
     }
 
     /// The same where it goes to ∞ (1) or to -∞ (-1).
-    fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
+    pub(super) fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
         self.loss = Some(Loss {
             coordinate,
             vanishes_towards,
@@ -448,12 +448,13 @@ mod tests {
     fn derivatives_of_a_shifted_series() {
         let at = [21.4, 19.0, -9.0, 20.0, -7.0, 0.4, -1.1];
         let shifts = vec![None, Some(0), Some(1)];
-        check(
-            &Prony::shifted(true, 2, shifts, &[300.0, 310.0]),
-            &at,
-            &OMEGA,
-        );
-        check(&Prony::new(false, 2), &at[1..5], &OMEGA);
+        let shifted = Prony::shifted(true, 2, shifts, &[300.0, 310.0]);
+        check(&shifted, &at, &OMEGA);
+        let with_factor = shifted.with_factors(vec![None, Some(0), None], &[300.0]);
+        let at = [&at[..5], &[0.2], &at[5..]].concat();
+        check(&with_factor, &at, &OMEGA);
+        let at = &at[..5];
+        check(&Prony::new(false, 2), &at[1..], &OMEGA);
     }
 
     /// At half of the maximum of the log-odds both exponents are away from their ends.

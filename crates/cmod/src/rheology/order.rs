@@ -15,6 +15,7 @@ use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, count, minimise};
 use super::non_negative::{NonNegative, dot};
+use super::profile::{End, Profile};
 use super::prony::{Prony, share};
 use crate::error::CmodError;
 
@@ -122,8 +123,10 @@ impl PronyFit {
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
         let alternatives = chosen.alternatives();
+        let equilibrium_limit = chosen.equilibrium_limit(data, &options);
         let mut fit = scene.judge(chosen.best.minimum, Law::GeneralisedMaxwell, wrap)?;
         fit.alternatives = alternatives;
+        fit.equilibrium_limit = equilibrium_limit;
         Ok(Self {
             fit,
             orders: chosen.orders,
@@ -159,6 +162,31 @@ impl Chosen {
         let all = self.orders.iter().map(score).zip(&self.tried);
         all.filter(|(score, _)| 0.5 * (score - least) < -LEAST_WEIGHT.ln())
             .collect()
+    }
+
+    /// The greatest E∞ that the data do not exclude beside the branches of a series without one.
+    fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
+        let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
+        let model = Prony::new(true, solid.series.branches.len());
+        let freedom = (2 * data.len()).saturating_sub(solid.minimum.at.len());
+        let chi_squared = solid.minimum.chi_squared.min(self.best.minimum.chi_squared);
+        let factor = match options.error_scale {
+            ErrorScale::FromResidual => chi_squared / count(freedom.max(1)),
+            _ => 1.0,
+        };
+        let profile = Profile {
+            model: &model,
+            data,
+            at: &solid.minimum.at,
+            chi_squared,
+            elsewhere: &[],
+            index: 0,
+            threshold: factor * options.quantile(freedom).powi(2),
+        };
+        match profile.end(0.7) {
+            End::At(limit) => Some(limit.exp()),
+            End::Open | End::LowerMinimum(_) => Some(f64::INFINITY),
+        }
     }
 
     fn alternatives(&self) -> Vec<Alternative> {

@@ -15,6 +15,9 @@ pub(super) struct Prony {
     branches: usize,
     /// Which shift each line has, if any; empty without shifts.
     shift_of_line: Vec<Option<usize>>,
+    /// Number of vertical factors, and which each line has, if any.
+    factors: usize,
+    factor_of_line: Vec<Option<usize>>,
     kinds: Vec<ParameterKind>,
 }
 
@@ -42,10 +45,16 @@ impl Prony {
         for i in 0..branches {
             let time = first + 2 * i + 1;
             let modulus = ParameterKind::new(format!("modulus {}", i + 1), "Pa", Scale::Ratio);
-            kinds.push(modulus.of_relaxation(time).of_loss(time - 1));
             let relaxation =
                 ParameterKind::new(format!("relaxation time {}", i + 1), "s", Scale::Ratio);
-            kinds.push(relaxation.of_relaxation(time).of_loss(time - 1));
+            let (modulus, relaxation) = if solid || i + 1 < branches {
+                (modulus.of_loss(time - 1), relaxation.of_loss(time - 1))
+            } else {
+                // without a spring the slowest branch is one where its time is long
+                (modulus, relaxation.of_loss_towards(time, 1.0))
+            };
+            kinds.push(modulus.of_relaxation(time));
+            kinds.push(relaxation.of_relaxation(time));
         }
         for temperature in shifted {
             let name = format!("shift factor at {temperature} K");
@@ -55,8 +64,23 @@ impl Prony {
             solid,
             branches,
             shift_of_line,
+            factors: 0,
+            factor_of_line: Vec::new(),
             kinds,
         }
+    }
+
+    /// With a factor of the modulus for each temperature \[K\] of `factors`, before the shifts.
+    pub(super) fn with_factors(mut self, factor_of_line: Vec<Option<usize>>, factors: &[f64]) -> Self {
+        let place = self.first() + 2 * self.branches;
+        let kind = |temperature: &f64| {
+            let name = format!("vertical factor at {temperature} K");
+            ParameterKind::new(name, "1", Scale::Ratio)
+        };
+        self.kinds.splice(place..place, factors.iter().map(kind));
+        self.factors = factors.len();
+        self.factor_of_line = factor_of_line;
+        self
     }
 
     /// First coordinate of a branch.
@@ -132,7 +156,8 @@ impl Model for Prony {
             return false;
         }
         let first = self.first();
-        let shifts = first + 2 * self.branches;
+        let factors = first + 2 * self.branches;
+        let shifts = factors + self.factors;
         let values: Vec<f64> = at.iter().map(|coordinate| coordinate.exp()).collect();
         let equilibrium = if self.solid { values[0] } else { 0.0 };
         if at.is_empty() {
@@ -146,9 +171,9 @@ impl Model for Prony {
             for entry in &mut row[..first] {
                 *entry = Complex64::from(equilibrium);
             }
-            let branches = row[first..shifts].as_chunks_mut().0;
+            let branches = row[first..factors].as_chunks_mut().0;
             for ([by_modulus, by_time], [e, tau]) in
-                branches.iter_mut().zip(values[first..shifts].as_chunks().0)
+                branches.iter_mut().zip(values[first..factors].as_chunks().0)
             {
                 let z = share(shifted * tau);
                 *by_modulus = e * z;
@@ -156,9 +181,16 @@ impl Model for Prony {
                 sum += *by_modulus;
                 slope += *by_time;
             }
-            row[shifts..].fill(Complex64::ZERO);
+            row[factors..].fill(Complex64::ZERO);
             if let Some(k) = shift {
                 row[shifts + k] = slope;
+            }
+            if let Some(k) = self.factor_of_line.get(line).copied().flatten() {
+                row[factors + k] = sum;
+                for entry in row.iter_mut() {
+                    *entry *= values[factors + k];
+                }
+                sum *= values[factors + k];
             }
             modulus[line] = sum;
         }

@@ -9,15 +9,18 @@ use crate::error::{CmodError, check_positive};
 /// E(ω, T) = b_T E_ref(ω a_T)
 /// ```
 ///
-/// a_T is what a master curve finds. b_T is 1 unless given: of a network of rubber b_T = ρT/(ρᵣTᵣ), because its elasticity
-/// is that of entropy; of a glass or a crystalline polymer nothing of the kind is known, and a factor that is fitted
-/// beside a_T hides a material whose curves cannot be shifted to one.
+/// a_T is what a master curve finds. b_T is that of the elasticity of rubber if densities are given, b_T = ρT/(ρᵣTᵣ), because its
+/// elasticity is that of entropy. Otherwise it is 1 as long as the curves agree with that, and is estimated where they do not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
     pub(super) data: Vec<ModulusData>,
     /// ρT, or 1; the factor b_T is its ratio to that of the reference.
     pub(super) vertical: Vec<f64>,
+    /// Whether the factors are stated.
+    pub(super) vertical_is_stated: bool,
+    /// ln a_T to bridge temperatures whose curves do not overlap, up to a constant.
+    pub(super) stated_shifts: Option<Vec<f64>>,
 }
 
 impl TemperatureSweep {
@@ -53,9 +56,29 @@ impl TemperatureSweep {
         }
         Ok(Self {
             vertical: vec![1.0; temperatures.len()],
+            vertical_is_stated: false,
+            stated_shifts: None,
             temperatures,
             data,
         })
+    }
+
+    /// With ln a_T at each temperature, up to a constant, as of a law of [shifts](super::ShiftLaws) that is known. Where neighbouring curves
+    /// do not overlap, the shift between them is the stated one; where they do, it is found as ever.
+    ///
+    /// # Errors
+    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite.
+    pub fn with_stated_shifts(mut self, log_shifts: &[f64]) -> Result<Self, CmodError> {
+        crate::error::check_length("array of shifts", log_shifts.len(), self.data.len())?;
+        if let Some(value) = log_shifts.iter().find(|value| !value.is_finite()) {
+            return Err(CmodError::NonPhysical {
+                quantity: "stated ln a_T",
+                value: *value,
+                expected: "a finite value",
+            });
+        }
+        self.stated_shifts = Some(log_shifts.to_vec());
+        Ok(self)
     }
 
     /// With the factor of the elasticity of rubber, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the temperatures.
@@ -72,7 +95,21 @@ impl TemperatureSweep {
         {
             *vertical = check_positive("density [kg/m^3]", *density)? * temperature;
         }
+        self.vertical_is_stated = true;
         Ok(self)
+    }
+
+    /// Some of the steps.
+    pub(super) fn part(&self, steps: std::ops::RangeInclusive<usize>) -> Self {
+        let (first, count) = (*steps.start(), steps.count());
+        let pick = |values: &[f64]| values.iter().skip(first).take(count).copied().collect();
+        Self {
+            temperatures: pick(&self.temperatures),
+            data: self.data.iter().skip(first).take(count).cloned().collect(),
+            vertical: pick(&self.vertical),
+            vertical_is_stated: self.vertical_is_stated,
+            stated_shifts: self.stated_shifts.as_deref().map(pick),
+        }
     }
 
     /// Temperatures \[K\].

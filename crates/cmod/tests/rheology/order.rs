@@ -209,3 +209,32 @@ fn l5_predictions_of_continuous_spectra_cover() {
         assert!((0.92..0.98).contains(&share), "{share}");
     }
 }
+
+/// A series without a spring says how much of one the data leave room for: nothing of a fluid that has relaxed in the band, most of the
+/// modulus where a slow branch stands for the spring by chance.
+#[test]
+fn l8_missing_spring_has_a_limit() {
+    let frequency = logarithmic(5.0, 5e4, 100);
+    let fluid = series(0.0, &[(0.3e9, 4e-5), (0.2e9, 8e-4)]);
+    for seed in 0..5 {
+        let data = measured(|omega| fluid.at(omega), &frequency, Noise::circular(0.01), seed);
+        let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
+        let limit = fit.equilibrium_limit.unwrap();
+        // |E| at 5 Hz is 5 MPa, known to 1 % on the lowest lines
+        assert!(limit < 1e6, "{seed}: {limit:e} {fit}");
+    }
+    let solid = series(1.5e9, &[(0.4e9, 4e-5), (0.3e9, 6e-3)]);
+    let frequency = logarithmic(100.0, 5e4, 40);
+    let mut without = 0;
+    for seed in 0..40 {
+        let data = measured(|omega| solid.at(omega), &frequency, Noise::circular(0.01), seed);
+        let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
+        if let Some(limit) = fit.equilibrium_limit {
+            without += 1;
+            assert!(limit > 1.4e9, "{seed}: {limit:e} {fit}");
+        }
+        let spring = fit.law.prony_series().unwrap().equilibrium_modulus();
+        assert_eq!(spring > 0.0, fit.equilibrium_limit.is_none());
+    }
+    println!("{without} of 40 solids without a spring");
+}

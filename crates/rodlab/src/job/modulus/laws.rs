@@ -278,6 +278,19 @@ fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
 
 fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
     let white = fit.whiteness.is_white(WHITE);
+    if let Some(limit) = fit.equilibrium_limit {
+        outcome.quantities.push(Quantity {
+            name: format!("{}, equilibrium modulus", fit.law.law()),
+            unit: "Pa".to_owned(),
+            value: None,
+            standard_error: None,
+            valid: false,
+            verdict: format!(
+                "the series has none; up to {} is not excluded",
+                significant(limit, 3)
+            ),
+        });
+    }
     for parameter in &fit.parameters {
         let identified = parameter.verdict.is_identified();
         let error = of_value(parameter, parameter.standard_error);
