@@ -224,3 +224,53 @@ fn impossible_syntheses_are_refused() {
         Err(RodwaveError::NonFiniteSample { index: 4, .. })
     ));
 }
+
+/// A raised cosine of 80 us in steps of an eighth of a sample at 51.2 kHz, with its closed form beside it.
+#[test]
+fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
+    let (length, interval) = (80e-6, 1.0 / (8.0 * 51_200.0));
+    let omega = std::f64::consts::TAU / length;
+    let synthesis = DampedSynthesis::new(2e-3, interval).unwrap();
+    let smoothed = synthesis.smoothed(2.5 * interval).unwrap();
+    let largest_error = |synthesis: &DampedSynthesis| {
+        let lines: Vec<Complex64> = synthesis
+            .arguments()
+            .map(|s| {
+                (1.0 - (-s * length).exp()) * omega * omega / (2.0 * s * (s * s + omega * omega))
+            })
+            .collect();
+        let history = synthesis.history(&lines).unwrap();
+        let samples = history.samples.iter().enumerate();
+        samples
+            .map(|(n, found)| {
+                let time = history.start + interval * n as f64;
+                let exact = if (0.0..length).contains(&time) {
+                    0.5 * (1.0 - (omega * time).cos())
+                } else {
+                    0.0
+                };
+                (found - exact).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    // sigma^2/2 times the curvature at the peak, 2 pi^2/T^2: 5.7 %
+    assert!(largest_error(&smoothed) > 0.05);
+    // what the pulse has beyond the smoothing, where its curvature jumps at the ends: sigma^2/2 times half the jump, by the sidelobes of the kernel less than a tenth of it
+    assert!(largest_error(&smoothed.flat()) < 0.006);
+    let peak = |synthesis: &DampedSynthesis| {
+        let lines: Vec<Complex64> = synthesis
+            .arguments()
+            .map(|s| {
+                (1.0 - (-s * length).exp()) * omega * omega / (2.0 * s * (s * s + omega * omega))
+            })
+            .collect();
+        let history = synthesis.history(&lines).unwrap();
+        history.samples.iter().fold(0.0_f64, |top, f| top.max(*f))
+    };
+    // the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it by (pi/32)^2/4
+    assert!(
+        (peak(&smoothed.flat()) - 1.0).abs() < 3e-3,
+        "{}",
+        peak(&smoothed.flat())
+    );
+}

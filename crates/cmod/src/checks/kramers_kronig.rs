@@ -30,6 +30,9 @@ const MOST_ROUNDS: u32 = 4;
 /// that seem far away count less. Where neighbours share their variances, their u go together: with D degrees of freedom of all
 /// lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
 ///
+/// What is wrong with all losses alike drowns in this sum. The second statistic is by how much a factor on all losses lowers it
+/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller of the two.
+///
 /// The statistic is the root mean square of what is left, and noise alone gives 1. What the grid of relaxation times cannot do is taken off first; if
 /// only that decides, the check is undecided.
 ///
@@ -100,10 +103,15 @@ pub fn kramers_kronig_on(
         chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
     // The optimum lies between the two; the smaller residual must be too large already.
-    let p_value = p_of(nearest.residual_lower_bound);
+    let all_lines = p_of(nearest.residual_lower_bound);
+    // Fewer squares by weights that are those of the lines: of the concave u at least as much.
+    let loss_alone = nearest
+        .loss_error
+        .map_or(1.0, |error| chi_square_tail(error.decrease / spread, 1.0));
+    let p_value = (2.0 * all_lines.min(loss_alone)).min(1.0);
     let statistic = (2.0 * sum(1.0) / freedom).sqrt();
     let outcome = CheckOutcome::judged(Check::KramersKronig, (statistic, 1.0), p_value, level);
-    let is_open = outcome.verdict == CheckVerdict::Passed && p_of(nearest.residual) < level;
+    let is_open = outcome.verdict == CheckVerdict::Passed && 2.0 * p_of(nearest.residual) < level;
     let worst = lines
         .iter()
         .zip(&squares)

@@ -27,6 +27,11 @@ impl CommonErrors {
         common
     }
 
+    /// The vectors as they were given.
+    pub(super) fn vectors(&self) -> &[Vec<f64>] {
+        &self.vectors
+    }
+
     /// C^{-1/2} `values`; it makes no vector longer.
     fn whiten(&self, values: &mut [f64]) {
         for vector in &self.whitened {

@@ -35,7 +35,11 @@ pub struct DampedSynthesis {
     /// Half of the number of samples of a period; the samples kept are this many and one.
     half_count: usize,
     smoothing: f64,
+    is_flat: bool,
 }
+
+/// Terms of the series that makes the smoothing flat.
+const FLAT: usize = 4;
 
 impl DampedSynthesis {
     /// For histories from 0 to `duration` T \[s\] in steps of `interval` \[s\]; the duration is rounded up to a whole number of
@@ -63,6 +67,7 @@ impl DampedSynthesis {
             interval,
             half_count: steps as usize,
             smoothing: 0.0,
+            is_flat: false,
         };
         check_positive("damping of the transform [1/s]", synthesis.damping())?;
         check_positive(
@@ -91,6 +96,18 @@ impl DampedSynthesis {
         Ok(Self { smoothing, ..self })
     }
 
+    /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z = \omega^2\sigma^2/2`$, in the place of $`e^{-z}`$ alone.
+    ///
+    /// Below $`\omega\sigma = 0.6`$ the history is as if it were not smoothed, within $`z^5/120`$ = 2e-6; the Gaussian takes 17 % off there. With σ of 2.5 intervals 1e-9 is
+    /// left at the Nyquist frequency.
+    #[must_use]
+    pub fn flat(self) -> Self {
+        Self {
+            is_flat: true,
+            ..self
+        }
+    }
+
     /// Real part a [1/s] of the arguments.
     #[must_use]
     pub fn damping(&self) -> f64 {
@@ -115,8 +132,13 @@ impl DampedSynthesis {
             .iter()
             .zip(self.arguments())
             .map(|(value, s)| {
-                let exponent = s * start + 0.5 * (s * self.smoothing).powu(2);
-                value * exponent.exp()
+                let gaussian = 0.5 * (s * self.smoothing).powu(2);
+                let flat = if self.is_flat { FLAT } else { 0 };
+                // Horner's scheme of the series of e^{-gaussian}
+                let series = (1..=flat).rev().fold(Complex64::ONE, |sum, k| {
+                    Complex64::ONE - gaussian / k as f64 * sum
+                });
+                value * (s * start + gaussian).exp() * series
             })
             .collect();
         let mut samples = to_samples(lines);

@@ -139,6 +139,8 @@ impl InstrumentSheet {
         let step = self.fine_step();
         DampedSynthesis::new(self.duration(), step)
             .and_then(|synthesis| synthesis.smoothed(2.5 * step))
+            // a smoothing that the sheet does not state must not be seen in the band
+            .map(DampedSynthesis::flat)
             .map_err(|error| RodlabError::step(field, error))
     }
 
