@@ -154,10 +154,10 @@ pub use impact::{DiscreteImpact, FirstForce, Impact, LineBand, Pair, Prediction,
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
-    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ChosenParameter, CurvePoint,
-    ExcludedLine, ExclusionReason, FrequencyBand, NonNegativity, Parameter, Penalty, PivotingEnd,
-    RandomErrorOfForce, ReconstructedForce, Reconstruction, Regularisation, ResponseEnd,
-    ResponseNoise, Sensor, TimeInterval, noise_between_blows,
+    BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ChoiceVerdict,
+    ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand, NonNegativity,
+    Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ReconstructedForce, Reconstruction,
+    Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};

@@ -10,6 +10,7 @@ mod modes;
 mod non_negative;
 mod options;
 mod outcome;
+mod path_errors;
 mod sensor;
 mod solution;
 mod support;
@@ -18,13 +19,14 @@ use num_complex::Complex64;
 
 use self::lines::{Grid, Transformed};
 use self::modes::Filter;
+use self::path_errors::PathErrors;
 use self::solution::{Gain, Solved};
 use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
 pub use blow_span::BlowSpan;
-pub use calibration_scatter::{CalibrationBlow, CalibrationScatter, noise_between_blows};
+pub use calibration_scatter::{CalibrationBlow, CalibrationLines, CalibrationScatter};
 pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
 pub use outcome::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,
@@ -85,6 +87,7 @@ pub struct Reconstruction<'a> {
     band: Option<FrequencyBand>,
     support: Option<TimeInterval>,
     is_non_negative: bool,
+    blows: Option<&'a [f64]>,
 }
 
 impl<'a> Reconstruction<'a> {
@@ -142,6 +145,7 @@ impl<'a> Reconstruction<'a> {
             band: None,
             support: None,
             is_non_negative: false,
+            blows: None,
         })
     }
 
@@ -182,6 +186,16 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
+    /// The force has a spectrum like that of calibration blows, of this mean `power` \[N²\] on every line, at an energy of its own: what the responses tell
+    /// nothing of has zero mean and this power. Without it a force beyond the band of the hammer has no limit. Read where the noise is known.
+    #[must_use]
+    pub fn like_blows(self, power: &'a [f64]) -> Self {
+        Self {
+            blows: Some(power),
+            ..self
+        }
+    }
+
     /// The force is nowhere tension. Needs a support.
     #[must_use]
     pub fn non_negative(self) -> Self {
@@ -208,27 +222,45 @@ impl<'a> Reconstruction<'a> {
             n_samples,
             sampling_rate_hz: self.sampling_rate_hz,
         };
+        let support = self
+            .support
+            .map(|interval| Support::of(interval, n_samples, self.sampling_rate_hz))
+            .transpose()?;
         let responses = self.sensors.iter();
-        let transformed = Transformed {
+        let mut transformed = Transformed {
             grid,
             sensors: &self.sensors,
             responses: responses
                 .map(|sensor| fourier::to_spectrum(sensor.response))
                 .collect(),
             band: self.band,
+            errors: None,
+            prior: None,
         };
         let has_variance = self.sensors.iter().any(|s| s.variance.is_some());
         let noise_is_known = self.noise_is_known();
-        let first = self.solve_weighted(&transformed, None)?;
-        let (solved, weights_for) = if has_variance && noise_is_known {
-            let force = fourier::to_spectrum(&first.samples);
-            (
-                self.solve_weighted(&transformed, Some(&force))?,
-                Some(force),
-            )
-        } else {
-            (first, None)
+        match (support, self.blows) {
+            (Some(support), blows) => {
+                transformed.errors = PathErrors::of(&transformed, support.length, blows);
+            }
+            (None, Some(blows)) if noise_is_known => {
+                transformed.prior = Some(path_errors::of_lines(&transformed, blows));
+            }
+            _ => {}
+        }
+        let passes = match (has_variance && noise_is_known, &transformed.errors) {
+            (false, _) => 0,
+            (true, None) => 1,
+            // the first has weights that are too large where the force is
+            (true, Some(_)) => 2,
         };
+        let mut solved = self.solve_weighted(&transformed, support, None)?;
+        let mut weights_for = None;
+        for _ in 0..passes {
+            let force = fourier::to_spectrum(&solved.samples);
+            solved = self.solve_weighted(&transformed, support, Some(&force))?;
+            weights_for = Some(force);
+        }
         self.report(&transformed, solved, weights_for.as_deref())
     }
 
@@ -245,6 +277,16 @@ impl<'a> Reconstruction<'a> {
         }
         for sensor in &self.sensors {
             let n_lines = sensor.frequency_response.len();
+            if let Some(power) = self.blows {
+                if power.len() != n_lines {
+                    return Err(ImpulseError::LengthMismatch {
+                        what: "power of calibration blows",
+                        found: power.len(),
+                        expected: n_lines,
+                    });
+                }
+                crate::error::check_samples("power of calibration blows", power)?;
+            }
             if let Some(&index) = sensor.left_out.last()
                 && index >= n_lines
             {
@@ -288,12 +330,14 @@ impl<'a> Reconstruction<'a> {
     fn solve_weighted(
         &self,
         transformed: &Transformed<'_>,
+        support: Option<Support>,
         weights_for: Option<&[Complex64]>,
     ) -> Result<Solved, ImpulseError> {
         let lines = transformed.weighted(weights_for)?;
         let filter = Filter::of(self.regularisation);
         let n_samples = lines.grid.n_samples;
-        let Some(interval) = self.support else {
+        let time_step = 1.0 / self.sampling_rate_hz;
+        let Some(support) = support else {
             let modes = lines.modes(self.penalty());
             let parameter = choice::choose(&modes, self.regularisation, self.noise_is_known())?;
             let value = parameter.as_ref().map_or(0.0, |p| p.value);
@@ -306,46 +350,75 @@ impl<'a> Reconstruction<'a> {
             if let Some(index) = force.iter().position(|f| !f.is_finite()) {
                 return Err(ImpulseError::SpectrumOverflow { index });
             }
+            let lost = lines.lost(filter, self.penalty(), value);
+            let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
+                impulse: mean
+                    .filter(|(power, _)| **power > 0.0)
+                    .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
                 samples: fourier::to_samples(&force, n_samples),
                 parameter,
                 modes,
                 lines,
-                gain: Gain::Lines(gains),
+                gain: Gain::Lines { gains, lost },
                 non_negativity: None,
                 n_silent: 0,
             });
         };
-        let support = Support::of(interval, n_samples, self.sampling_rate_hz)?;
-        let problem = SupportProblem::new(&lines, support, self.penalty())?;
+        let variance = transformed.errors.as_ref().map(|errors| {
+            let nothing = vec![Complex64::ZERO; lines.grid.n_lines()];
+            let force = weights_for.unwrap_or(&nothing);
+            let variance = transformed.cross_variance(weights_for, force, 0.0);
+            (errors, variance)
+        });
+        let errors = variance.as_ref().map(|(errors, v)| (*errors, v.as_slice()));
+        let mut problem = SupportProblem::new(&lines, support, self.penalty(), errors)?;
+        let in_record = |on_support: &[f64]| {
+            let mut samples = vec![0.0; n_samples];
+            for (sample, force) in samples.iter_mut().skip(support.first).zip(on_support) {
+                *sample = *force;
+            }
+            samples
+        };
+        let by = |problem: &SupportProblem, gain: &faer::Mat<f64>| -> Vec<f64> {
+            let row = |i: usize| {
+                problem
+                    .right_side
+                    .iter()
+                    .enumerate()
+                    .map(move |(j, b)| gain[(i, j)] * b)
+            };
+            (0..support.length).map(|i| row(i).sum()).collect()
+        };
+        if problem.informed.is_some() {
+            // the sums are not those of squares any more: what is unexplained is what a force without regularisation leaves
+            let plain = by(&problem, &problem.inverse(Filter::None, 0.0));
+            let force = fourier::to_spectrum(&in_record(&plain));
+            problem.modes.unexplained = transformed.chi_square(&force);
+        }
         let parameter = choice::choose(&problem.modes, self.regularisation, self.noise_is_known())?;
         let value = parameter.as_ref().map_or(0.0, |p| p.value);
         let gain = problem.inverse(filter, value);
-        let on_support: Vec<f64> = (0..support.length)
-            .map(|i| {
-                let row = problem.right_side.iter().enumerate();
-                row.map(|(j, b)| gain[(i, j)] * b).sum()
-            })
-            .collect();
+        let on_support = by(&problem, &gain);
+        let impulse = time_step * on_support.iter().sum::<f64>();
         let (on_support, non_negativity) = if self.is_non_negative {
-            let matrix = support::toeplitz(&problem.regularised(filter, value));
+            let matrix = problem.regularised(filter, value);
             let (force, report) = non_negative::minimise(&matrix, &problem.right_side, &on_support);
             (force, Some(report))
         } else {
             (on_support, None)
         };
-        let mut samples = vec![0.0; n_samples];
-        for (sample, force) in samples.iter_mut().skip(support.first).zip(on_support) {
-            *sample = force;
-        }
         Ok(Solved {
-            samples,
+            impulse: Some(impulse),
+            samples: in_record(&on_support),
             parameter,
             n_silent: problem.n_silent(),
             gain: Gain::Support {
                 support,
                 gain,
-                problem: problem.autocorrelation,
+                lost: problem.lost(filter, value),
+                quadratic: problem.quadratic,
+                informed: problem.informed,
             },
             modes: problem.modes,
             lines,
@@ -366,9 +439,12 @@ impl<'a> Reconstruction<'a> {
         let point = solved.modes.point(filter, value);
         let per_freedom = (point.freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
             .then(|| point.squared_residual / point.freedom_left);
+        let bias = solved.bias();
         let error_for = |unit_noise: f64, force: &[Complex64]| {
             let variance = transformed.cross_variance(weights_for, force, unit_noise);
-            solved.error(&variance)
+            // weights are by the noise where it is known
+            let noise = if unit_noise > 0.0 { unit_noise } else { 1.0 };
+            solved.error(&variance, noise, &bias)
         };
         let error = match (self.noise_is_known(), per_freedom) {
             (true, _) => RandomErrorOfForce::Stated(error_for(0.0, &force)?),
@@ -378,7 +454,7 @@ impl<'a> Reconstruction<'a> {
             },
             (false, _) => RandomErrorOfForce::NoiseNotKnown,
         };
-        let noise_gain = solved.noise_gain(transformed, weights_for)?;
+        let noise_gain = solved.noise_gain(transformed, weights_for);
         let response_end = self
             .sensors
             .iter()
@@ -386,7 +462,8 @@ impl<'a> Reconstruction<'a> {
             .fold(ResponseEnd::DiedOut, ResponseEnd::worse);
         Ok(ReconstructedForce {
             regularisation: self.regularisation,
-            regularisation_bias: solved.bias(),
+            impulse: solved.impulse,
+            regularisation_bias: bias,
             relative_residual: transformed.relative_residual(&force),
             reduced_chi_square: per_freedom.filter(|_| self.noise_is_known()),
             noise_gain,

@@ -6,8 +6,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use impulse::{
-    BlowSpan, CalibrationBlow, CalibrationScatter, ForceHistory, ImpulseError, Reconstruction,
-    ResponseNoise, Sensor, noise_between_blows,
+    BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ForceHistory, ImpulseError,
+    Reconstruction, ResponseNoise, Sensor,
 };
 use labio::format::npy;
 use labio::{AveragedSpectra, Channel, FrequencyResponse, LabioError, Quantity, Record, Window};
@@ -354,6 +354,7 @@ impl Prediction {
             .map(|(reconstructed, measured)| CalibrationBlow {
                 reconstructed,
                 measured,
+                standard_error: None,
             })
             .collect();
         let scatter = CalibrationScatter::of(&blows, 0..longest.unwrap_or(0))?;
@@ -409,13 +410,14 @@ fn force_of(
         span.about(at_peak, response.len())
     });
     let variance = h1.variance.as_deref().unwrap_or_default();
-    let noise = noise_between_blows(variance, &forces)?;
+    let lines = CalibrationLines::of(variance, &forces)?;
     let sensor = Sensor::new(&response, &h1.values)?
-        .with_noise(ResponseNoise::Lines(&noise))?
-        .with_variance(variance)?
+        .with_noise(ResponseNoise::Lines(&lines.noise))?
+        .with_variance(&lines.variance)?
         .without_lines(h1.invalid_lines());
     let found = Reconstruction::of_sensors(vec![sensor], rate_hz)?
         .acting_during(BlowSpan::interval(&window, rate_hz))
+        .like_blows(&lines.power)
         .solve()?;
     Ok((window, found.history))
 }

@@ -14,6 +14,8 @@ pub struct CalibrationBlow<'a> {
     pub reconstructed: &'a ForceHistory,
     /// As measured, at the same times \[N\]; `(n_samples)`.
     pub measured: &'a [f64],
+    /// Standard errors of the reconstructed force \[N\], if they are known; `(n_samples)`.
+    pub standard_error: Option<&'a [f64]>,
 }
 
 /// The scatter between blows, $`\sigma^2(t) = a^2 + b^2F^2(t)`$.
@@ -34,6 +36,10 @@ pub struct CalibrationScatter {
     pub without_force: f64,
     /// b: the error that comes with the force, relative to it.
     pub relative: f64,
+    /// Root mean square error of the impulses, relative to them.
+    pub relative_impulse: f64,
+    /// Mean square of the errors over the stated ones: 1 where noise is all there is. None where none were stated.
+    pub over_stated: Option<f64>,
     /// Number of blows.
     pub n_blows: usize,
 }
@@ -55,6 +61,7 @@ impl CalibrationScatter {
         }
         let (mut quiet, mut n_quiet) = (0.0, 0_usize);
         let (mut loud, mut n_loud, mut force_squares) = (0.0, 0_usize, 0.0);
+        let (mut impulses, mut over_stated, mut n_stated) = (0.0, 0.0, 0_usize);
         for blow in blows {
             let found = blow.reconstructed.force();
             if found.len() != blow.measured.len() {
@@ -65,6 +72,22 @@ impl CalibrationScatter {
                 });
             }
             crate::error::check_samples("measured force", blow.measured)?;
+            let sum = |samples: &[f64]| -> f64 {
+                samples
+                    .get(window.start..window.end.min(samples.len()))
+                    .unwrap_or_default()
+                    .iter()
+                    .sum()
+            };
+            impulses += (sum(found) / sum(blow.measured) - 1.0).powi(2);
+            let stated = blow.standard_error.unwrap_or_default().iter();
+            let stated = stated.zip(found.iter().zip(blow.measured));
+            for (error, (found, measured)) in stated.skip(window.start).take(window.len()) {
+                if *error > 0.0 {
+                    over_stated += ((found - measured) / error).powi(2);
+                    n_stated += 1;
+                }
+            }
             let limit = WITHOUT_FORCE * blow.reconstructed.peak().force;
             let samples = found.iter().zip(blow.measured);
             for (found, measured) in samples.skip(window.start).take(window.len()) {
@@ -97,6 +120,8 @@ impl CalibrationScatter {
         let scatter = Self {
             without_force: additive.sqrt(),
             relative: (with_force / force_squares).sqrt(),
+            relative_impulse: (impulses / blows.len() as f64).sqrt(),
+            over_stated: (n_stated > 0).then(|| over_stated / n_stated as f64),
             n_blows: blows.len(),
         };
         if scatter.without_force.is_finite() && scatter.relative.is_finite() {
@@ -125,54 +150,91 @@ impl CalibrationScatter {
     }
 }
 
-/// Noise $`\mathrm E|\delta\hat x_k|^2`$ of the lines of the response to one blow, by the scatter between the `forces` \[N\] of calibration blows whose average
-/// frequency response has this `variance`: with $`n`$ blows
+/// Lines over which the noise between blows is averaged, on either side of each.
+const NEIGHBOURS: usize = 8;
+
+/// Lines of the response to one blow and of the average of calibration blows, by the scatter between the blows.
+///
+/// With $`n`$ blows of the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
 ///
 /// ```math
-/// \mathrm E|\delta\hat x_k|^2 = \frac{n^2}{n-1}\,\mathrm{var}\,\bar H_k\;\overline{|\hat F_k|^2}, \qquad \hat F_k = \sum_m F_m e^{-2\pi ikm/N} .
+/// \mathrm E|\delta\hat x_k|^2 = \frac{n}{n-1}\,\mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2, \qquad \mathrm{var}\,\bar H_k = \frac{\mathrm E|\delta\hat x_k|^2}{\sum_i |\hat F_{ik}|^2},
 /// ```
 ///
-/// Place and direction of a blow change the response itself, line by line and in proportion to it. As [`ResponseNoise::Lines`](crate::ResponseNoise::Lines) it keeps
-/// lines that differ from blow to blow, and those that the average knows badly, from ruling a force on a support.
-///
-/// | array | shape | unit |
-/// |---|---|---|
-/// | variance | `(n_lines)`, of the average, NaN where it is not known | square of response over force |
-/// | force | `(n_samples)` each | N |
-///
-/// # Errors
-///
-/// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a force.
-pub fn noise_between_blows(variance: &[f64], forces: &[&[f64]]) -> Result<Vec<f64>, ImpulseError> {
-    let n_blows = forces.len();
-    if n_blows < 2 {
-        return Err(ImpulseError::TooShort {
-            what: "set of calibration blows",
-            found: n_blows,
-            expected: 2,
-        });
-    }
-    let mut power = vec![0.0; variance.len()];
-    for force in forces {
-        if force.len() / 2 + 1 != variance.len() {
-            return Err(ImpulseError::LengthMismatch {
-                what: "variance of the frequency response",
-                found: variance.len(),
-                expected: force.len() / 2 + 1,
+/// the first averaged over 17 lines: of few blows the scatter on a line is itself known to a factor of two, and weights by it would prefer the lines that seem
+/// better than they are. Place and direction of a blow change the response itself, line by line and in proportion to it.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CalibrationLines {
+    /// Noise of the response to one blow, as [`ResponseNoise::Lines`](crate::ResponseNoise::Lines); NaN where the variance is not known.
+    pub noise: Vec<f64>,
+    /// Variance of the average frequency response, as of [`Sensor::with_variance`](crate::Sensor::with_variance).
+    pub variance: Vec<f64>,
+    /// Mean power of the forces \[N²\], as of [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
+    pub power: Vec<f64>,
+}
+
+impl CalibrationLines {
+    /// By the `forces` \[N\] of blows whose average frequency response has this `variance`.
+    ///
+    /// | array | shape | unit |
+    /// |---|---|---|
+    /// | variance | `(n_lines)`, of the average, NaN where it is not known | square of response over force |
+    /// | force | `(n_samples)` each | N |
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a force.
+    pub fn of(variance: &[f64], forces: &[&[f64]]) -> Result<Self, ImpulseError> {
+        let n_blows = forces.len();
+        if n_blows < 2 {
+            return Err(ImpulseError::TooShort {
+                what: "set of calibration blows",
+                found: n_blows,
+                expected: 2,
             });
         }
-        crate::error::check_samples("force of a calibration blow", force)?;
-        for (sum, line) in power.iter_mut().zip(fourier::to_spectrum(force)) {
-            *sum += line.norm_sqr();
+        let mut energy = vec![0.0; variance.len()];
+        for force in forces {
+            if force.len() / 2 + 1 != variance.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "variance of the frequency response",
+                    found: variance.len(),
+                    expected: force.len() / 2 + 1,
+                });
+            }
+            crate::error::check_samples("force of a calibration blow", force)?;
+            for (sum, line) in energy.iter_mut().zip(fourier::to_spectrum(force)) {
+                *sum += line.norm_sqr();
+            }
         }
+        let n_blows = n_blows as f64;
+        // variance of one blow from that of the average
+        let of_one = n_blows / (n_blows - 1.0);
+        let lines = variance.iter().zip(&energy);
+        let single: Vec<f64> = lines.map(|(v, energy)| of_one * v * energy).collect();
+        let noise: Vec<f64> = (0..single.len())
+            .map(|line| {
+                let first = line.saturating_sub(NEIGHBOURS);
+                let about = single
+                    .iter()
+                    .skip(first)
+                    .take(line + NEIGHBOURS + 1 - first);
+                let known = about.filter(|noise| noise.is_finite());
+                let (n, sum) = known.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v));
+                if single.get(line).is_some_and(|noise| noise.is_finite()) {
+                    sum / n
+                } else {
+                    f64::NAN
+                }
+            })
+            .collect();
+        Ok(Self {
+            variance: noise.iter().zip(&energy).map(|(v, e)| v / e).collect(),
+            power: energy.iter().map(|energy| energy / n_blows).collect(),
+            noise,
+        })
     }
-    // mean of the power, and the variance of one blow from that of the average
-    let n_blows = n_blows as f64;
-    let of_one = n_blows / (n_blows - 1.0);
-    let lines = variance.iter().zip(power);
-    Ok(lines
-        .map(|(variance, power)| of_one * variance * power)
-        .collect())
 }
 
 #[cfg(test)]
@@ -183,13 +245,19 @@ mod tests {
     fn r22_the_noise_of_lines_is_the_scatter_of_single_blows() {
         // unit impulses have the same power 1 on all lines; four blows, and a variance of the average of 0.5
         let force: &[f64] = &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let noise = noise_between_blows(&[0.5; 5], &[force; 4]).unwrap();
-        for line in noise {
-            // 16/3 · 0.5
-            assert!((line - 8.0 / 3.0).abs() < 1e-12, "{line}");
+        let lines = CalibrationLines::of(&[0.5; 5], &[force; 4]).unwrap();
+        for ((noise, variance), power) in lines.noise.iter().zip(&lines.variance).zip(&lines.power)
+        {
+            // 16/3 · 0.5, a quarter of it, and 1
+            assert!((noise - 8.0 / 3.0).abs() < 1e-12, "{noise}");
+            assert!((variance - 2.0 / 3.0).abs() < 1e-12, "{variance}");
+            assert!((power - 1.0).abs() < 1e-12, "{power}");
         }
-        assert!(noise_between_blows(&[0.5; 5], &[force; 1]).is_err());
-        assert!(noise_between_blows(&[0.5; 4], &[force; 2]).is_err());
+        // the mean of what is known, and nothing where the line is not
+        let lines = CalibrationLines::of(&[0.2, 0.4, f64::NAN, 0.6, 0.8], &[force; 4]).unwrap();
+        assert!((lines.noise[0] - 8.0 / 3.0).abs() < 1e-12 && lines.noise[2].is_nan());
+        assert!(CalibrationLines::of(&[0.5; 5], &[force; 1]).is_err());
+        assert!(CalibrationLines::of(&[0.5; 4], &[force; 2]).is_err());
     }
 
     #[test]
@@ -216,6 +284,7 @@ mod tests {
             .map(|(reconstructed, measured)| CalibrationBlow {
                 reconstructed,
                 measured,
+                standard_error: None,
             })
             .collect();
         let scatter = CalibrationScatter::of(&blows, 10..50).unwrap();

@@ -8,8 +8,10 @@ use crate::error::check_positive;
 
 /// Points of the curve between the weakest and the strongest component, evenly in the logarithm.
 const POINTS: usize = 81;
-/// The curve reaches so far beyond them on either side.
+/// The curve reaches so far beyond the strongest.
 const BEYOND: f64 = 10.0;
+/// And so far below the weakest: such a regularisation takes off less than a part in a million, and is as good as none.
+const AS_NONE: f64 = 1e-6;
 /// Golden section: relative accuracy of a parameter in so many steps, 0.618^30 of two intervals of the curve.
 const STEPS: usize = 30;
 
@@ -75,7 +77,7 @@ pub(super) fn choose(
 }
 
 fn grid((smallest, largest): (f64, f64)) -> Vec<f64> {
-    let (from, to) = ((smallest / BEYOND).ln(), (largest * BEYOND).ln());
+    let (from, to) = ((smallest * AS_NONE).ln(), (largest * BEYOND).ln());
     (0..POINTS)
         .map(|i| (from + (to - from) * i as f64 / (POINTS - 1) as f64).exp())
         .collect()

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::modes::{Filter, Modes};
 use super::outcome::{ExcludedLine, ExclusionReason};
+use super::path_errors::PathErrors;
 use super::sensor::Sensor;
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
@@ -61,6 +62,10 @@ pub(super) struct Transformed<'a> {
     pub(super) sensors: &'a [Sensor<'a>],
     pub(super) responses: Vec<Vec<Complex64>>,
     pub(super) band: Option<FrequencyBand>,
+    /// Errors of the frequency responses, for a force on a support.
+    pub(super) errors: Option<PathErrors>,
+    /// Inverse of the power that is supposed of the force on each line, for lines that stand for themselves.
+    pub(super) prior: Option<Vec<f64>>,
 }
 
 #[allow(
@@ -106,7 +111,9 @@ impl Transformed<'_> {
         let is_outside = self.is_outside_band(line);
         let sides = self.grid.sides(line);
         let mut reason = ExclusionReason::LeftOut;
-        for (sensor, response) in self.sensors.iter().zip(&self.responses) {
+        let mut n_told = 0_usize;
+        let sensors = self.sensors.iter().zip(&self.responses);
+        for (index, (sensor, response)) in sensors.enumerate() {
             if sensor.is_left_out(line) {
                 continue;
             }
@@ -122,20 +129,42 @@ impl Transformed<'_> {
                 continue;
             }
             let weight = weight(sensor, line, force);
-            lines.power[line] += weight * h.norm_sqr();
-            lines.cross[line] += weight * h.conj() * x;
             lines.energy += sides * weight * x.norm_sqr();
             lines.n_data += sides;
-            reason = ExclusionReason::VanishingResponse;
+            let (share, error) = self.errors.as_ref().map_or((1.0, 0.0), |errors| {
+                (errors.shares[index][line], sensor.variance_at(line))
+            });
+            lines.power[line] += weight * share * (h.norm_sqr() - error);
+            lines.cross[line] += weight * share * h.conj() * x;
+            if share > 0.0 {
+                n_told += 1;
+            }
+            reason = if h.norm_sqr() > 0.0 {
+                ExclusionReason::NotResolved
+            } else {
+                ExclusionReason::VanishingResponse
+            };
+        }
+        if let Some(prior) = &self.prior
+            && lines.power[line] > 0.0
+        {
+            lines.power[line] += prior[line];
         }
         if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
             return Err(ImpulseError::SpectrumOverflow { index: line });
         }
-        if lines.power[line] < LEAST_POWER {
+        // of a line that tells its mean is above zero with those about it
+        let is_told = self.errors.is_some() && n_told > 0;
+        if !is_told && lines.power[line] < LEAST_POWER {
             // its digits are lost: no force can be had from it
             lines.power[line] = 0.0;
             lines.cross[line] = Complex64::ZERO;
-            return Ok(Some(reason));
+            return Ok(Some(match reason {
+                ExclusionReason::NotResolved if self.errors.is_none() => {
+                    ExclusionReason::VanishingResponse
+                }
+                other => other,
+            }));
         }
         Ok(None)
     }
@@ -168,15 +197,38 @@ impl Transformed<'_> {
             if self.is_outside_band(line) {
                 return 0.0;
             }
-            let used = self.sensors.iter().filter(|s| !s.is_left_out(line));
-            used.map(|sensor| {
-                let gain = weight(sensor, line, weights_for).powi(2)
-                    * sensor.frequency_response[line].norm_sqr();
-                gain * variance(sensor, line)
-            })
-            .sum()
+            let used = self.sensors.iter().enumerate();
+            used.filter(|(_, sensor)| !sensor.is_left_out(line))
+                .map(|(index, sensor)| {
+                    let errors = self.errors.as_ref();
+                    let share = errors.map_or(1.0, |errors| errors.shares[index][line]);
+                    let gain = (share * weight(sensor, line, weights_for)).powi(2)
+                        * sensor.frequency_response[line].norm_sqr();
+                    gain * variance(sensor, line)
+                })
+                .sum()
         };
         (0..self.grid.n_lines()).map(of_line).collect()
+    }
+
+    /// Whether a line of a sensor takes part.
+    pub(super) fn uses(&self, sensor: &Sensor<'_>, line: usize) -> bool {
+        !sensor.is_left_out(line) && !self.is_outside_band(line)
+    }
+
+    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the lines that take part and both sides.
+    pub(super) fn chi_square(&self, force: &[Complex64]) -> f64 {
+        let sensors = self.sensors.iter().zip(&self.responses);
+        let of_sensor = |(sensor, response): (&Sensor<'_>, &Vec<Complex64>)| -> f64 {
+            let lines = (0..self.grid.n_lines()).filter(|line| self.uses(sensor, *line));
+            lines
+                .map(|line| {
+                    let missing = response[line] - sensor.frequency_response[line] * force[line];
+                    self.grid.sides(line) * weight(sensor, line, Some(force)) * missing.norm_sqr()
+                })
+                .sum()
+        };
+        sensors.map(of_sensor).sum()
     }
 
     fn is_outside_band(&self, line: usize) -> bool {
@@ -210,7 +262,7 @@ impl Transformed<'_> {
     clippy::indexing_slicing,
     reason = "a force comes with all lines of the grid, which `line` counts"
 )]
-fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64]>) -> f64 {
+pub(super) fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64]>) -> f64 {
     sensor.noise_at(line).map_or(1.0, |noise| {
         let force = force.map_or(0.0, |force| force[line].norm_sqr());
         1.0 / (noise + sensor.variance_at(line) * force)
@@ -262,6 +314,21 @@ impl WeightedLines {
                 if *power > 0.0 {
                     let strength = power / penalty.weight(self.grid.omega(line));
                     filter.kept(strength, parameter) / power
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+
+    /// $`(1-\varphi)^2/(\lambda\omega^{2p})`$ of every line: variance of what the regularisation takes off, where noise has the weighted variance 1.
+    pub(super) fn lost(&self, filter: Filter, penalty: Penalty, parameter: f64) -> Vec<f64> {
+        let lines = self.power.iter().enumerate();
+        lines
+            .map(|(line, power)| {
+                let weight = penalty.weight(self.grid.omega(line));
+                if *power > 0.0 && weight > 0.0 && filter != Filter::None {
+                    filter.lost(power / weight, parameter).powi(2) / (parameter * weight)
                 } else {
                     0.0
                 }

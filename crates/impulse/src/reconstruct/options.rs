@@ -1,5 +1,9 @@
 //! What the caller decides about a reconstruction.
 
+use num_complex::Complex64;
+
+use crate::fourier;
+
 /// How what the response says too little of is kept from becoming force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
@@ -76,6 +80,26 @@ pub struct FrequencyBand {
     pub from_hz: f64,
     /// Highest frequency \[Hz\].
     pub to_hz: f64,
+}
+
+impl FrequencyBand {
+    /// `samples` without the lines outside of the band.
+    #[must_use]
+    pub fn of(&self, samples: &[f64], sampling_rate_hz: f64) -> Vec<f64> {
+        let n = samples.len();
+        let lines = fourier::to_spectrum(samples).into_iter().enumerate();
+        let inside: Vec<Complex64> = lines
+            .map(|(line, value)| {
+                let frequency_hz = line as f64 * sampling_rate_hz / n as f64;
+                if (self.from_hz..=self.to_hz).contains(&frequency_hz) {
+                    value / n as f64
+                } else {
+                    Complex64::ZERO
+                }
+            })
+            .collect();
+        fourier::to_samples(&inside, n)
+    }
 }
 
 /// A time span from the first sample on, both limits included.

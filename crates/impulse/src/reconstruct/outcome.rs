@@ -13,12 +13,15 @@ pub struct ReconstructedForce {
     pub regularisation: Regularisation,
     /// The parameter of the regularisation and where it comes from; none without one.
     pub parameter: Option<ChosenParameter>,
-    /// The random error of the force: the noise of the responses and the variance of the frequency responses through the linear
-    /// method. Without tension being forbidden it is the error of the same method with tension, which is not smaller.
+    /// The error of the force: the noise of the responses and the variance of the frequency responses through the linear method, and
+    /// what the regularisation takes off. Where tension is forbidden it is the error of the same method with tension, which is not smaller.
     pub error: RandomErrorOfForce,
+    /// Impulse over the support, or the period, with tension allowed \[N s\]: a force that is not may turn noise into impulse. None without a
+    /// support if the line at 0 Hz takes no part: nothing tells the mean.
+    pub impulse: Option<f64>,
     /// An estimate of what the regularisation takes off \[N\], $`-(1-\varphi)\hat F`$ of the force found, as a history:
     /// the truth is about the force minus this. It knows only of force that was found: where a line is lost altogether, the loss is
-    /// not seen, and the estimate is too small. The random error does not contain it. All zero without regularisation.
+    /// not seen, and the estimate is too small. The error contains it. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,
     /// What the force leaves unexplained of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known frequency response.
     pub relative_residual: f64,
@@ -152,6 +155,8 @@ pub enum ExclusionReason {
     LeftOut,
     /// It lies outside the band.
     OutsideBand,
+    /// The frequency response is no larger than its errors, by the mean over the lines that the support cannot resolve.
+    NotResolved,
     /// The frequency response, or its square, is zero: the measured response says nothing of the force there.
     VanishingResponse,
 }

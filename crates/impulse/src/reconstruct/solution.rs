@@ -5,11 +5,12 @@ use num_complex::Complex64;
 use super::lines::{Transformed, WeightedLines};
 use super::modes::Modes;
 use super::outcome::{ChosenParameter, NonNegativity};
-use super::support::{self, Support, SupportProblem};
+use super::support::{self, Informed, Support};
 use crate::{ForceError, ImpulseError, fourier};
 
 /// A force, and the linear method that gave it.
 pub(super) struct Solved {
+    pub(super) impulse: Option<f64>,
     pub(super) samples: Vec<f64>,
     pub(super) parameter: Option<ChosenParameter>,
     pub(super) modes: Modes,
@@ -21,36 +22,93 @@ pub(super) struct Solved {
 
 /// From the weighted cross sums of the lines to the force.
 pub(super) enum Gain {
-    Lines(Vec<f64>),
+    Lines {
+        gains: Vec<f64>,
+        /// Variance of what the regularisation takes off each line, where noise has the weighted variance 1.
+        lost: Vec<f64>,
+    },
     Support {
         support: Support,
         /// $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
         gain: faer::Mat<f64>,
-        /// First row of Q.
-        problem: Vec<f64>,
+        /// Q.
+        quadratic: faer::Mat<f64>,
+        informed: Option<Informed>,
+        /// Covariance of what the regularisation takes off, where noise has the weighted variance 1.
+        lost: Option<faer::Mat<f64>>,
     },
 }
 
 impl Solved {
-    /// The error of the force for cross sums of this variance.
-    pub(super) fn error(&self, cross_variance: &[f64]) -> Result<ForceError, ImpulseError> {
+    /// The error of the force for cross sums of this variance and a noise of the weighted variance `noise`; what the regularisation takes off is in it.
+    ///
+    /// A regularisation is a supposition on the force: its variance is that of the supposition by what the responses tell of it (G. Wahba's interval), and where
+    /// `bias` is more it is this.
+    pub(super) fn error(
+        &self,
+        cross_variance: &[f64],
+        noise: f64,
+        bias: &[f64],
+    ) -> Result<ForceError, ImpulseError> {
         let n_samples = self.samples.len();
         let none = ForceError::none(n_samples);
-        match &self.gain {
-            Gain::Lines(gains) => {
+        let mut supposed = vec![0.0; n_samples];
+        let random = match &self.gain {
+            Gain::Lines { gains, lost } => {
                 let scale = (n_samples as f64).powi(-2);
-                let lines = gains.iter().zip(cross_variance);
-                let variances = lines.map(|(g, v)| g * g * v * scale).collect();
-                Ok(none.with_lines(variances, n_samples, None))
+                let lines = gains.iter().zip(cross_variance).zip(lost);
+                let variances = lines
+                    .map(|((g, v), lost)| (g * g * v + noise * lost) * scale)
+                    .collect();
+                let all: f64 = lost
+                    .iter()
+                    .enumerate()
+                    .map(|(line, lost)| self.lines.grid.sides(line) * lost * noise * scale)
+                    .sum();
+                supposed.fill(all);
+                none.with_lines(variances, n_samples, None)
             }
-            Gain::Support { support, gain, .. } => {
-                let factor = SupportProblem::error_factor(gain, cross_variance, n_samples)?;
+            Gain::Support {
+                support,
+                gain,
+                informed,
+                lost,
+                ..
+            } => {
+                let lags = support::lags(cross_variance, n_samples, support.length);
+                let mut covariance = support::toeplitz(&lags);
+                if let Some(informed) = informed {
+                    covariance = informed.covariance(&covariance);
+                }
+                let mut covariance = gain * covariance * gain.transpose();
+                if let Some(lost) = lost {
+                    covariance += lost * faer::Scale(noise);
+                    for (i, slot) in supposed
+                        .iter_mut()
+                        .skip(support.first)
+                        .take(support.length)
+                        .enumerate()
+                    {
+                        *slot = noise * lost[(i, i)];
+                    }
+                }
+                let factor = support::error_factor(&covariance)?;
                 let rows = (0..support.length)
                     .map(|i| (0..support.length).map(|j| factor[(i, j)]).collect())
                     .collect();
-                Ok(none.with_support(support.first, rows))
+                none.with_support(support.first, rows)
             }
-        }
+        };
+        let excess: Vec<f64> = bias
+            .iter()
+            .zip(supposed)
+            .map(|(bias, supposed)| (bias * bias - supposed).max(0.0).sqrt().copysign(*bias))
+            .collect();
+        Ok(if excess.iter().any(|excess| *excess != 0.0) {
+            random.with_common(excess)
+        } else {
+            random
+        })
     }
 
     /// Root mean square of the force under white noise of 1.
@@ -58,22 +116,34 @@ impl Solved {
         &self,
         transformed: &Transformed<'_>,
         weights_for: Option<&[Complex64]>,
-    ) -> Result<f64, ImpulseError> {
+    ) -> f64 {
         let variance = transformed.white_cross_variance(weights_for);
+        let n_samples = self.samples.len();
         match &self.gain {
-            Gain::Lines(_) => {
-                let error = self.error(&variance)?;
-                Ok(error.standard_error().first().copied().unwrap_or(f64::NAN))
+            Gain::Lines { gains, .. } => {
+                let lines = gains.iter().zip(&variance).enumerate();
+                let square: f64 = lines
+                    .map(|(line, (g, v))| self.lines.grid.sides(line) * g * g * v)
+                    .sum();
+                square.sqrt() / n_samples as f64
             }
-            Gain::Support { support, gain, .. } => {
-                let n_samples = self.samples.len();
+            Gain::Support {
+                support,
+                gain,
+                informed,
+                ..
+            } => {
                 let lags = support::lags(&variance, n_samples, support.length);
-                let spread = gain * support::toeplitz(&lags);
+                let gain = match informed {
+                    Some(informed) => gain * &informed.weights,
+                    None => gain.clone(),
+                };
+                let spread = &gain * support::toeplitz(&lags);
                 let square: f64 = (0..support.length)
                     .flat_map(|i| (0..support.length).map(move |j| (i, j)))
                     .map(|at| spread[at] * gain[at])
                     .sum();
-                Ok((square / support.length as f64).sqrt())
+                (square / support.length as f64).sqrt()
             }
         }
     }
@@ -86,7 +156,7 @@ impl Solved {
     pub(super) fn bias(&self) -> Vec<f64> {
         let n_samples = self.samples.len();
         match &self.gain {
-            Gain::Lines(gains) => {
+            Gain::Lines { gains, .. } => {
                 let force = fourier::to_spectrum(&self.samples);
                 let lines = gains.iter().zip(&self.lines.power).zip(&force);
                 let lost: Vec<Complex64> = lines
@@ -103,7 +173,8 @@ impl Solved {
             Gain::Support {
                 support,
                 gain,
-                problem,
+                quadratic,
+                ..
             } => {
                 // G Q f - f
                 let Support { first, length } = *support;
@@ -111,7 +182,7 @@ impl Solved {
                 let explained: Vec<f64> = (0..length)
                     .map(|i| {
                         let terms = force.iter().enumerate();
-                        terms.map(|(j, f)| problem[i.abs_diff(j)] * f).sum()
+                        terms.map(|(j, f)| quadratic[(i, j)] * f).sum()
                     })
                     .collect();
                 let mut bias = vec![0.0; n_samples];

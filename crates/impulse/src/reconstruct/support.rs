@@ -5,6 +5,7 @@ use num_complex::Complex64;
 
 use super::lines::WeightedLines;
 use super::modes::{Filter, Modes};
+use super::path_errors::PathErrors;
 use super::{Penalty, TimeInterval};
 use crate::{ImpulseError, fourier};
 
@@ -44,17 +45,86 @@ impl Support {
     }
 }
 
-/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. Q and D are Toeplitz: the convolution does not know where the
-/// support begins.
+/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q where the frequency responses have no errors: the convolution does
+/// not know where the support begins.
 pub(super) struct SupportProblem {
-    /// $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
-    pub(super) autocorrelation: Vec<f64>,
+    /// Q, of $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
+    pub(super) quadratic: Mat<f64>,
     pub(super) right_side: Vec<f64>,
+    /// How it was made where frequency responses have errors.
+    pub(super) informed: Option<Informed>,
     /// Eigenvectors $`V`$ with $`V^T D V = 1`$, $`V^T Q V = \mathrm{diag}(\mu)`$.
     vectors: Mat<f64>,
     pub(super) modes: Modes,
     /// D, by its first row.
     penalty: Vec<f64>,
+}
+
+/// Normal equations that count every component by its information.
+///
+/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b = T`$ and the supposed force of covariance
+/// $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0 \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with $`a = \mu/\tau`$, 0 where errors of the frequency
+/// response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a = 1`$.
+pub(super) struct Informed {
+    /// From the given right side to that of the informed equations.
+    pub(super) weights: Mat<f64>,
+    /// P: variance that the supposed force adds to the right side.
+    pub(super) prior: Mat<f64>,
+}
+
+impl Informed {
+    /// Q and b of the informed equations beside it.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "all lists and matrices have as many elements a side as the right side"
+    )]
+    fn new(
+        quadratic: &Mat<f64>,
+        right_side: &[f64],
+        errors: &PathErrors,
+        variance: &[f64],
+        n_samples: usize,
+    ) -> Result<(Self, Mat<f64>, Vec<f64>), ImpulseError> {
+        let length = right_side.len();
+        let prior = toeplitz(&lags(&errors.prior, n_samples, length));
+        let (values, vectors) = eigen(&prior, length)?;
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        // what has so much more power than the rest needs no supposition
+        let least = largest * f64::EPSILON * length as f64;
+        let whitening = Mat::from_fn(length, length, |i, j| {
+            vectors[(i, j)] / values[j].max(least).sqrt()
+        });
+        let (values, rotation) = eigen(&(whitening.transpose() * quadratic * &whitening), length)?;
+        let components = whitening * rotation;
+        let scatter = toeplitz(&lags(variance, n_samples, length)) * &components;
+        let counted: Vec<f64> = (0..length)
+            .map(|j| {
+                let tau: f64 = (0..length)
+                    .map(|i| components[(i, j)] * scatter[(i, j)])
+                    .sum();
+                if values[j] > 0.0 && tau > 0.0 {
+                    values[j] / tau
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        // P v, the dual of v
+        let dual = &prior * &components;
+        let by =
+            |of: &dyn Fn(usize) -> f64| Mat::from_fn(length, length, |i, j| dual[(i, j)] * of(j));
+        let weights = by(&|j| counted[j]) * components.transpose();
+        let informed = by(&|j| counted[j] * values[j] + 1.0) * dual.transpose();
+        let right_side = (0..length)
+            .map(|i| (0..length).map(|j| weights[(i, j)] * right_side[j]).sum())
+            .collect();
+        Ok((Self { weights, prior }, informed, right_side))
+    }
+
+    /// Covariance of the right side, of that of the given one.
+    pub(super) fn covariance(&self, given: &Mat<f64>) -> Mat<f64> {
+        &self.weights * given * self.weights.transpose() + &self.prior
+    }
 }
 
 #[allow(
@@ -66,11 +136,12 @@ impl SupportProblem {
         lines: &WeightedLines,
         support: Support,
         penalty: Penalty,
+        errors: Option<(&PathErrors, &[f64])>,
     ) -> Result<Self, ImpulseError> {
         let Support { first, length } = support;
         let n_samples = lines.grid.n_samples;
-        let autocorrelation = lags(&lines.power, n_samples, length);
-        let right_side: Vec<f64> = fourier::to_samples(&lines.cross, n_samples)
+        let mut quadratic = toeplitz(&lags(&lines.power, n_samples, length));
+        let mut right_side: Vec<f64> = fourier::to_samples(&lines.cross, n_samples)
             .into_iter()
             .skip(first)
             .take(length)
@@ -79,7 +150,12 @@ impl SupportProblem {
             .map(|line| penalty.weight(lines.grid.omega(line)))
             .collect();
         let penalty_lags = lags(&weights, n_samples, length);
-        let quadratic = toeplitz(&autocorrelation);
+        let mut informed = None;
+        if let Some((errors, variance)) = errors {
+            let (of, equations, side) =
+                Informed::new(&quadratic, &right_side, errors, variance, n_samples)?;
+            (quadratic, right_side, informed) = (equations, side, Some(of));
+        }
         // columns W with W^T D W = 1
         let whitening = match penalty {
             Penalty::Size => {
@@ -134,8 +210,9 @@ impl SupportProblem {
             }
         }
         Ok(Self {
-            autocorrelation,
+            quadratic,
             right_side,
+            informed,
             vectors,
             modes,
             penalty: penalty_lags,
@@ -156,38 +233,47 @@ impl SupportProblem {
         scaled * self.vectors.transpose()
     }
 
-    /// $`Q + \lambda D`$ by its first row.
-    pub(super) fn regularised(&self, filter: Filter, parameter: f64) -> Vec<f64> {
+    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of what the regularisation takes off, where noise has the weighted variance 1.
+    pub(super) fn lost(&self, filter: Filter, parameter: f64) -> Option<Mat<f64>> {
+        if filter == Filter::None {
+            return None;
+        }
+        let n = self.vectors.nrows();
+        let scaled = Mat::from_fn(n, n, |i, j| {
+            let lost = filter.lost(self.modes.strengths[j], parameter);
+            self.vectors[(i, j)] * lost * lost / parameter
+        });
+        Some(scaled * self.vectors.transpose())
+    }
+
+    /// $`Q + \lambda D`$.
+    pub(super) fn regularised(&self, filter: Filter, parameter: f64) -> Mat<f64> {
         let lambda = if filter == Filter::Tikhonov {
             parameter
         } else {
             0.0
         };
-        let lags = self.autocorrelation.iter().zip(&self.penalty);
-        lags.map(|(q, d)| q + lambda * d).collect()
+        let n = self.quadratic.nrows();
+        Mat::from_fn(n, n, |i, j| {
+            self.quadratic[(i, j)] + lambda * self.penalty[i.abs_diff(j)]
+        })
     }
 
     /// Number of components of which the responses say nothing above rounding.
     pub(super) fn n_silent(&self) -> usize {
         self.modes.strengths.iter().filter(|s| **s <= 0.0).count()
     }
+}
 
-    /// Square root S of the covariance $`G T G^T = S S^T`$, with G from the right side to the force and T the covariance of the right
-    /// side by its lines.
-    pub(super) fn error_factor(
-        gain: &Mat<f64>,
-        variance: &[f64],
-        n_samples: usize,
-    ) -> Result<Mat<f64>, ImpulseError> {
-        let length = gain.nrows();
-        let covariance = toeplitz(&lags(variance, n_samples, length));
-        let (values, vectors) = eigen(&covariance, length)?;
-        // rounding may leave a variance of nothing below zero
-        let roots = Mat::from_fn(length, length, |i, j| {
-            vectors[(i, j)] * values[j].max(0.0).sqrt()
-        });
-        Ok(gain * roots)
-    }
+/// Square root S of a covariance $`C = S S^T`$.
+pub(super) fn error_factor(covariance: &Mat<f64>) -> Result<Mat<f64>, ImpulseError> {
+    let length = covariance.nrows();
+    let (values, vectors) = eigen(covariance, length)?;
+    // rounding may leave a variance of nothing below zero
+    Ok(Mat::from_fn(length, length, |i, j| {
+        let value = values.get(j).copied().unwrap_or(f64::NAN);
+        vectors[(i, j)] * value.max(0.0).sqrt()
+    }))
 }
 
 /// $`\sum_k s_k e^{i\theta_k l}`$ over both sides, for the lags of a support.

@@ -177,6 +177,7 @@ fn a_window_beyond_the_record_keeps_its_errors() {
     let blow = CalibrationBlow {
         reconstructed: &history,
         measured: &measured,
+        standard_error: None,
     };
     let scatter = CalibrationScatter::of(&[blow; 3], 0..60).unwrap();
     let errors = |window: Range<usize>| scatter.error(&history, window).standard_error().to_vec();
@@ -187,6 +188,7 @@ fn a_window_beyond_the_record_keeps_its_errors() {
     let blow = CalibrationBlow {
         reconstructed: &huge,
         measured: &measured,
+        standard_error: None,
     };
     assert!(matches!(
         CalibrationScatter::of(&[blow; 3], 0..60),

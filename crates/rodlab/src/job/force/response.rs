@@ -16,8 +16,8 @@ use crate::{Outcome, RodlabError};
 /// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
 const SAME_LINES: f64 = 1e-4;
 
-/// Fewest calibration hits whose scatter tells the noise of the lines.
-const FEWEST_HITS: usize = 3;
+/// Below so many samples a standard deviation is known to less than 16 %.
+const FEWEST_AT_REST: usize = 20;
 
 /// Everything that a reconstruction is made of.
 pub(super) struct Problem<'a> {
@@ -29,6 +29,10 @@ pub(super) struct Problem<'a> {
     pub(super) sampling_rate_hz: f64,
     /// Noise of the response, where it is known.
     pub(super) noise: Noise,
+    /// Standard deviation of the response before the force acts, where there is so much rest.
+    pub(super) rest: Option<f64>,
+    /// Mean power of the calibration blows on every line.
+    pub(super) power: Option<Vec<f64>>,
     /// When the force acts: as the sheet states it, or as long as the calibration blows act.
     pub(super) acting: Option<TimeInterval>,
     /// The force that was measured, where there is one.
@@ -132,14 +136,23 @@ pub(super) fn run(
     let mut span = None;
     if let Some((hits, found)) = &calibration {
         let accepted = found.accepted();
-        if matches!(sheet.noise, NoiseSheet::Unknown) && accepted.len() >= FEWEST_HITS {
-            problem.noise = response_solve::noise_of_hits(hits, &accepted, &problem.path)?;
+        if let Some(lines) = response_solve::lines_of_hits(hits, &accepted, &mut problem.path)? {
+            if matches!(sheet.noise, NoiseSheet::Unknown) {
+                problem.noise = Noise::Lines(lines.noise);
+            }
+            problem.power = Some(lines.power);
         }
         if sheet.acting.is_none() {
             span = response_solve::span_of(hits, &accepted)?;
             problem.acting = response_solve::acting_like_hits(&problem, span, outcome)?;
         }
     }
+    problem.rest = problem.acting.and_then(|acting| {
+        let rate = problem.sampling_rate_hz;
+        let n_rest = (0..problem.samples.len()).take_while(|n| (*n as f64) < acting.from * rate);
+        let rest = problem.samples.get(..n_rest.count()).unwrap_or_default();
+        (rest.len() >= FEWEST_AT_REST).then(|| scatter_about_mean(rest).1)
+    });
     chosen(&problem, outcome);
     let solved = match response_solve::solve(&problem)? {
         Ok(solved) => solved,
@@ -345,6 +358,8 @@ fn problem<'a>(
         samples,
         sampling_rate_hz: record.sampling_rate_hz(),
         noise,
+        rest: None,
+        power: None,
         acting: sheet.acting.as_ref().map(|acting| TimeInterval {
             from: acting.from.si(),
             to: acting.to.si(),
@@ -362,8 +377,6 @@ fn noise_at_rest(
     unit: &str,
     outcome: &mut Outcome,
 ) -> Result<f64, RodlabError> {
-    /// Below this a standard deviation is known to less than 16 %.
-    const FEWEST: usize = 20;
     let n_rest = match stretch.extent() {
         Extent::Samples(n) => n,
         Extent::Seconds(seconds) => (0..samples.len())
@@ -371,26 +384,32 @@ fn noise_at_rest(
             .count(),
     };
     let rest = samples.get(..n_rest).unwrap_or_default();
-    if rest.len() < FEWEST {
+    if rest.len() < FEWEST_AT_REST {
         return Err(RodlabError::request(
             "problem.noise.FromRest",
             match stretch.extent() {
                 Extent::Samples(_) => stretch.to_string(),
                 Extent::Seconds(_) => format!("{stretch}, {n_rest} samples"),
             },
-            format!("from {FEWEST} to {} samples", samples.len()),
+            format!("from {FEWEST_AT_REST} to {} samples", samples.len()),
         ));
     }
     let n = rest.len() as f64;
-    let mean = rest.iter().sum::<f64>() / n;
-    let variance = rest.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let deviation = variance.sqrt();
+    let (mean, deviation) = scatter_about_mean(rest);
     if mean.abs() > 4.0 * deviation / n.sqrt() {
         outcome.warnings.push(format!(
             "The response has an offset of {mean:.3e} {unit} at rest: it is taken for a response, and lines near 0 Hz are wrong by it."
         ));
     }
     Ok(deviation)
+}
+
+/// Mean and standard deviation.
+fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
+    let n = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / n;
+    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, variance.sqrt())
 }
 
 fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {

@@ -20,12 +20,33 @@ const LEVEL: f64 = 0.95;
 /// Largest weighted residual per degree of freedom that noise alone is believed to leave.
 const CHI_SQUARE: f64 = 1.5;
 
+/// Part of the response that may be left unexplained whatever the noise: sampling and eight digits.
+const LEAST_RESIDUAL: f64 = 2e-3;
+
+/// Largest mean square of the errors of calibration hits over the stated ones that is chance.
+const BY_CHANCE: f64 = 1.5;
+
+/// Part of the peak below which a regularisation is none.
+const AS_NONE: f64 = 1e-4;
+
 /// What is known of the errors.
 pub(super) struct Bands {
     pub(super) level: f64,
     pub(super) random: Option<Random>,
     /// By calibration hits that were reconstructed from each other.
     pub(super) scatter: Option<(CalibrationScatter, ForceError, ForceBand)>,
+}
+
+impl Bands {
+    /// The scatter of calibration hits, if the random error does not explain it.
+    pub(super) fn beyond_noise(&self) -> Option<&CalibrationScatter> {
+        let scatter = self.scatter.as_ref().map(|(scatter, ..)| scatter);
+        scatter.filter(|scatter| {
+            scatter
+                .over_stated
+                .is_none_or(|over_stated| over_stated > BY_CHANCE)
+        })
+    }
 }
 
 /// The random error of the force.
@@ -122,43 +143,43 @@ pub(super) fn tell(
         .scatter
         .as_ref()
         .and_then(|(_, error, _)| standard(error));
+    let beyond_noise = bands.beyond_noise();
     // what differs from blow to blow contains what differs by noise
     let error = match (random, between) {
-        (Some(a), Some(b)) => Some(a.max(b)),
+        (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
+    };
+    let impulse_error = match (&bands.random, beyond_noise, solved.impulse) {
+        (Some(known), Some(scatter), Some(impulse)) => {
+            Some(known.impulse.max(scatter.relative_impulse * impulse.abs()))
+        }
+        (known, _, impulse) => known.as_ref().zip(impulse).map(|(known, _)| known.impulse),
+    };
+    let impulse = match (solved.impulse, impulse_error) {
+        (Some(impulse), Some(error)) => format!("an impulse of {impulse:.5} N s ± {error:.5} N s"),
+        (Some(impulse), None) => format!("an impulse of {impulse:.5} N s"),
+        (None, _) => "an impulse that is not known: the band does not hold 0 Hz, and the time in which the force acts is not stated".to_owned(),
     };
     let stated = error.map_or_else(
         || ", with an error that is not known".to_owned(),
         |error| format!(" ± {error:.2} N"),
     );
     outcome.summary.push(format!(
-        "The force comes to {:.1} N{stated} at {:.4} ms of the record, with an impulse of {:.5} N s{}.",
+        "The force comes to {:.1} N{stated} at {:.4} ms of the record, with {impulse}.",
         peak.force,
         1e3 * peak.time,
-        impulse(problem, solved),
-        bands
-            .random
-            .as_ref()
-            .map_or_else(String::new, |known| format!(" ± {:.5} N s", known.impulse)),
     ));
     if error.is_some_and(|error| peak.force < 3.0 * error) {
         outcome.warnings.push(
             "The peak is below three standard errors: there may be no force at all.".to_owned(),
         );
     }
-    warnings(solved, outcome);
-    quantities(problem, solved, bands, error, outcome);
+    warnings(problem, solved, outcome);
+    quantities(problem, solved, bands, (error, impulse_error), outcome);
     log(solved, outcome);
 }
 
-/// The impulse over the time when the force acts.
-fn impulse(problem: &Problem<'_>, solved: &ReconstructedForce) -> f64 {
-    let force = solved.history.force();
-    let inside = force.get(window(problem)).unwrap_or_default();
-    solved.history.time_step() * inside.iter().sum::<f64>()
-}
-
-fn warnings(solved: &ReconstructedForce, outcome: &mut Outcome) {
+fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Outcome) {
     if let ResponseEnd::CutOff { relative_level } = solved.response_end {
         outcome.warnings.push(format!(
             "The response has not died out when the record ends: {:.1} % of the peak are left, and what is cut off appears as a force all over the record.",
@@ -172,10 +193,25 @@ fn warnings(solved: &ReconstructedForce, outcome: &mut Outcome) {
             "the force leaves {chi_square:.2} times as much unexplained as the noise does: the noise is underrated, or the body is not the one of the frequency response"
         ));
     }
+    if let RandomErrorOfForce::Estimated {
+        standard_deviation, ..
+    } = &solved.error
+        && let Some(rest) = problem.rest
+        && *standard_deviation > CHI_SQUARE * rest
+        && solved.relative_residual > LEAST_RESIDUAL
+    {
+        outcome.doubt(format!(
+            "the force leaves {:.2e} {} unexplained where the response scatters by {rest:.2e} {} before it acts: the body is not the one of the frequency response",
+            standard_deviation, problem.unit, problem.unit
+        ));
+    }
     if let Some(parameter) = &solved.parameter {
         match parameter.verdict {
+            ChoiceVerdict::AtEnd if solved.regularisation_bias.iter().all(|bias| bias.abs() < AS_NONE * solved.history.peak().force) => outcome.warnings.push(
+                "The data ask for no regularisation, and what is chosen is as good as none.".to_owned(),
+            ),
             ChoiceVerdict::AtEnd => outcome.warnings.push(
-                "The parameter of the regularisation is at the end of its range: the data ask for none at all, or for all of it."
+                "The parameter of the regularisation is at the upper end of its range: the data ask for all of it."
                     .to_owned(),
             ),
             ChoiceVerdict::NoCorner => outcome.warnings.push(
@@ -197,7 +233,7 @@ fn quantities(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
     bands: &Bands,
-    peak_error: Option<f64>,
+    (peak_error, impulse_error): (Option<f64>, Option<f64>),
     outcome: &mut Outcome,
 ) {
     let history = &solved.history;
@@ -213,8 +249,11 @@ fn quantities(
                 verdict: verdict.to_owned(),
             });
         };
-    let of_error = match (&solved.error, &bands.scatter) {
-        (_, Some(_)) => "error by noise, or by calibration hits where that is larger",
+    let of_error = match (&solved.error, bands.beyond_noise()) {
+        (_, Some(_)) => "error by calibration hits, which scatter by more than noise",
+        (RandomErrorOfForce::Stated(_), None) if bands.scatter.is_some() => {
+            "error by noise, which explains the scatter of calibration hits"
+        }
         (RandomErrorOfForce::Stated(_), None) => "error by the stated noise",
         (RandomErrorOfForce::Estimated { .. }, None) => "error by what the force does not explain",
         _ => "the error is not known: the force explains the response to the last digit",
@@ -231,9 +270,13 @@ fn quantities(
     add(
         "impulse",
         "N s",
-        Some(impulse(problem, solved)),
-        known.map(|known| known.impulse),
-        of_error,
+        solved.impulse,
+        impulse_error,
+        if solved.impulse.is_some() {
+            of_error
+        } else {
+            "not known: the band does not hold 0 Hz, and `acting` is not stated"
+        },
     );
     let at = history.index_near(peak.time);
     let bias = at.and_then(|at| solved.regularisation_bias.get(at).copied());
@@ -242,7 +285,7 @@ fn quantities(
         "N",
         bias,
         None,
-        "an estimate, not in the error",
+        "an estimate, in the error",
     );
     if let Some(parameter) = &solved.parameter {
         add(
@@ -317,6 +360,7 @@ fn quantities(
     }
     if let Some(measured) = &problem.measured {
         let inside = window(problem);
+        let measured = &problem.in_band(measured);
         let pairs = history.force().iter().zip(measured).enumerate();
         let square: f64 = pairs
             .filter(|(n, _)| inside.contains(n))
@@ -347,6 +391,7 @@ fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
     for reason in [
         ExclusionReason::LeftOut,
         ExclusionReason::OutsideBand,
+        ExclusionReason::NotResolved,
         ExclusionReason::VanishingResponse,
     ] {
         let lines: Vec<f64> = solved
@@ -361,6 +406,7 @@ fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
         let words = match reason {
             ExclusionReason::LeftOut => "the frequency response, or its error, is not known there",
             ExclusionReason::OutsideBand => "outside the band",
+            ExclusionReason::NotResolved => "the frequency response is no larger than its errors",
             _ => "the frequency response is zero there",
         };
         outcome.log.push(LogEntry {

@@ -86,7 +86,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
     Figure {
         name: "force".to_owned(),
         title: "Force from the response".to_owned(),
-        caption: "Positive in compression; time from the first sample of the record. The bands are those of random errors: what the regularisation takes off is not in them."
+        caption: "Positive in compression; time from the first sample of the record. What the regularisation takes off is in the bands."
             .to_owned(),
         panels: vec![
             panel(shown(), Axis::linear("force", "N"), marks),

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use impulse::{
-    BlowSpan, CalibrationBlow, CalibrationScatter, ChoiceVerdict, ForceHistory, FrequencyBand,
-    ImpulseError, Parameter, Penalty, PivotingEnd, ReconstructedForce, Reconstruction,
-    Regularisation, ResponseNoise, Sensor, TimeInterval, noise_between_blows,
+    BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ChoiceVerdict, ForceHistory,
+    FrequencyBand, ImpulseError, Parameter, Penalty, PivotingEnd, ReconstructedForce,
+    Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
 use labio::{FrequencyResponse, LineValidity, Record};
 use num_complex::Complex64;
@@ -108,52 +108,90 @@ pub(super) fn on_lines_of(
     Ok(path)
 }
 
-fn reconstruct(
-    sheet: &ResponseSheet,
-    path: &FrequencyResponse,
-    (samples, sampling_rate_hz): (&[f64], f64),
-    noise: ResponseNoise<'_>,
+/// The response to a blow and what is known of it.
+struct Blow<'a> {
+    path: &'a FrequencyResponse,
+    samples: &'a [f64],
+    sampling_rate_hz: f64,
+    noise: ResponseNoise<'a>,
     acting: Option<TimeInterval>,
-    fixed: Option<f64>,
-) -> Result<ReconstructedForce, ImpulseError> {
-    let mut sensor = Sensor::new(samples, &path.values)?.without_lines(path.invalid_lines());
-    sensor = sensor.with_noise(noise)?;
-    if let Some(variance) = &path.variance {
-        sensor = sensor.with_variance(variance)?;
+    /// Mean power of calibration blows.
+    power: Option<&'a [f64]>,
+}
+
+impl Blow<'_> {
+    /// By division, in the band of the sheet, and by what calibration blows tell of each line.
+    fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
+        let path = self.path;
+        let mut sensor = Sensor::new(self.samples, &path.values)?
+            .without_lines(path.invalid_lines())
+            .with_noise(self.noise)?;
+        if let Some(variance) = &path.variance {
+            sensor = sensor.with_variance(variance)?;
+        }
+        let mut reconstruction = Reconstruction::of_sensors(vec![sensor], self.sampling_rate_hz)?;
+        if let Some(band) = band(sheet) {
+            reconstruction = reconstruction.within(band);
+        }
+        if let Some(power) = self.power {
+            reconstruction = reconstruction.like_blows(power);
+        }
+        Ok(reconstruction)
     }
-    let mut reconstruction = Reconstruction::of_sensors(vec![sensor], sampling_rate_hz)?;
-    if let Some(stated) = sheet.regularisation {
-        reconstruction = reconstruction.with_regularisation(stated.regularisation(fixed));
+
+    /// As the sheet says, with a `fixed` parameter of the regularisation if there is one.
+    fn force(
+        &self,
+        sheet: &ResponseSheet,
+        fixed: Option<f64>,
+    ) -> Result<ReconstructedForce, ImpulseError> {
+        let mut reconstruction = self.divided(sheet)?;
+        if let Some(stated) = sheet.regularisation {
+            reconstruction = reconstruction.with_regularisation(stated.regularisation(fixed));
+        }
+        if let Some(acting) = self.acting {
+            reconstruction = reconstruction.acting_during(acting);
+        }
+        if sheet.non_negative {
+            reconstruction = reconstruction.non_negative();
+        }
+        reconstruction.solve()
     }
-    if let Some(band) = &sheet.band {
-        reconstruction = reconstruction.within(FrequencyBand {
-            from_hz: band.from.si(),
-            to_hz: band.to.si(),
-        });
+}
+
+fn band(sheet: &ResponseSheet) -> Option<FrequencyBand> {
+    sheet.band.as_ref().map(|band| FrequencyBand {
+        from_hz: band.from.si(),
+        to_hz: band.to.si(),
+    })
+}
+
+impl<'a> Problem<'a> {
+    fn blow(&self) -> Blow<'_> {
+        Blow {
+            path: &self.path,
+            samples: &self.samples,
+            sampling_rate_hz: self.sampling_rate_hz,
+            noise: self.noise.of_response(),
+            acting: self.acting,
+            power: self.power.as_deref(),
+        }
     }
-    if let Some(acting) = acting {
-        reconstruction = reconstruction.acting_during(acting);
+
+    /// `measured` in the band of the force: where it acts at any time there is nothing of it outside of the band.
+    pub(super) fn in_band(&self, measured: &[f64]) -> Vec<f64> {
+        match band(self.sheet) {
+            Some(band) if self.acting.is_none() => band.of(measured, self.sampling_rate_hz),
+            _ => measured.to_vec(),
+        }
     }
-    if sheet.non_negative {
-        reconstruction = reconstruction.non_negative();
-    }
-    reconstruction.solve()
 }
 
 /// The force, or the reason why the data do not give one.
 pub(super) fn solve(
     problem: &Problem<'_>,
 ) -> Result<Result<ReconstructedForce, String>, RodlabError> {
-    let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
-    let noise = problem.noise.of_response();
-    let found = reconstruct(
-        problem.sheet,
-        &problem.path,
-        samples,
-        noise,
-        problem.acting,
-        None,
-    );
+    let found = problem.blow().force(problem.sheet, None);
     let solved = match found {
         Ok(solved) => solved,
         // what the data lack, not the sheet
@@ -199,20 +237,21 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// The noise of the lines of a response, by the scatter between hits.
-pub(super) fn noise_of_hits(
+/// What the scatter between hits tells of the lines of a response and of their average `path`; its errors are then those.
+pub(super) fn lines_of_hits(
     hits: &HitsSource,
     records: &[&Record],
-    path: &FrequencyResponse,
-) -> Result<Noise, RodlabError> {
+    path: &mut FrequencyResponse,
+) -> Result<Option<CalibrationLines>, RodlabError> {
     let Some(variance) = &path.variance else {
-        return Ok(Noise::Unknown);
+        return Ok(None);
     };
     let forces = forces_of(hits, records)?;
     let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
-    noise_between_blows(variance, &forces)
-        .map(Noise::Lines)
-        .map_err(|error| RodlabError::step("problem.path, noise by calibration hits", error))
+    let lines = CalibrationLines::of(variance, &forces)
+        .map_err(|error| RodlabError::step("problem.path, noise by calibration hits", error))?;
+    path.variance = Some(lines.variance.clone());
+    Ok(Some(lines))
 }
 
 fn forces_of(hits: &HitsSource, records: &[&Record]) -> Result<Vec<Vec<f64>>, RodlabError> {
@@ -243,12 +282,11 @@ pub(super) fn acting_like_hits(
     outcome: &mut Outcome,
 ) -> Result<Option<TimeInterval>, RodlabError> {
     let Some(span) = span else { return Ok(None) };
-    let samples = (problem.samples.as_slice(), problem.sampling_rate_hz);
     // a regularisation would only round what is looked for
-    let mut sensor = Sensor::new(samples.0, &problem.path.values)
-        .map_err(|error| RodlabError::step("problem", error))?;
-    sensor = sensor.without_lines(problem.path.invalid_lines());
-    let divided = Reconstruction::of_sensors(vec![sensor], samples.1).and_then(|r| r.solve());
+    let divided = problem
+        .blow()
+        .divided(problem.sheet)
+        .and_then(|r| r.solve());
     // what is wrong with the data is said where the force itself is sought
     let Ok(divided) = divided else {
         return Ok(None);
@@ -296,7 +334,7 @@ pub(super) fn scatter(
     around
         .progress
         .begins("calibration hits from each other", accepted.len());
-    let mut forces: Vec<(ForceHistory, Vec<f64>)> = Vec::with_capacity(accepted.len());
+    let mut forces: Vec<(ForceHistory, Vec<f64>, Vec<f64>)> = Vec::with_capacity(accepted.len());
     for (index, hit) in accepted.iter().enumerate() {
         around.go_on()?;
         let others = accepted
@@ -306,7 +344,8 @@ pub(super) fn scatter(
             .map(|(_, record)| *record)
             .collect::<Vec<_>>();
         let path = path_of(hits, others.iter().copied(), around)?;
-        let path = on_lines_of(path, hit, &hits.response)?;
+        let mut path = on_lines_of(path, hit, &hits.response)?;
+        let lines = lines_of_hits(hits, &others, &mut path)?;
         let response = hit
             .channel(&hits.response)
             .map_err(|error| RodlabError::step("problem.path", error))?
@@ -315,6 +354,7 @@ pub(super) fn scatter(
             .channel(&hits.force)
             .map_err(|error| RodlabError::step("problem.path", error))?
             .to_vec();
+        let measured = problem.in_band(&measured);
         let largest = measured
             .iter()
             .enumerate()
@@ -335,32 +375,38 @@ pub(super) fn scatter(
             ));
             return Ok(None);
         }
-        let samples = (response.as_slice(), problem.sampling_rate_hz);
-        let of_others;
-        let noise = match &problem.noise {
-            Noise::Lines(_) => {
-                of_others = noise_of_hits(hits, &others, &path)?;
-                of_others.of_response()
-            }
-            other => other.of_response(),
+        let noise = match (&problem.noise, &lines) {
+            (Noise::Lines(_), Some(lines)) => ResponseNoise::Lines(&lines.noise),
+            (other, _) => other.of_response(),
         };
-        let again = reconstruct(problem.sheet, &path, samples, noise, acting, fixed);
-        let history = again.map_err(step)?.history;
+        let blow = Blow {
+            path: &path,
+            samples: &response,
+            sampling_rate_hz: problem.sampling_rate_hz,
+            noise,
+            acting,
+            power: lines.as_ref().map(|lines| lines.power.as_slice()),
+        };
+        let again = blow.force(problem.sheet, fixed).map_err(step)?;
         let cut = |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();
+        let errors = again.error.known().map(|error| cut(error.standard_error()));
+        let history = again.history;
         forces.push((
             ForceHistory::new(0.0, history.time_step(), cut(history.force())).map_err(step)?,
             cut(&measured),
+            errors.unwrap_or_default(),
         ));
         around.progress.one_more();
     }
     let blows: Vec<CalibrationBlow<'_>> = forces
         .iter()
-        .map(|(reconstructed, measured)| CalibrationBlow {
+        .map(|(reconstructed, measured, errors)| CalibrationBlow {
             reconstructed,
             measured,
+            standard_error: (!errors.is_empty()).then_some(errors.as_slice()),
         })
         .collect();
-    let longest = forces.iter().map(|(_, measured)| measured.len()).max();
+    let longest = forces.iter().map(|(_, measured, _)| measured.len()).max();
     CalibrationScatter::of(&blows, 0..longest.unwrap_or(0))
         .map(Some)
         .map_err(step)

@@ -1,0 +1,166 @@
+//! Errors of a measured frequency response in the normal equations of a force on a support.
+
+use super::lines::{Transformed, weight};
+
+/// Fewest lines over which a share is judged.
+const FEWEST_LINES: usize = 9;
+/// Most lines over which it is judged: more would only cost time.
+const MOST_LINES: usize = 513;
+/// Standard deviations by which the mean square of a frequency response exceeds that of its errors where it tells anything.
+const TELLS: f64 = 4.0;
+/// Power of a force that is supposed, in that of the calibration blows at the same energy: blows alike differ in length.
+const GENEROUS: f64 = 1.5;
+
+/// Errors of frequency responses and the force that is supposed where they tell nothing.
+///
+/// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too large by that of $`w\,\mathrm{var} H`$, and the force too small.
+/// Without this part the sum is unbiased, but not positive where $`H`$ is nothing but error. Lines therefore count by the share $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$,
+/// the signal-to-noise ratio by the mean over as many lines as the support cannot resolve, and each component of the force by the information that it has. What then
+/// is not known, the force beyond the band of the hammer above all, is supposed to have zero mean and the spectrum of the calibration blows.
+pub(super) struct PathErrors {
+    /// S of every sensor and line.
+    pub(super) shares: Vec<Vec<f64>>,
+    /// Inverse of the supposed power of every line, for a sum over all lines.
+    pub(super) prior: Vec<f64>,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "shares, blows and sensors have an entry a line, which `line` counts"
+)]
+impl PathErrors {
+    /// For a support of `length` samples; `None` if no frequency response has errors, or the noise is not known.
+    pub(super) fn of(
+        transformed: &Transformed<'_>,
+        length: usize,
+        blows: Option<&[f64]>,
+    ) -> Option<Self> {
+        let n_lines = transformed.grid.n_lines();
+        let has_errors = transformed.sensors.iter().any(|sensor| {
+            sensor.noise_at(0).is_some()
+                && sensor
+                    .variance
+                    .is_some_and(|lines| lines.iter().any(|v| *v > 0.0))
+        });
+        if !has_errors {
+            return None;
+        }
+        let n_samples = transformed.grid.n_samples;
+        let half = (n_samples / length).clamp(FEWEST_LINES, MOST_LINES) / 2;
+        let shares: Vec<Vec<f64>> = transformed
+            .sensors
+            .iter()
+            .map(|sensor| {
+                let used = |line: usize| transformed.uses(sensor, line);
+                let of = |value: &dyn Fn(usize) -> f64| {
+                    let lines = (0..n_lines).map(|line| if used(line) { value(line) } else { 0.0 });
+                    mean_about(&lines.collect::<Vec<_>>(), half)
+                };
+                let power = of(&|line| sensor.frequency_response[line].norm_sqr());
+                let errors = of(&|line| sensor.variance_at(line));
+                let count = of(&|_| 1.0);
+                let of_line = |line: usize| {
+                    let n = count[line] * (2 * half + 1) as f64;
+                    let ratio = power[line] / errors[line];
+                    if errors[line] <= 0.0 {
+                        1.0
+                    } else if ratio > 1.0 + TELLS / n.max(1.0).sqrt() {
+                        1.0 - 1.0 / ratio
+                    } else {
+                        0.0
+                    }
+                };
+                (0..n_lines).map(of_line).collect()
+            })
+            .collect();
+        let power = match blows {
+            Some(blows) => {
+                let scale = GENEROUS * energy_over(transformed, &shares, blows);
+                blows.iter().map(|power| scale * power).collect()
+            }
+            // what the blows must have had for errors like these from noise like this
+            None => (0..n_lines)
+                .map(|line| {
+                    let sensors = transformed.sensors.iter();
+                    let powers = sensors
+                        .filter(|sensor| transformed.uses(sensor, line))
+                        .map(|s| s.noise_at(line).unwrap_or(0.0) / s.variance_at(line));
+                    powers.fold(0.0, f64::max)
+                })
+                .collect::<Vec<f64>>(),
+        };
+        let part = length as f64 / n_samples as f64;
+        let prior = mean_about(&power, half)
+            .into_iter()
+            .map(|power| if power > 0.0 { part / power } else { 0.0 })
+            .collect();
+        Some(Self { shares, prior })
+    }
+}
+
+/// Inverse of the power that is supposed of the force on every line, by that of `blows`.
+pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64> {
+    let shares = vec![vec![1.0; blows.len()]; transformed.sensors.len()];
+    let scale = GENEROUS * energy_over(transformed, &shares, blows);
+    let inverse = |power: &f64| {
+        let power = scale * power;
+        if power > 0.0 { 1.0 / power } else { 0.0 }
+    };
+    blows.iter().map(inverse).collect()
+}
+
+/// Energy of the force over that of `blows`, by what the responses have beyond their noise.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "shares, blows and responses have an entry a line, which `line` counts"
+)]
+pub(super) fn energy_over(
+    transformed: &Transformed<'_>,
+    shares: &[Vec<f64>],
+    blows: &[f64],
+) -> f64 {
+    let (mut found, mut scatter, mut expected) = (0.0, 0.0, 0.0);
+    let sensors = transformed.sensors.iter().zip(&transformed.responses);
+    for ((sensor, response), shares) in sensors.zip(shares) {
+        for line in (0..blows.len()).filter(|line| transformed.uses(sensor, *line)) {
+            let by = transformed.grid.sides(line) * shares[line] * weight(sensor, line, None);
+            let noise = sensor.noise_at(line).unwrap_or(0.0);
+            found += by * (response[line].norm_sqr() - noise);
+            scatter += (by * noise).powi(2);
+            let told = sensor.frequency_response[line].norm_sqr() - sensor.variance_at(line);
+            expected += by * told * blows[line];
+        }
+    }
+    // of noise alone: what two standard deviations of it could hide
+    let found = found.max(2.0 * scatter.sqrt());
+    if expected > 0.0 {
+        found / expected
+    } else {
+        // nothing is told, and nothing is supposed
+        f64::INFINITY
+    }
+}
+
+/// Mean over `half` lines on either side and the line itself, mirrored at the ends.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "a mirrored place is between 0 and the last, and sums have one entry more than places"
+)]
+pub(super) fn mean_about(lines: &[f64], half: usize) -> Vec<f64> {
+    let n = lines.len();
+    let half = half.min(n.saturating_sub(1));
+    let mirrored = |place: usize| {
+        let place = place.abs_diff(half);
+        lines[if place < n {
+            place
+        } else {
+            2 * (n - 1) - place
+        }]
+    };
+    (0..n)
+        .map(|line| {
+            let window = line..=line + 2 * half;
+            window.map(mirrored).sum::<f64>() / (2 * half + 1) as f64
+        })
+        .collect()
+}
