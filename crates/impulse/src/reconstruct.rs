@@ -356,6 +356,7 @@ impl<'a> Reconstruction<'a> {
                 impulse: mean
                     .filter(|(power, _)| **power > 0.0)
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
+                bias: None,
                 samples: fourier::to_samples(&force, n_samples),
                 parameter,
                 modes,
@@ -390,10 +391,14 @@ impl<'a> Reconstruction<'a> {
             };
             (0..support.length).map(|i| row(i).sum()).collect()
         };
-        if problem.informed.is_some() {
+        let inverse = problem
+            .informed
+            .is_some()
+            .then(|| problem.inverse(Filter::None, 0.0));
+        let plain = inverse.as_ref().map(|inverse| by(&problem, inverse));
+        if let Some(plain) = &plain {
             // the sums are not those of squares any more: what is unexplained is what a force without regularisation leaves
-            let plain = by(&problem, &problem.inverse(Filter::None, 0.0));
-            let force = fourier::to_spectrum(&in_record(&plain));
+            let force = fourier::to_spectrum(&in_record(plain));
             problem.modes.unexplained = transformed.chi_square(&force);
         }
         let parameter = choice::choose(&problem.modes, self.regularisation, self.noise_is_known())?;
@@ -401,6 +406,10 @@ impl<'a> Reconstruction<'a> {
         let gain = problem.inverse(filter, value);
         let on_support = by(&problem, &gain);
         let impulse = time_step * on_support.iter().sum::<f64>();
+        let bias = plain.map(|plain| {
+            let pairs = on_support.iter().zip(&plain);
+            in_record(&pairs.map(|(with, plain)| with - plain).collect::<Vec<_>>())
+        });
         let (on_support, non_negativity) = if self.is_non_negative {
             let matrix = problem.regularised(filter, value);
             let (force, report) = non_negative::minimise(&matrix, &problem.right_side, &on_support);
@@ -410,12 +419,14 @@ impl<'a> Reconstruction<'a> {
         };
         Ok(Solved {
             impulse: Some(impulse),
+            bias,
             samples: in_record(&on_support),
             parameter,
             n_silent: problem.n_silent(),
             gain: Gain::Support {
                 support,
                 gain,
+                plain: inverse,
                 lost: problem.lost(filter, value),
                 quadratic: problem.quadratic,
                 informed: problem.informed,
@@ -429,7 +440,7 @@ impl<'a> Reconstruction<'a> {
     fn report(
         &self,
         transformed: &Transformed<'_>,
-        solved: Solved,
+        mut solved: Solved,
         weights_for: Option<&[Complex64]>,
     ) -> Result<ReconstructedForce, ImpulseError> {
         let n_samples = transformed.grid.n_samples;
@@ -439,7 +450,7 @@ impl<'a> Reconstruction<'a> {
         let point = solved.modes.point(filter, value);
         let per_freedom = (point.freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
             .then(|| point.squared_residual / point.freedom_left);
-        let bias = solved.bias();
+        let bias = solved.bias.take().unwrap_or_else(|| solved.bias());
         let error_for = |unit_noise: f64, force: &[Complex64]| {
             let variance = transformed.cross_variance(weights_for, force, unit_noise);
             // weights are by the noise where it is known

@@ -19,7 +19,8 @@ pub struct ReconstructedForce {
     /// Impulse over the support, or the period, with tension allowed \[N s\]: a force that is not may turn noise into impulse. None without a
     /// support if the line at 0 Hz takes no part: nothing tells the mean.
     pub impulse: Option<f64>,
-    /// An estimate of what the regularisation takes off \[N\], $`-(1-\varphi)\hat F`$ of the force found, as a history:
+    /// An estimate of what the regularisation takes off \[N\]: the difference from the force without it, where frequency responses have errors on a
+    /// support and that force is therefore like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the force found, as a history:
     /// the truth is about the force minus this. It knows only of force that was found: where a line is lost altogether, the loss is
     /// not seen, and the estimate is too small. The error contains it. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,

@@ -11,6 +11,8 @@ use crate::{ForceError, ImpulseError, fourier};
 /// A force, and the linear method that gave it.
 pub(super) struct Solved {
     pub(super) impulse: Option<f64>,
+    /// What the regularisation changes, where the force without it is known.
+    pub(super) bias: Option<Vec<f64>>,
     pub(super) samples: Vec<f64>,
     pub(super) parameter: Option<ChosenParameter>,
     pub(super) modes: Modes,
@@ -34,6 +36,8 @@ pub(super) enum Gain {
         /// Q.
         quadratic: faer::Mat<f64>,
         informed: Option<Informed>,
+        /// The same without regularisation, where that force is like the calibration blows: its error is the one that is known.
+        plain: Option<faer::Mat<f64>>,
         /// Covariance of what the regularisation takes off, where noise has the weighted variance 1.
         lost: Option<faer::Mat<f64>>,
     },
@@ -43,7 +47,7 @@ impl Solved {
     /// The error of the force for cross sums of this variance and a noise of the weighted variance `noise`; what the regularisation takes off is in it.
     ///
     /// A regularisation is a supposition on the force: its variance is that of the supposition by what the responses tell of it (G. Wahba's interval), and where
-    /// `bias` is more it is this.
+    /// `bias` is more it is this. Where the force without regularisation has an error of its own, the error is that and the `bias`.
     pub(super) fn error(
         &self,
         cross_variance: &[f64],
@@ -72,6 +76,7 @@ impl Solved {
                 support,
                 gain,
                 informed,
+                plain,
                 lost,
                 ..
             } => {
@@ -80,8 +85,9 @@ impl Solved {
                 if let Some(informed) = informed {
                     covariance = informed.covariance(&covariance);
                 }
-                let mut covariance = gain * covariance * gain.transpose();
-                if let Some(lost) = lost {
+                let by = plain.as_ref().unwrap_or(gain);
+                let mut covariance = by * covariance * by.transpose();
+                if let (Some(lost), None) = (lost, plain) {
                     covariance += lost * faer::Scale(noise);
                     for (i, slot) in supposed
                         .iter_mut()
