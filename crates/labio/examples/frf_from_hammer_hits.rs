@@ -80,10 +80,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         completed.apparent_mass, completed.apparent_mass_standard_error
     );
     let mobility = completed.response.to_kind(ResponseKind::Mobility)?;
-    let passivity = mobility.passivity(3.0)?;
+    let passivity = mobility.passivity(1e-3)?;
     let excited = passivity.frequency_hz.partition_point(|f| *f < 5000.0);
     println!(
-        "{} of the {excited} lines below 5 kHz are active beyond three standard errors",
+        "{} of the {excited} lines below 5 kHz are active beyond what chance does once in a thousand",
         passivity
             .active_lines()
             .filter(|line| *line < excited)

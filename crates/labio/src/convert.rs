@@ -189,7 +189,11 @@ impl FrequencyResponse {
                 Estimator::H1 => Estimator::H2,
                 Estimator::H2 => Estimator::H1,
                 Estimator::Hv => Estimator::Hv,
+                Estimator::Hs => Estimator::Hs,
             };
+            for bias in converted.noise_bias.iter_mut().flatten() {
+                *bias = 1.0 / (1.0 + *bias) - 1.0;
+            }
         }
         Ok(converted)
     }
@@ -203,11 +207,8 @@ impl FrequencyResponse {
         let none = f64::NAN;
         self.validity[line] = reason;
         self.values[line] = Complex64::new(none, none);
-        if let Some(coherence) = &mut self.coherence {
-            coherence[line] = none;
-        }
-        if let Some(variance) = &mut self.variance {
-            variance[line] = none;
+        for lines in self.lists_mut() {
+            lines[line] = none;
         }
     }
 }

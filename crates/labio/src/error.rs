@@ -68,6 +68,12 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
+    /// An estimate needs the noise that a channel has at rest.
+    #[error("errors in variables need the noise of `{channel}` at rest, which is not known")]
+    UnknownRestNoise {
+        /// The channel.
+        channel: String,
+    },
     /// What is asked must be asked before the first hit is added.
     #[error("{asked} must be chosen before the first hit, but {found} have been added")]
     TooManyAverages {

@@ -8,6 +8,7 @@ mod given;
 
 pub use bias::Bias;
 pub use coherence::Coherence;
+pub(crate) use coherence::chance_level;
 
 use num_complex::Complex64;
 
@@ -38,6 +39,16 @@ pub enum Estimator {
     /// $`H_v = \sqrt{H_1 H_2}`$, phase of $`G_{xy}`$: the scale-free total least squares, too large by
     /// $`\sqrt{(1+b)/(1+a)}`$.
     Hv,
+    /// Total least squares with the noise that both channels have at rest, $`\alpha = N_x/G_{xx}`$ and $`\beta = N_y/G_{yy}`$: free of either
+    /// noise (errors in variables),
+    ///
+    /// ```math
+    /// H_s = H_1\,\frac{2\beta}{R + \beta - \alpha}, \qquad R = \sqrt{(\beta-\alpha)^2 + 4\alpha\beta\gamma^2} .
+    /// ```
+    ///
+    /// Only the ratio of the two noises enters: H1 without noise on the input, H2 without noise on the output. It needs
+    /// [`AveragedSpectra::with_rest_noise`] for both.
+    Hs,
 }
 
 /// Whether a line carries information, or why not. The values of a line that does not are NaN.
@@ -62,7 +73,7 @@ pub enum LineValidity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RandomError {
-    /// Of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 n \gamma^2)}`$. Infinite without coherence; beyond about
+    /// Of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$. Infinite without coherence; beyond about
     /// 0.2 it only says that the line is bad.
     pub magnitude: f64,
     /// Of the phase \[rad\]: the same number, but never more than $`\pi/\sqrt3`$, which means an unknown phase.
@@ -77,6 +88,8 @@ pub struct RandomError {
 /// | `values` | `(n_lines)` | unit of output / unit of input |
 /// | `coherence` | `(n_lines)`, or none for one average | 1 |
 /// | `variance` | `(n_lines)`, or none for one average | square of the unit of `values` |
+/// | `degrees_of_freedom` | `(n_lines)`, with the variance | 1 |
+/// | `noise_bias`, `common_error` | `(n_lines)`, or none where not known | 1 |
 /// | `validity` | `(n_lines)` | |
 ///
 /// # Validity
@@ -108,15 +121,50 @@ pub struct FrequencyResponse {
     /// Ordinary coherence, NaN on invalid lines and on lines that were not measured but completed; none for a single average,
     /// where it would be 1 whatever was measured, and for values that are combined of several tests.
     pub coherence: Option<Vec<f64>>,
-    /// `E|δH|² = |H|² (1 - γ²)/(n_e γ²)`, the variance of the complex line: *twice*
-    /// that of its real or of its imaginary part. To first order in 1/n: from few hits it is too small by about (n-1)/n. NaN on
+    /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice*
+    /// that of its real or of its imaginary part. One average is spent on the response itself. NaN on
     /// invalid lines; none for a single average.
     pub variance: Option<Vec<f64>>,
+    /// Degrees of freedom of the variance, 2(n_e - 1) of one test: the error of a component over its standard error follows Student's
+    /// law with so many. Infinite where the variance was not estimated from hits; NaN on invalid lines. There is one with the variance.
+    pub degrees_of_freedom: Option<Vec<f64>>,
+    /// Relative bias of |H| by the noise that the channels have at rest; none where it is not known. NaN on invalid lines, and on lines
+    /// with no more power than the noise.
+    pub noise_bias: Option<Vec<f64>>,
+    /// Relative standard uncertainty that lines share and no number of hits lessens, as that of the sensors; none if none was stated.
+    pub common_error: Option<Vec<f64>>,
     /// Whether each line carries information.
     pub validity: Vec<LineValidity>,
 }
 
 impl FrequencyResponse {
+    /// Lists beside values, frequencies and validity, as they are there.
+    pub(crate) fn lists_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        [
+            &mut self.coherence,
+            &mut self.variance,
+            &mut self.degrees_of_freedom,
+            &mut self.noise_bias,
+            &mut self.common_error,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Leaves the first `n_lines` lines, which then stand for $`2(L-1)`$ samples; all if there are no more.
+    pub fn truncate(&mut self, n_lines: usize) {
+        if n_lines >= self.values.len() {
+            return;
+        }
+        self.frequency_hz.truncate(n_lines);
+        self.values.truncate(n_lines);
+        self.validity.truncate(n_lines);
+        for lines in self.lists_mut() {
+            lines.truncate(n_lines);
+        }
+        self.n_samples = 2 * n_lines.saturating_sub(1);
+    }
+
     /// Indices of the lines that carry no information, to be left out of whatever is made of the response.
     pub fn invalid_lines(&self) -> impl Iterator<Item = usize> + '_ {
         self.validity
@@ -160,6 +208,12 @@ impl FrequencyResponse {
             ("frequencies of the response", self.frequency_hz.len()),
             ("lines of the coherence", length(&self.coherence)),
             ("lines of the variance", length(&self.variance)),
+            (
+                "lines of the degrees of freedom",
+                length(&self.degrees_of_freedom),
+            ),
+            ("lines of the bias by noise", length(&self.noise_bias)),
+            ("lines of the common error", length(&self.common_error)),
             ("lines of the validity", self.validity.len()),
         ];
         match lists.into_iter().find(|(_, found)| *found != expected) {
@@ -220,7 +274,7 @@ impl AveragedSpectra {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`].
+    /// [`LabioError::UnknownChannel`]; [`LabioError::UnknownRestNoise`] for [`Estimator::Hs`] without the noise of both channels.
     pub fn response(
         &self,
         estimator: Estimator,
@@ -232,6 +286,7 @@ impl AveragedSpectra {
         let pair = self.pair(input, output)?;
         let averages = self.effective_averages();
         let averaged = self.can_have_coherence();
+        let freedom = 2.0 * (averages - 1.0);
         let least_coherence = self.transform_rounding().powi(2);
         let lines = pulp::Arch::new().dispatch(EstimatesOf {
             pair,
@@ -239,7 +294,7 @@ impl AveragedSpectra {
             averages,
             least_coherence,
         });
-        Ok(FrequencyResponse {
+        let mut response = FrequencyResponse {
             estimator,
             input: input_channel.clone(),
             output: output_channel.clone(),
@@ -250,9 +305,18 @@ impl AveragedSpectra {
             frequency_hz: self.frequency_hz().to_vec(),
             values: lines.values,
             coherence: averaged.then_some(lines.coherence),
+            // NaN of an invalid line stays
+            degrees_of_freedom: averaged.then(|| {
+                let of = |variance: &f64| if variance.is_nan() { f64::NAN } else { freedom };
+                lines.variance.iter().map(of).collect()
+            }),
             variance: averaged.then_some(lines.variance),
+            noise_bias: None,
+            common_error: None,
             validity: lines.validity,
-        })
+        };
+        self.consider_rest_noise(&mut response)?;
+        Ok(response)
     }
 
     /// Relative rounding error of a transform: $`\epsilon\log_2 N`$ of the root mean square line.
@@ -348,7 +412,7 @@ impl Pair<'_> {
         self.h1(&mut values);
         let mut coherence = vec![0.0; n_lines];
         self.coherence(&mut coherence);
-        if estimator != Estimator::H1 {
+        if matches!(estimator, Estimator::H2 | Estimator::Hv) {
             for (coherence, validity) in coherence.iter_mut().zip(&mut validity) {
                 if *coherence <= least_coherence {
                     *validity = LineValidity::NoCorrelation;
@@ -357,9 +421,9 @@ impl Pair<'_> {
             }
         }
 
-        // |H|^2 (1 - c)/(n c), written so that H1 without coherence has the finite variance it has
+        // |H|^2 (1 - c)/((n - 1) c), written so that H1 without coherence has the finite variance it has
         let mut variance = vec![0.0; n_lines];
-        let per_line = 1.0 / averages;
+        let per_line = 1.0 / (averages - 1.0);
         let autos = self.inputs.iter().zip(self.outputs);
         for ((variance, (x, y)), c) in variance.iter_mut().zip(autos).zip(&coherence) {
             *variance = (1.0 - c) * per_line * (y / x);
@@ -367,7 +431,7 @@ impl Pair<'_> {
         // H2 = H1/coherence, and Hv their geometric mean
         let both = values.iter_mut().zip(&mut variance).zip(&coherence);
         match estimator {
-            Estimator::H1 => {}
+            Estimator::H1 | Estimator::Hs => {}
             Estimator::H2 => {
                 for ((value, variance), c) in both {
                     let factor = 1.0 / c;

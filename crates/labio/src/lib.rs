@@ -94,7 +94,7 @@ pub use error::{LabioError, Place};
 pub use frf::{Bias, Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
 pub use impulse_response::ImpulseResponse;
 pub use integrate::{LowFrequency, differentiate, integrate};
-pub use merge::MergedResponse;
+pub use merge::{Agreement, MergedResponse};
 pub use multi_input::MultiInputResponse;
 pub use passivity::{Passivity, PassivityReport};
 pub use provenance::{ContentHash, Provenance};

@@ -5,17 +5,22 @@
 use ndarray::Array2;
 use num_complex::Complex64;
 
-use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity};
+use crate::frf::chance_level;
+use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
 
 /// Two tests have the same lines if their frequencies differ relatively by less than this, as sampling rates may.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// The response that several tests of the same two points have in common, as of a heavy and a light hammer.
 ///
+/// A test enters a line where its coherence is above the level that noise alone reaches once in twenty
+/// ([`Coherence::CHANCE`]); where none is, all enter and the line is not [coherent](Self::coherent).
+///
 /// | field | shape | unit |
 /// |---|---|---|
 /// | `shares` | `(n_tests, n_lines)` | 1, sums to 1 over the tests |
-/// | `discrepancy` | `(n_lines)` | 1 |
+/// | `coherent`, `discrepancy`, `inflation` | `(n_lines)` | 1 |
+/// | `agreement` | `(n_tests - 1)` | |
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MergedResponse {
@@ -23,18 +28,84 @@ pub struct MergedResponse {
     pub response: FrequencyResponse,
     /// Provenance: what part of a line comes from which test; 0 for all tests where no test has information.
     pub shares: Array2<f64>,
-    /// How far the tests are apart in units of their errors, $`\frac1{m-1}\sum_h\lvert H_h-H\rvert^2/\mathrm{Var}_h`$ over the m tests that
-    /// have information: 1 in the mean if they differ by their random errors only. NaN where fewer than two have.
+    /// Whether the tests that gave a line are coherent there. A test without coherence counts as coherent.
+    pub coherent: Vec<bool>,
+    /// How far the coherent tests are apart in units of their errors. Of two tests it is $`\frac\nu2\ln(1+2f/\nu)`$ with
+    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$ and ν degrees of freedom of the sum of variances (Welch and
+    /// Satterthwaite): minus the logarithm of the probability that chance sets them so far apart, with the mean 1 for any number of hits, and
+    /// f for many. Of more tests it is the mean over the tests, each against those before it that are known better. NaN where
+    /// fewer than two tests are coherent.
     pub discrepancy: Vec<f64>,
+    /// Factor of the variance by a discrepancy of the line and its neighbours that chance does not explain (Birge's ratio); 1 elsewhere.
+    pub inflation: Vec<f64>,
+    /// Each test after the first against the first, over all lines that both have; none where they have too few.
+    pub agreement: Vec<Option<Agreement>>,
 }
+
+/// A factor and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by least squares of the logarithm of their ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Agreement {
+    /// Gain g over the first test; negative for a sensor the other way round.
+    pub gain: f64,
+    /// Standard error of its logarithm, by the scatter of the lines.
+    pub relative_error: f64,
+    /// The relative standard uncertainty that the common errors of both tests let expect.
+    pub expected: f64,
+    /// Delay \[s\] of the test against the first.
+    pub delay: f64,
+    /// Its standard error \[s\].
+    pub delay_error: f64,
+    /// Number of lines.
+    pub n_lines: usize,
+}
+
+impl Agreement {
+    /// Distance of the gain from 1 in standard errors, those of the sensors included; infinite for a negative gain.
+    #[must_use]
+    pub fn gain_distance(&self) -> f64 {
+        if self.gain > 0.0 {
+            self.gain.ln().abs() / self.relative_error.hypot(self.expected)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Whether chance and the stated sensors explain the gain.
+    #[must_use]
+    pub fn explains_gain(&self) -> bool {
+        self.gain_distance() <= COVERAGE
+    }
+
+    /// Whether chance explains the delay.
+    #[must_use]
+    pub fn explains_delay(&self) -> bool {
+        self.delay.abs() <= COVERAGE * self.delay_error
+    }
+}
+
+/// Standard errors that chance is allowed between two tests.
+const COVERAGE: f64 = 3.0;
+
+/// Lines on either side whose discrepancy tells with that of a line whether the tests agree there.
+const NEIGHBOURS: usize = 16;
+
+/// Standard errors by which the mean discrepancy of neighbours exceeds 1 before it counts.
+const BEYOND_CHANCE: f64 = 4.0;
+
+/// Relative variance of a ratio of two tests above which its logarithm is not taken.
+const ROUGH: f64 = 0.1;
+
+/// Fewest lines that tell a gain and a delay.
+const FEWEST_LINES: usize = 8;
 
 #[allow(
     clippy::indexing_slicing,
     reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
 )]
 impl MergedResponse {
-    /// Takes each line from the test with the larger averaged auto-spectrum of the input (Ödeen 1993, paper E, section 3.1). A
-    /// test without information on a line does not compete for it.
+    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for
+    /// inputs without noise).
     ///
     /// # Examples
     ///
@@ -58,46 +129,78 @@ impl MergedResponse {
             .iter()
             .map(|test| test.auto_lines(input))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut merged = Self::like(&responses)?;
-        let averaged = responses.iter().all(|r| r.variance.is_some());
-        if averaged {
-            merged.response.coherence = Some(vec![f64::NAN; merged.discrepancy.len()]);
-        } else {
-            merged.response.variance = None;
-        }
-        let level = |test: usize, line: usize| levels[test][line];
-        for line in 0..merged.discrepancy.len() {
-            let candidates = (0..responses.len())
-                .filter(|test| responses[*test].validity[line] == LineValidity::Valid);
-            let Some(largest) = candidates.max_by(|a, b| {
-                // of equals the first
-                level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
-            }) else {
-                continue;
-            };
-            merged.shares[(largest, line)] = 1.0;
-            merged.take(line, &responses[largest]);
-            if averaged {
-                merged.discrepancy[line] = discrepancy(&responses, line);
+        Self::larger_of(&responses, &levels)
+    }
+
+    /// Takes each line from the test with the larger coherent level among `levels`, one list of the averaged auto-spectrum of the input a test.
+    ///
+    /// # Errors
+    ///
+    /// As [`MergedResponse::by_larger_input`].
+    pub fn larger_of(
+        responses: &[FrequencyResponse],
+        levels: &[&[f64]],
+    ) -> Result<Self, LabioError> {
+        let mut merged = Self::like(responses)?;
+        let n_lines = merged.coherent.len();
+        for level in levels {
+            if level.len() != n_lines {
+                return Err(LabioError::CountMismatch {
+                    what: "lines of the spectrum of the input",
+                    found: level.len(),
+                    expected: n_lines,
+                });
             }
         }
+        if levels.len() != responses.len() {
+            return Err(LabioError::CountMismatch {
+                what: "spectra of the input",
+                found: levels.len(),
+                expected: responses.len(),
+            });
+        }
+        let coherence = |test: usize, line: usize| {
+            let coherence = responses[test].coherence.as_ref();
+            coherence.map_or(1.0, |coherence| coherence[line])
+        };
+        if responses.iter().all(|r| r.variance.is_some()) {
+            merged.response.coherence = Some(vec![f64::NAN; n_lines]);
+        } else {
+            merged.response.variance = None;
+            merged.response.degrees_of_freedom = None;
+        }
+        let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
+        for line in 0..n_lines {
+            let Entering { tests, coherent } = Entering::of(responses, line);
+            let largest = tests.into_iter().max_by(|a, b| {
+                // of equals the first
+                level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
+            });
+            let Some(largest) = largest else { continue };
+            merged.coherent[line] = coherent;
+            merged.shares[(largest, line)] = 1.0;
+            merged.take(line, &responses[largest]);
+        }
+        merged.compare(responses);
         Ok(merged)
     }
 
-    /// Weighs the tests on each line by the inverse of their variances,
+    /// Weighs the tests on each line by the inverse of the variances that they have for one common H,
     ///
     /// ```math
-    /// H = \frac{\sum_h H_h/\mathrm{Var}_h}{\sum_h 1/\mathrm{Var}_h}, \qquad
-    /// \mathrm{Var} = \frac{1}{\sum_h 1/\mathrm{Var}_h},
+    /// H = \frac{\sum_h H_h/u_h}{\sum_h 1/u_h}, \qquad u_h = \frac{\mathrm{Var}_h}{\lvert H_h\rvert^2} + b_h^2, \qquad
+    /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,\frac{\lvert H\rvert^2\,\mathrm{Var}_h}{\lvert H_h\rvert^2} ,
     /// ```
     ///
-    /// the linear combination of least variance. No test is thrown away where two are about equally good, and a large force with
-    /// a low coherence does not win.
+    /// with the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known. The variance of H1 alone
+    /// is no weight: noise of the input sends it to zero together with H1, and a test without signal would win. The sum over $`p_h(1-p_h)`$ is what
+    /// estimated weights cost (Meier 1953). The degrees of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
     ///
     /// # Validity
     ///
-    /// The tests are independent, and their errors random: what they have in common, as a wrong sensitivity, is not
-    /// averaged. The variances are estimates themselves; from n hits each, the stated variance is too small by a part of about 4/n.
+    /// The tests are independent, and their errors random. Where they disagree by more, the variance is [inflated](Self::inflation),
+    /// and a gain between them that [nothing explains](Agreement::explains_gain) is added to the common error. For tests of
+    /// two hits each the variance is too small by a third.
     ///
     /// # Errors
     ///
@@ -114,31 +217,52 @@ impl MergedResponse {
                 });
             }
         }
-        let mut weights = vec![0.0; tests.len()];
-        for line in 0..merged.discrepancy.len() {
-            weigh(tests, line, &mut weights);
-            let total: f64 = weights.iter().sum();
-            if total <= 0.0 {
+        for line in 0..merged.coherent.len() {
+            let entering = Entering::of(tests, line);
+            let shares = entering.shares(tests, line);
+            if shares.is_empty() {
                 continue;
             }
-            let mut value = Complex64::ZERO;
-            let mut variance = 0.0;
-            for (index, (test, weight)) in tests.iter().zip(&weights).enumerate() {
-                if *weight > 0.0 {
-                    let share = weight / total;
-                    merged.shares[(index, line)] = share;
-                    value += test.values[line] * share;
-                    variance += share * share * variance_at(test, line);
-                }
+            merged.coherent[line] = entering.coherent;
+            let of = |of_test: &dyn Fn(&FrequencyResponse) -> f64| -> f64 {
+                shares.iter().map(|(h, p)| p * of_test(&tests[*h])).sum()
+            };
+            let value: Complex64 = shares.iter().map(|(h, p)| tests[*h].values[line] * p).sum();
+            let scatter: f64 = shares
+                .iter()
+                .map(|(h, p)| p * p * common_variance(&tests[*h], line, value.norm_sqr()))
+                .sum();
+            let cost = of(&|test| 1.0 / freedom_at(test, line));
+            let cost = cost
+                - shares
+                    .iter()
+                    .map(|(h, p)| p * p / freedom_at(&tests[*h], line))
+                    .sum::<f64>();
+            let freedom = 1.0
+                / shares
+                    .iter()
+                    .map(|(h, p)| p * p / freedom_at(&tests[*h], line))
+                    .sum::<f64>();
+            for (h, share) in &shares {
+                merged.shares[(*h, line)] = *share;
             }
             let response = &mut merged.response;
             response.values[line] = value;
             response.validity[line] = LineValidity::Valid;
             if let Some(variances) = &mut response.variance {
-                variances[line] = variance;
+                variances[line] = scatter * (1.0 + 4.0 * cost);
             }
-            merged.discrepancy[line] = discrepancy(tests, line);
+            if let Some(degrees) = &mut response.degrees_of_freedom {
+                degrees[line] = freedom;
+            }
+            if let Some(bias) = &mut response.noise_bias {
+                bias[line] = of(&|test| test.noise_bias.as_ref().map_or(f64::NAN, |b| b[line]));
+            }
+            if let Some(error) = &mut response.common_error {
+                error[line] = of(&|test| common_error_at(test, line));
+            }
         }
+        merged.compare(tests);
         Ok(merged)
     }
 
@@ -156,10 +280,20 @@ impl MergedResponse {
             check_alike(first, test, index)?;
         }
         let n_lines = first.values.len();
+        let nothing = || vec![f64::NAN; n_lines];
         let mut response = FrequencyResponse {
             n_averages: tests.iter().map(|test| test.n_averages).sum(),
             effective_averages: tests.iter().map(|test| test.effective_averages).sum(),
-            variance: Some(vec![f64::NAN; n_lines]),
+            variance: Some(nothing()),
+            degrees_of_freedom: Some(nothing()),
+            noise_bias: tests
+                .iter()
+                .all(|t| t.noise_bias.is_some())
+                .then(nothing),
+            common_error: tests
+                .iter()
+                .any(|t| t.common_error.is_some())
+                .then(nothing),
             coherence: None,
             ..first.clone()
         };
@@ -174,7 +308,10 @@ impl MergedResponse {
         Ok(Self {
             response,
             shares: Array2::zeros((tests.len(), n_lines)),
-            discrepancy: vec![f64::NAN; n_lines],
+            coherent: vec![false; n_lines],
+            discrepancy: nothing(),
+            inflation: vec![1.0; n_lines],
+            agreement: Vec::new(),
         })
     }
 
@@ -182,67 +319,279 @@ impl MergedResponse {
         let response = &mut self.response;
         response.values[line] = test.values[line];
         response.validity[line] = test.validity[line];
-        if let (Some(to), Some(from)) = (&mut response.coherence, &test.coherence) {
-            to[line] = from[line];
+        for (to, from) in [
+            (&mut response.coherence, &test.coherence),
+            (&mut response.variance, &test.variance),
+            (&mut response.degrees_of_freedom, &test.degrees_of_freedom),
+            (&mut response.noise_bias, &test.noise_bias),
+        ] {
+            if let (Some(to), Some(from)) = (to, from) {
+                to[line] = from[line];
+            }
         }
-        if let (Some(to), Some(from)) = (&mut response.variance, &test.variance) {
-            to[line] = from[line];
+        if let Some(to) = &mut response.common_error {
+            to[line] = common_error_at(test, line);
+        }
+    }
+
+    /// Compares the tests with each other, line by line and as wholes; what chance does not explain goes into the errors.
+    fn compare(&mut self, tests: &[FrequencyResponse]) {
+        if tests.iter().any(|test| test.variance.is_none()) {
+            return;
+        }
+        let entering: Vec<Entering> = (0..self.coherent.len())
+            .map(|line| Entering::of(tests, line))
+            .collect();
+        let mut known = Vec::new();
+        for (line, entering) in entering.iter().enumerate() {
+            if !entering.coherent {
+                continue;
+            }
+            if let Some((discrepancy, freedom)) = entering.discrepancy(tests, line) {
+                self.discrepancy[line] = discrepancy;
+                known.push((line, freedom));
+            }
+        }
+        for (at, (line, freedom)) in known.iter().enumerate() {
+            let from = at.saturating_sub(NEIGHBOURS);
+            let near = &known[from..known.len().min(at + NEIGHBOURS + 1)];
+            let count = near.len() as f64;
+            let mean = near.iter().map(|(line, _)| self.discrepancy[*line]).sum::<f64>() / count;
+            if mean <= 1.0 + BEYOND_CHANCE / count.sqrt() {
+                continue;
+            }
+            // back to squares over variances, of which a discrepancy of 1 stands for what chance does
+            let square = |discrepancy: f64| {
+                if freedom.is_finite() {
+                    0.5 * freedom * (2.0 * discrepancy / freedom).exp_m1()
+                } else {
+                    discrepancy
+                }
+            };
+            self.inflation[*line] = square(mean) / square(1.0);
+            if let Some(variances) = &mut self.response.variance {
+                variances[*line] *= self.inflation[*line];
+            }
+        }
+        if let Some((first, others)) = tests.split_first() {
+            let lines: Vec<usize> = (0..entering.len())
+                .filter(|line| entering[*line].coherent && entering[*line].tests.contains(&0))
+                .collect();
+            for (index, other) in others.iter().enumerate() {
+                let both = lines
+                    .iter()
+                    .copied()
+                    .filter(|line| entering[*line].tests.contains(&(index + 1)));
+                self.agreement.push(agreement(first, other, both));
+            }
+        }
+        // of two values that differ by d, one is off by d/√2 in the mean square
+        let unexplained = self.agreement.iter().flatten().filter(|a| !a.explains_gain());
+        let apart = unexplained.fold(0.0_f64, |most, a| most.max(a.gain.abs().ln().abs()));
+        if apart > 0.0 {
+            let n_lines = self.coherent.len();
+            let errors = self.response.common_error.get_or_insert_with(|| vec![0.0; n_lines]);
+            for error in errors {
+                *error = error.hypot(apart / std::f64::consts::SQRT_2);
+            }
         }
     }
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn variance_at(test: &FrequencyResponse, line: usize) -> f64 {
-    test.variance
-        .as_ref()
-        .map_or(f64::NAN, |variances| variances[line])
+/// The tests that enter a line.
+struct Entering {
+    tests: Vec<usize>,
+    coherent: bool,
 }
 
-/// Inverse variances; 0 without information. Tests without any scatter share a line among themselves.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+    reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
 )]
-fn weigh(tests: &[FrequencyResponse], line: usize, weights: &mut [f64]) {
-    let mut certain = false;
-    for (test, weight) in tests.iter().zip(&mut *weights) {
-        let variance = variance_at(test, line);
-        *weight = if test.validity[line] == LineValidity::Valid && variance >= 0.0 {
-            variance.recip()
-        } else {
-            0.0
+impl Entering {
+    /// The coherent tests, or all that have information.
+    fn of(tests: &[FrequencyResponse], line: usize) -> Self {
+        let informed: Vec<usize> = (0..tests.len())
+            .filter(|h| tests[*h].validity[line] == LineValidity::Valid)
+            .collect();
+        let above_chance = |h: &usize| {
+            let level = chance_level(Coherence::CHANCE, tests[*h].effective_averages);
+            let coherence = tests[*h].coherence.as_ref();
+            // a line that was completed has no coherence
+            coherence.is_none_or(|coherence| !(coherence[line] <= level))
         };
-        certain |= weight.is_infinite();
-    }
-    if certain {
-        for weight in weights {
-            *weight = if weight.is_infinite() { 1.0 } else { 0.0 };
+        let coherent: Vec<usize> = informed.iter().copied().filter(above_chance).collect();
+        if coherent.is_empty() {
+            Self {
+                tests: informed,
+                coherent: false,
+            }
+        } else {
+            Self {
+                tests: coherent,
+                coherent: true,
+            }
         }
     }
+
+    /// Shares of the tests by their relative variances; tests without any scatter share a line among themselves. Empty where no test has
+    /// a variance.
+    fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
+        let known = || {
+            let tests = self.tests.iter().map(|h| (*h, relative_variance(&tests[*h], line)));
+            tests.filter(|(_, u)| *u >= 0.0 && u.is_finite())
+        };
+        let certain = known().filter(|(_, u)| *u <= 0.0).count();
+        if certain > 0 {
+            let share = 1.0 / certain as f64;
+            return known().filter(|(_, u)| *u <= 0.0).map(|(h, _)| (h, share)).collect();
+        }
+        let total: f64 = known().map(|(_, u)| u.recip()).sum();
+        known().map(|(h, u)| (h, u.recip() / total)).collect()
+    }
+
+    /// Discrepancy of the tests and the degrees of freedom of their variances.
+    fn discrepancy(&self, tests: &[FrequencyResponse], line: usize) -> Option<(f64, f64)> {
+        let square = {
+            let shares = self.shares(tests, line);
+            let value: Complex64 = shares.iter().map(|(h, p)| tests[*h].values[line] * p).sum();
+            value.norm_sqr()
+        };
+        let mut known: Vec<(Complex64, f64, f64)> = self
+            .tests
+            .iter()
+            .map(|h| {
+                let test = &tests[*h];
+                let variance = common_variance(test, line, square);
+                (test.values[line], variance, freedom_at(test, line))
+            })
+            .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
+            .collect();
+        // each against those that are known better, so that the order of the tests does not matter
+        known.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let ((mut mean, mut variance, mut freedom), others) = match known.split_first() {
+            Some((first, others)) if !others.is_empty() => (*first, others),
+            _ => return None,
+        };
+        let (mut sum, mut least) = (0.0, f64::INFINITY);
+        for (value, own, own_freedom) in others {
+            let both = variance + own;
+            let of_both =
+                both * both / (variance * variance / freedom + own * own / own_freedom);
+            let squares = (value - mean).norm_sqr() / both;
+            sum += if of_both.is_finite() {
+                0.5 * of_both * (2.0 * squares / of_both).ln_1p()
+            } else {
+                squares
+            };
+            least = least.min(of_both);
+            let share = own / both;
+            mean = mean * share + value * (1.0 - share);
+            let scatter = share * share / freedom + (1.0 - share).powi(2) / own_freedom;
+            (variance, freedom) = (variance * own / both, 1.0 / scatter);
+        }
+        Some((sum / others.len() as f64, least))
+    }
+}
+
+/// Variance of a line over the square of its value, with the square of the bias where it is known.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
+    let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
+    if variance <= 0.0 {
+        return variance;
+    }
+    let bias = test.noise_bias.as_ref().map_or(0.0, |bias| bias[line]);
+    variance / test.values[line].norm_sqr() + bias * bias
+}
+
+/// Variance that a test has for a common H of this square.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn common_variance(test: &FrequencyResponse, line: usize, square: f64) -> f64 {
+    let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
+    if variance <= 0.0 {
+        return variance;
+    }
+    square * variance / test.values[line].norm_sqr()
 }
 
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
 )]
-fn discrepancy(tests: &[FrequencyResponse], line: usize) -> f64 {
-    let mut weights = vec![0.0; tests.len()];
-    weigh(tests, line, &mut weights);
-    let m = weights.iter().filter(|weight| **weight > 0.0).count();
-    if m < 2 {
-        return f64::NAN;
+fn freedom_at(test: &FrequencyResponse, line: usize) -> f64 {
+    let freedom = test.degrees_of_freedom.as_ref();
+    freedom.map_or(f64::INFINITY, |freedom| freedom[line])
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn common_error_at(test: &FrequencyResponse, line: usize) -> f64 {
+    test.common_error.as_ref().map_or(0.0, |error| error[line])
+}
+
+/// Gain and delay of `other` against `first` on these lines.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn agreement(
+    first: &FrequencyResponse,
+    other: &FrequencyResponse,
+    lines: impl Iterator<Item = usize>,
+) -> Option<Agreement> {
+    let mut expected: f64 = 0.0;
+    let ratios: Vec<(f64, Complex64, f64)> = lines
+        .filter_map(|line| {
+            let rough = relative_variance(first, line) + relative_variance(other, line);
+            if !(rough > 0.0 && rough < ROUGH) {
+                return None;
+            }
+            let errors = common_error_at(first, line).hypot(common_error_at(other, line));
+            expected = expected.max(errors);
+            let omega = std::f64::consts::TAU * first.frequency_hz[line];
+            Some((omega, other.values[line] / first.values[line], 1.0 / rough))
+        })
+        .collect();
+    if ratios.len() < FEWEST_LINES {
+        return None;
     }
-    let total: f64 = weights.iter().sum();
-    let values = || {
-        let lines = tests.iter().map(|test| test.values[line]);
-        lines.zip(&weights).filter(|(_, weight)| **weight > 0.0)
-    };
-    let mean: Complex64 = values().map(|(h, weight)| h * weight).sum::<Complex64>() / total;
-    let squares: f64 = values().map(|(h, w)| w * (h - mean).norm_sqr()).sum();
-    squares / (m as f64 - 1.0)
+    let mean: Complex64 = ratios.iter().map(|(_, ratio, w)| ratio * w / ratio.norm()).sum();
+    let sign = if mean.re < 0.0 { -1.0 } else { 1.0 };
+    let mut sums = [0.0; 4];
+    let logarithms: Vec<(f64, Complex64, f64)> = ratios
+        .into_iter()
+        .map(|(omega, ratio, w)| (omega, (ratio * sign).ln(), w))
+        .collect();
+    for (omega, logarithm, w) in &logarithms {
+        sums[0] += w;
+        sums[1] += w * logarithm.re;
+        sums[2] += w * omega * omega;
+        sums[3] -= w * omega * logarithm.im;
+    }
+    let (log_gain, delay) = (sums[1] / sums[0], sums[3] / sums[2]);
+    // by what is left, whatever the weights are
+    let (mut of_gain, mut of_delay) = (0.0, 0.0);
+    for (omega, logarithm, w) in &logarithms {
+        of_gain += (w * (logarithm.re - log_gain)).powi(2);
+        of_delay += (w * omega * (logarithm.im + delay * omega)).powi(2);
+    }
+    Some(Agreement {
+        gain: sign * log_gain.exp(),
+        relative_error: of_gain.sqrt() / sums[0],
+        expected,
+        delay,
+        delay_error: of_delay.sqrt() / sums[2],
+        n_lines: logarithms.len(),
+    })
 }
 
 fn check_alike(

@@ -65,8 +65,7 @@ impl AveragedSpectra {
     /// \gamma^2_{jy\cdot\mathrm{rest}} = \frac{\lvert h_j\rvert^2}{\lvert h_j\rvert^2 + (1-\gamma^2_{y:x})(R^{-1})_{jj}} .
     /// ```
     ///
-    /// With q inputs the q fitted responses cost q averages, so that for one input the variance is $`n_e/(n_e-1)`$ of that of
-    /// [`AveragedSpectra::h1`], which is the first order of it.
+    /// With q inputs the q fitted responses cost q averages: for one input it is the variance of [`AveragedSpectra::h1`].
     ///
     /// # Validity
     ///
@@ -323,7 +322,7 @@ mod tests {
                 assert!((found - coherence[line]).abs() < 1e-13);
             }
             let ratio = several.variance[(0, line)] / variance[line];
-            assert!((ratio - 1.25).abs() < 1e-11); // n/(n-1)
+            assert!((ratio - 1.0).abs() < 1e-11);
         }
     }
 

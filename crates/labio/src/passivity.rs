@@ -2,14 +2,19 @@
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
+
+/// Degrees of freedom from which Student's law is the normal one to three digits of a tail of 1e-6.
+const MANY: f64 = 1e5;
 
 /// What the real part of a driving-point mobility says of one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Passivity {
     /// The real part is not negative: on the average over a period the body takes energy.
     Passive,
-    /// The real part is negative, but by no more than the stated multiple of its standard error.
+    /// The real part is negative, but by no more than chance sets it below zero with the stated level.
     WithinError,
     /// The real part is negative by more: a passive body cannot have done it. A wrong sign, a wrong delay between the channels, a
     /// point that is not the driving point, or an error that is not random has.
@@ -28,6 +33,8 @@ pub struct PassivityReport {
     pub real_part: Vec<f64>,
     /// Its standard error \[m/(N s)\]; NaN without information.
     pub standard_error: Vec<f64>,
+    /// Probability with which chance sets a real part of zero so far below zero; 1 where it is not below, NaN without information.
+    pub probability: Vec<f64>,
     /// The verdicts.
     pub lines: Vec<Passivity>,
 }
@@ -47,20 +54,20 @@ impl FrequencyResponse {
     /// $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion are of the same point and direction and the force is
     /// positive where it does work on a positive motion; on the line $`s = \sigma + i\omega`$ of an exponential window as well.
     ///
-    /// `coverage` is the number of standard errors that are allowed, and $`\sqrt{\mathrm{Var}/2}`$ the standard error of the real part.
-    /// With 2, of lines whose real part is zero one in 44 is flagged by chance; more if the variance is from few hits, as by Student's
-    /// law with 2(n-1) degrees of freedom (of 5 hits one in 18). Each of the six kinds may be given.
+    /// A line is active if chance sets a real part of zero so far below with a probability less than `level`, by Student's law with the degrees of
+    /// freedom of the variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. Of a thousand lines with the level 1e-5 one
+    /// hundredth of all right bodies has an active line. Each of the six kinds may be given.
     ///
     /// # Errors
     ///
     /// [`LabioError::NoResponseKind`], [`LabioError::TooFewAverages`] for a response without variance,
-    /// [`LabioError::NonPhysical`] for a coverage that is negative or not finite.
-    pub fn passivity(&self, coverage: f64) -> Result<PassivityReport, LabioError> {
-        if !(coverage.is_finite() && coverage >= 0.0) {
+    /// [`LabioError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn passivity(&self, level: f64) -> Result<PassivityReport, LabioError> {
+        if !(level > 0.0 && level < 1.0) {
             return Err(LabioError::NonPhysical {
-                quantity: "coverage [standard errors]",
-                value: coverage,
-                expected: "a finite value, not negative",
+                quantity: "level of a line that generates energy [-]",
+                value: level,
+                expected: "between 0 and 1",
             });
         }
         let mobility = self.to_kind(ResponseKind::Mobility)?;
@@ -73,16 +80,26 @@ impl FrequencyResponse {
         };
         let real_part: Vec<f64> = mobility.values.iter().map(|value| value.re).collect();
         let standard_error: Vec<f64> = variances.iter().map(|v| (v / 2.0).sqrt()).collect();
+        let freedom = mobility.degrees_of_freedom.as_ref();
+        let probability: Vec<f64> = real_part
+            .iter()
+            .zip(&standard_error)
+            .enumerate()
+            .map(|(line, (real, error))| {
+                let freedom = freedom.and_then(|freedom| freedom.get(line));
+                below_zero(*real, *error, freedom.copied().unwrap_or(f64::INFINITY))
+            })
+            .collect();
         let lines = mobility
             .validity
             .iter()
-            .zip(real_part.iter().zip(&standard_error))
-            .map(|(validity, (real, error))| {
+            .zip(real_part.iter().zip(&probability))
+            .map(|(validity, (real, probability))| {
                 if *validity != LineValidity::Valid {
                     Passivity::Unknown
                 } else if *real >= 0.0 {
                     Passivity::Passive
-                } else if *real >= -coverage * error {
+                } else if *probability >= level {
                     Passivity::WithinError
                 } else {
                     Passivity::Active
@@ -93,8 +110,21 @@ impl FrequencyResponse {
             frequency_hz: mobility.frequency_hz,
             real_part,
             standard_error,
+            probability,
             lines,
         })
+    }
+}
+
+/// Probability with which chance sets zero as far below zero as `value`.
+fn below_zero(value: f64, error: f64, freedom: f64) -> f64 {
+    let distance = value / error;
+    if value >= 0.0 {
+        1.0
+    } else if freedom < MANY {
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(distance))
+    } else {
+        Normal::standard().cdf(distance)
     }
 }
 
@@ -109,13 +139,23 @@ mod tests {
 
     /// Hits on a damper of mobility `mobility` whose velocity comes `delay` samples late, with noise of level `noise` on it.
     fn damper(mobility: f64, delay: usize, noise: f64) -> AveragedSpectra {
+        damper_of(8, mobility, delay, noise, 2)
+    }
+
+    fn damper_of(
+        n_hits: usize,
+        mobility: f64,
+        delay: usize,
+        noise: f64,
+        seed: u64,
+    ) -> AveragedSpectra {
         let n = 256;
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let channels = vec![
             Channel::new("force", Quantity::Force).unwrap(),
             Channel::new("velocity", Quantity::Velocity).unwrap(),
         ];
-        let hits: Vec<Record> = (0..8)
+        let hits: Vec<Record> = (0..n_hits)
             .map(|_| {
                 let mut samples = Array2::zeros((2, n));
                 samples[(0, 0)] = 1.0;
@@ -135,14 +175,14 @@ mod tests {
     fn a_damper_is_passive_and_its_negative_is_not() {
         let count = |mobility, delay| {
             let response = damper(mobility, delay, 1e-6).h1("force", "velocity");
-            let report = response.unwrap().passivity(2.0).unwrap();
+            let report = response.unwrap().passivity(0.02).unwrap();
             report.active_lines().count()
         };
         assert_eq!(count(2.0, 0), 0);
         assert_eq!(count(-2.0, 0), 129);
         // late by one sample: the phase is behind by more than a right angle above half the Nyquist frequency
         let response = damper(2.0, 1, 1e-6).h1("force", "velocity").unwrap();
-        let report = response.passivity(2.0).unwrap();
+        let report = response.passivity(0.02).unwrap();
         for (f, verdict) in report.frequency_hz.iter().zip(&report.lines) {
             if *f < 63.5 {
                 assert_eq!(*verdict, Passivity::Passive, "{f} Hz");
@@ -153,29 +193,34 @@ mod tests {
     }
 
     #[test]
-    fn nothing_but_noise_is_flagged_as_often_as_the_coverage_says() {
+    fn s12_nothing_but_noise_is_flagged_as_often_as_the_level_says() {
         let response = damper(0.0, 0, 1.0).h1("force", "velocity").unwrap();
-        let report = response.passivity(0.0).unwrap();
+        let report = response.passivity(0.5).unwrap();
         let active = report.active_lines().count() as f64 / 129.0;
         // half of the lines, binomial standard error 0.044: four of these
         assert!((active - 0.5).abs() < 0.18, "{active}");
-        let report = response.passivity(2.0).unwrap();
-        let active = report.active_lines().count() as f64 / 129.0;
-        // Student's t with 14 degrees of freedom beyond 2 sqrt(7/8): 4.1 %, standard error 1.7 %; four of these: 11 %
-        assert!(active < 0.11, "{active}");
+        let report = response.passivity(0.02).unwrap();
         assert!(report.lines.contains(&Passivity::WithinError));
+        // of three hits, where two standard errors would flag 6 %: 20 tests of 129 lines, of which 1 % is 26, four standard errors are 20
+        let flagged: usize = (0..20)
+            .map(|seed| {
+                let response = damper_of(3, 0.0, 0, 1.0, seed).h1("force", "velocity").unwrap();
+                response.passivity(0.01).unwrap().active_lines().count()
+            })
+            .sum();
+        assert!((6..46).contains(&flagged), "{flagged}");
     }
 
     #[test]
     fn every_kind_gives_the_same_verdicts_and_one_hit_none() {
         let response = damper(2.0, 1, 0.1).h1("force", "velocity").unwrap();
-        let direct = response.passivity(2.0).unwrap();
+        let direct = response.passivity(0.02).unwrap();
         let dynamic_mass = response.to_kind(ResponseKind::DynamicMass).unwrap();
-        let by_mass = dynamic_mass.passivity(2.0).unwrap();
+        let by_mass = dynamic_mass.passivity(0.02).unwrap();
         assert_eq!(direct.lines[1..], by_mass.lines[1..]);
         assert_eq!(by_mass.lines[0], Passivity::Unknown);
         let mut single = response.clone();
         single.variance = None;
-        assert!(single.passivity(2.0).is_err() && response.passivity(-1.0).is_err());
+        assert!(single.passivity(2.0).is_err() && response.passivity(1.0).is_err());
     }
 }

@@ -130,6 +130,15 @@ impl RigidBody {
                 // of the real factor alone, but a variance is understood to be of two components
                 variance[line] = 2.0 * value.norm_sqr() * magnitude * magnitude;
             }
+            if let Some(freedom) = &mut accelerance.degrees_of_freedom {
+                freedom[line] = f64::INFINITY;
+            }
+            // no sensor made these lines
+            for lines in [&mut accelerance.noise_bias, &mut accelerance.common_error] {
+                if let Some(lines) = lines {
+                    lines[line] = 0.0;
+                }
+            }
         }
         let mut completed = accelerance.to_kind(kind)?;
         // measured lines are handed back as they came, not converted there and back

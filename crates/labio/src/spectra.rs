@@ -16,6 +16,8 @@ use num_complex::Complex64;
 
 use crate::channel::{self, Channel};
 use crate::{AddedDamping, LabioError, Record, Window};
+#[allow(unused_imports, reason = "named in documentation")]
+use crate::{Estimator, FrequencyResponse};
 
 /// The Hermitian matrix of averaged one-sided energy spectral densities, line by line; scaled as
 /// [`SpectrumAverager`] says.
@@ -30,6 +32,10 @@ pub struct AveragedSpectra {
     line_spacing_hz: f64,
     noise_bandwidth_hz: f64,
     frequency_hz: Vec<f64>,
+    /// Duration of noise of its density that has the energy of a line \[s\], one a channel.
+    noise_durations: Vec<f64>,
+    /// Energy of the noise at rest in every line, one a channel; none where it is not known.
+    rest_energy: Vec<Option<Vec<f64>>>,
     /// One a channel, `(n_lines)`.
     auto: Vec<Vec<f64>>,
     /// One a pair in the order of `pair_index`, `(n_lines)`.
@@ -109,6 +115,35 @@ impl AveragedSpectra {
     #[must_use]
     pub fn line_spacing_hz(&self) -> f64 {
         self.line_spacing_hz
+    }
+
+    /// The same spectra with the noise that `channel` has at rest, for the bias of responses ([`FrequencyResponse::noise_bias`]) and for
+    /// [`Estimator::Hs`]. Windows are considered.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`].
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the place that `find` tells of a channel is that of its duration and its energy"
+    )]
+    pub fn with_rest_noise(mut self, channel: &str, noise: &RestNoise) -> Result<Self, LabioError> {
+        let (index, _) = channel::find(&self.channels, channel)?;
+        let duration = self.noise_durations[index];
+        let lines = self.frequency_hz.iter();
+        let energy = lines.map(|f| noise.density_at(*f) * duration).collect();
+        self.rest_energy[index] = Some(energy);
+        Ok(self)
+    }
+
+    /// Energy \[unit² s/Hz\] of the noise at rest in every line, as far as it is known.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the place that `find` tells of a channel is that of its energy"
+    )]
+    pub(crate) fn rest_energy(&self, channel: &str) -> Result<Option<&[f64]>, LabioError> {
+        let (index, _) = channel::find(&self.channels, channel)?;
+        Ok(self.rest_energy[index].as_deref())
     }
 
     /// Equivalent noise bandwidth of a line \[Hz\].

@@ -13,12 +13,14 @@ mod cut;
 mod found;
 mod independent;
 mod reading;
+mod silence;
 
 pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
 pub use found::{FoundHit, FoundHits};
 pub use independent::{expect_independent, expect_noise};
 pub use reading::{Reading, Stretch};
+pub(crate) use silence::{silent_samples, trigger_of};
 
 use labio::hits::{Criteria, HitLog, find_hits};
 use labio::{Channel, Record};

@@ -10,8 +10,10 @@ mod signal;
 mod support;
 
 pub use file::ResponseFile;
-pub(crate) use file::STANDARD_ERROR;
-pub use hits::{EstimatorSheet, ForceWindowSheet, HitsSource};
+pub(crate) use file::{AVERAGES, COMMON_ERROR, FREEDOM, STANDARD_ERROR};
+pub use hits::{
+    EstimatorSheet, ForceWindowSheet, HitsSource, MergeSheet, disagreements, with_silence,
+};
 pub use kind::KindSheet;
 pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
@@ -20,6 +22,9 @@ use labio::{FrequencyResponse, LineValidity};
 
 use crate::RodlabError;
 use crate::sheet::{Exact, Frequency};
+
+/// Degrees of freedom that are written where a variance is known: of these Student's law is the normal one.
+pub(crate) const MOST_FREEDOM: f64 = 1e6;
 
 /// Fewest lines of a response that something is made of.
 const FEWEST_LINES: usize = 8;
@@ -63,23 +68,6 @@ pub fn cut(
             format!("a frequency with at least {FEWEST_LINES} lines below it"),
         ));
     }
-    first_lines(response, n_lines);
+    response.truncate(n_lines);
     Ok(())
-}
-
-/// Leaves the first `n_lines` lines of `response`, or all if there are no more.
-pub(crate) fn first_lines(response: &mut FrequencyResponse, n_lines: usize) {
-    if n_lines >= response.values.len() {
-        return;
-    }
-    response.frequency_hz.truncate(n_lines);
-    response.values.truncate(n_lines);
-    response.validity.truncate(n_lines);
-    for lines in [&mut response.coherence, &mut response.variance]
-        .into_iter()
-        .flatten()
-    {
-        lines.truncate(n_lines);
-    }
-    response.n_samples = 2 * n_lines.saturating_sub(1);
 }

@@ -11,7 +11,7 @@ use crate::error::{check_not_negative, check_positive, check_samples};
 use crate::{ImpulseError, fourier};
 
 /// Fewest lines of a fit of two numbers that can be judged.
-pub(super) const FEWEST_LINES: usize = 3;
+const FEWEST_LINES: usize = 3;
 
 /// A weighed mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +67,14 @@ pub struct MeasuredBody {
     /// line 0: the static limit, 0 for a free body
     mobility: Vec<Complex64>,
     variance: Option<Vec<f64>>,
+    /// degrees of freedom of the variance, one a line
+    freedom: Vec<f64>,
     low: LowFrequency,
     given_front: Option<f64>,
+    /// relative standard uncertainty of all lines
+    scale_error: f64,
+    /// lines before this one were not measured
+    first_measured: usize,
 }
 
 impl MeasuredBody {
@@ -112,10 +118,13 @@ impl MeasuredBody {
         }
         Ok(Self {
             frequency_step_hz,
+            freedom: vec![f64::INFINITY; mobility.len()],
             mobility,
             variance: None,
             low,
             given_front: None,
+            scale_error: 0.0,
+            first_measured: 1,
         })
     }
 
@@ -174,6 +183,55 @@ impl MeasuredBody {
         })
     }
 
+    /// The same body with the degrees of freedom of its variances, line by line; infinite without this. What is said of chance
+    /// ([`MeasuredBody::screen`]) follows Student's law with them. That at 0 Hz is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for one that is not positive.
+    pub fn with_degrees_of_freedom(self, freedom: &[f64]) -> Result<Self, ImpulseError> {
+        if freedom.len() != self.mobility.len() {
+            return Err(ImpulseError::LengthMismatch {
+                what: "degrees of freedom of the mobility",
+                found: freedom.len(),
+                expected: self.mobility.len(),
+            });
+        }
+        let mut freedom = freedom.to_vec();
+        if let Some(first) = freedom.first_mut() {
+            *first = f64::INFINITY;
+        }
+        if let Some(&wrong) = freedom.iter().find(|value| !(**value > 0.0)) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "degrees of freedom of the mobility",
+                value: wrong,
+                expected: "a number above 0",
+            });
+        }
+        Ok(Self { freedom, ..self })
+    }
+
+    /// The same body with a relative standard uncertainty that all lines share, as that of the sensors: the mass by the lines has it as well.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_scale_error(self, relative: f64) -> Result<Self, ImpulseError> {
+        Ok(Self {
+            scale_error: check_not_negative("relative uncertainty of the scale", relative)?,
+            ..self
+        })
+    }
+
+    /// The same body, of which the lines before this one were not measured but are those of the weighed mass: they are no evidence for it.
+    #[must_use]
+    pub fn with_first_measured(self, line: usize) -> Self {
+        Self {
+            first_measured: line,
+            ..self
+        }
+    }
+
     /// The same body with the impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at its face, with which it answers above the
     /// lines that were measured. A force by marching in time needs it: no mean over measured lines can stand in, since within one resonance
     /// spacing they swing about $`1/Z`$ by any factor.
@@ -210,6 +268,21 @@ impl MeasuredBody {
     #[must_use]
     pub fn low_frequency(&self) -> LowFrequency {
         self.low
+    }
+
+    /// Degrees of freedom of the variances, one a line.
+    pub(super) fn freedom(&self) -> &[f64] {
+        &self.freedom
+    }
+
+    /// Relative standard uncertainty of all lines.
+    pub(super) fn scale_error(&self) -> f64 {
+        self.scale_error
+    }
+
+    /// Number of the first line that was measured.
+    pub(super) fn first_measured(&self) -> usize {
+        self.first_measured
     }
 
     /// The front impedance that was given.
@@ -345,6 +418,7 @@ impl MeasuredBody {
         let step = self.frequency_step_hz;
         let low = (1..self.mobility.len()).take_while(|line| (*line as f64) * step < from_hz);
         for line in low {
+            completed.first_measured = line + 1;
             let omega = self.omega(line);
             let rigid = self.rigid(line) * (1.0 - elastic * (omega / unit).powi(2));
             if let Some(value) = completed.mobility.get_mut(line) {

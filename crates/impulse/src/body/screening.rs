@@ -4,13 +4,25 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use num_complex::Complex64;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::measured::FEWEST_LINES;
 use super::{LowFrequency, MeasuredBody};
 use crate::fourier;
 
-/// Standard errors that chance is allowed: of a thousand lines without fault, one in sixteen thousand is flagged.
+/// Standard errors that chance is allowed.
 const COVERAGE: f64 = 4.0;
+
+/// Probability with which a body without fault is accused of generating energy, of another mass, or of a delay: each of the three.
+const LEVEL: f64 = 0.01;
+
+/// Degrees of freedom from which Student's law is the normal one to three digits of the tails that are judged.
+const MANY: f64 = 1e5;
+
+/// Numbers of neighbouring lines whose mean real part is judged.
+const WIDTHS: [usize; 3] = [1, 8, 64];
+
+/// Halvings and doublings in the search for the least delay that would have been seen.
+const DELAY_STEPS: i32 = 16;
 
 /// Without a variance: part of the energy that may stand ahead of the impulse.
 const ACAUSAL: f64 = 0.01;
@@ -21,8 +33,17 @@ const NEAR_IMPULSE: usize = 4;
 /// A real part counts as negative below minus this fraction of the magnitude (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// A mass that is off by less is never flagged: the next term of the fitted law leaves as much.
-const MASS_TOLERANCE: f64 = 0.01;
+/// Relative mass by which three terms of the fitted law may be off on nearly rigid lines: the next term of a free rod leaves 2e-4.
+const MASS_TOLERANCE: f64 = 3e-4;
+
+/// Angle at the highest line below which a delay is not told: what the neglected terms of nearly rigid lines leave.
+const DELAY_TOLERANCE: f64 = 1e-3;
+
+/// Terms of the law that is fitted to the real part of nearly rigid lines, and to their phase.
+const TERMS: usize = 3;
+
+/// Fewest nearly rigid lines: two more than the fitted terms.
+const FEWEST_RIGID: usize = TERMS + 2;
 
 /// Real over imaginary part below which the lowest lines are those of a rigid or a fixed body.
 const RIGID: f64 = 0.5;
@@ -55,21 +76,49 @@ pub struct Causality {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Passivity {
-    /// Number of lines whose real part is negative by more than four standard errors (or by more than rounding, without variances).
+    /// Number of lines that are negative beyond chance, by themselves or in the mean with 7 or 63 neighbours: one body in a hundred without fault has one
+    /// (without variances: negative beyond rounding).
     pub active_lines: usize,
     /// The one that is furthest below zero: its line, and how far in standard errors, or in its magnitude without variances.
     pub worst: Option<(usize, f64)>,
+    /// Delay \[s\] of the motion against the force, ahead or behind, from which on a line would be active that is not; none if the lines
+    /// show no delay below half the period of the highest.
+    pub seen_delays: [Option<f64>; 2],
+}
+
+/// A delay between force and motion by the nearly rigid lines of a free body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct DelayCheck {
+    /// Delay \[s\] of the motion behind the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^3`$: losses begin with the
+    /// second order.
+    pub delay: f64,
+    /// Its standard error \[s\], by the scatter of the lines.
+    pub standard_error: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+}
+
+impl DelayCheck {
+    /// The delay \[s\] that would have been called one.
+    #[must_use]
+    pub fn least_seen(&self) -> f64 {
+        self.standard_error * quantile(1.0 - 0.5 * LEVEL, self.degrees_of_freedom)
+    }
 }
 
 /// The mass by the low lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassCheck {
-    /// The mass \[kg\] with which $`\operatorname{Re}(i\omega G) = (1 - e\omega^2)/M`$ begins, by least squares.
+    /// The mass \[kg\] with which $`\operatorname{Re}(i\omega G) = (1 - e\omega^2 - g\omega^4)/M`$ begins, by least squares over the lines that were
+    /// measured.
     pub apparent: f64,
     /// Its standard error \[kg\], by the scatter of the lines.
     pub standard_error: f64,
-    /// The weighed one \[kg\], and its standard error.
+    /// Degrees of freedom of that.
+    pub degrees_of_freedom: f64,
+    /// The weighed one \[kg\], and its standard error, that of the scale of the lines included.
     pub weighed: (f64, f64),
     /// Number of lines that tell it.
     pub n_lines: usize,
@@ -100,10 +149,14 @@ pub struct Screening {
     pub passivity: Passivity,
     /// The mass; none if the body is not free or too few lines are nearly rigid.
     pub mass: Option<MassCheck>,
+    /// A delay between the channels; none if the body is not free or too few lines are nearly rigid.
+    pub delay: Option<DelayCheck>,
     /// The answer at once; none where the lines hold fewer than three resonance spacings and cannot tell.
     pub front: Option<FrontLimit>,
     free: bool,
     n_judged: usize,
+    /// Delay \[s\] that the neglected terms of nearly rigid lines may leave.
+    rounding: f64,
 }
 
 /// What speaks against a measured mobility.
@@ -125,6 +178,13 @@ pub enum ScreeningFlag {
         worst_line: usize,
         /// How far below zero, in standard errors (in its magnitude without variances).
         worst: f64,
+    },
+    /// The nearly rigid lines have a phase as of a delay between the channels.
+    Delayed {
+        /// Motion behind the force \[s\]; negative if it is ahead.
+        delay: f64,
+        /// Its standard error \[s\].
+        standard_error: f64,
     },
     /// The low lines have another mass than the balance: a wrong sensitivity, a body that is not free, or a mass between gauge
     /// and face.
@@ -168,6 +228,16 @@ impl fmt::Display for ScreeningFlag {
             } => write!(
                 formatter,
                 "{lines} lines generate energy, the worst is line {worst_line}, {worst:.1} below zero"
+            ),
+            Self::Delayed {
+                delay,
+                standard_error,
+            } => write!(
+                formatter,
+                "the motion is {:.3} us {} the force, ± {:.2} us, by the phase of the nearly rigid lines",
+                1e6 * delay.abs(),
+                if *delay < 0.0 { "ahead of" } else { "behind" },
+                1e6 * standard_error
             ),
             Self::MassContradicted {
                 apparent,
@@ -225,10 +295,12 @@ impl Screening {
             Some(mass) => {
                 let (weighed, weighed_error) = mass.weighed;
                 let error = mass.standard_error.hypot(weighed_error);
+                let freedom = mass.degrees_of_freedom * (error / mass.standard_error).powi(4);
+                let allowed = quantile(1.0 - 0.5 * LEVEL, freedom) * error;
                 // a mass that is negative or infinite is wrong whatever its error
                 let difference = (mass.apparent - weighed).abs();
                 if mass.apparent <= 0.0
-                    || !(0.0..=3.0 * error + MASS_TOLERANCE * weighed).contains(&difference)
+                    || !(0.0..=allowed + MASS_TOLERANCE * weighed).contains(&difference)
                 {
                     flags.push(ScreeningFlag::MassContradicted {
                         apparent: mass.apparent,
@@ -239,6 +311,14 @@ impl Screening {
             }
             None if self.free => flags.push(ScreeningFlag::MassNotSeen),
             None => {}
+        }
+        if let Some(delay) = &self.delay
+            && delay.delay.abs() > delay.least_seen() + self.rounding
+        {
+            flags.push(ScreeningFlag::Delayed {
+                delay: delay.delay,
+                standard_error: delay.standard_error,
+            });
         }
         if let Some(front) = &self.front {
             let (apparent, standard_error) = (front.apparent, front.standard_error);
@@ -265,10 +345,14 @@ impl MeasuredBody {
     /// front.
     #[must_use]
     pub fn screen(&self) -> Screening {
+        let (mass, delay) = self.rigid_lines();
+        let highest = self.omega(self.mobility().len() - 1);
         Screening {
             causality: self.causality(self.conductance()),
             passivity: self.passivity(),
-            mass: self.mass_check(),
+            mass,
+            delay,
+            rounding: DELAY_TOLERANCE / highest,
             front: self.front_limit(),
             free: matches!(self.low_frequency(), LowFrequency::Free(_)),
             n_judged: self.mobility().len(),
@@ -347,73 +431,239 @@ impl MeasuredBody {
     }
 
     fn passivity(&self) -> Passivity {
-        let mut passivity = Passivity {
-            active_lines: 0,
-            worst: None,
-        };
-        for (line, value) in self.mobility().iter().enumerate().skip(1) {
-            let variance = self.variance().and_then(|variances| variances.get(line));
-            // half of the variance is that of the real part
-            let error = variance.map_or(0.0, |variance| (0.5 * variance).sqrt());
-            let rounding = ROUNDING * value.norm();
-            if value.re >= -(COVERAGE * error).max(rounding) {
-                continue;
+        let (active_lines, worst) = self.active(0.0);
+        let seen_delays = [-1.0, 1.0].map(|sign| {
+            if active_lines > 0 {
+                return None;
             }
-            passivity.active_lines += 1;
-            let unit = if error > 0.0 { error } else { value.norm() };
-            let distance = -value.re / unit;
-            if passivity.worst.is_none_or(|(_, worst)| distance > worst) {
-                passivity.worst = Some((line, distance));
+            let highest = PI / self.omega(self.mobility().len() - 1);
+            let is_seen = |delay: f64| self.active(sign * delay).0 > 0;
+            let first = (0..=DELAY_STEPS)
+                .rev()
+                .map(|halvings| highest * 0.5_f64.powi(halvings))
+                .find(|delay| is_seen(*delay))?;
+            // to a few percent
+            let (mut unseen, mut seen) = (0.5 * first, first);
+            for _ in 0..4 {
+                let middle = 0.5 * (unseen + seen);
+                if is_seen(middle) {
+                    seen = middle;
+                } else {
+                    unseen = middle;
+                }
             }
+            Some(seen)
+        });
+        Passivity {
+            active_lines,
+            worst,
+            seen_delays,
         }
-        passivity
     }
 
-    /// Least squares of Re(iωG) = p + q ω² over the lines that are nearly rigid.
-    fn mass_check(&self) -> Option<MassCheck> {
-        let LowFrequency::Free(weighed) = self.low_frequency() else {
-            return None;
+    /// The lines that generate energy if the motion comes later by `delay` \[s\] than it was measured: their number, and the worst.
+    fn active(&self, delay: f64) -> (usize, Option<(usize, f64)>) {
+        let turned = |(line, value): (usize, &Complex64)| {
+            let value = value * Complex64::cis(-self.omega(line) * delay);
+            (value.re, ROUNDING * value.norm())
         };
-        let lines = self.mobility().iter().enumerate().skip(1);
-        let accelerance: Vec<(f64, f64)> = lines
-            .map(|(line, value)| {
-                let omega = self.omega(line);
-                (omega * omega, (Complex64::new(0.0, omega) * value).re)
+        let real: Vec<(f64, f64)> = self.mobility().iter().enumerate().map(turned).collect();
+        let mut active = vec![false; real.len()];
+        let mut worst: Option<(usize, f64)> = None;
+        let mut add = |from: usize, to: usize, line: usize, distance: f64| {
+            for slot in active.iter_mut().take(to).skip(from) {
+                *slot = true;
+            }
+            if worst.is_none_or(|(_, worst)| distance > worst) {
+                worst = Some((line, distance));
+            }
+        };
+        let Some(variances) = self.variance() else {
+            for (line, (value, rounding)) in real.iter().enumerate().skip(1) {
+                if value < &-rounding {
+                    add(line, line + 1, line, -value * ROUNDING / rounding);
+                }
+            }
+            return (active.iter().filter(|line| **line).count(), worst);
+        };
+        let lines: Vec<(f64, f64, f64, f64)> = real
+            .iter()
+            .zip(variances)
+            .zip(self.freedom())
+            // half of the variance is that of the real part
+            .map(|(((value, rounding), variance), freedom)| {
+                let square = 0.5 * variance;
+                (*value, square, square * square / freedom, *rounding)
             })
             .collect();
-        let start = accelerance
-            .iter()
-            .take(FEWEST_LINES)
-            .map(|(_, value)| value)
-            .sum::<f64>()
-            / FEWEST_LINES as f64;
-        let rigid: Vec<(f64, f64)> = accelerance
-            .iter()
-            .take_while(|(_, value)| value / start > NEARLY_RIGID)
-            .copied()
+        let n_trials: usize = WIDTHS.iter().map(|width| lines.len() / width).sum();
+        for width in WIDTHS {
+            for (index, window) in lines.chunks_exact(width).enumerate() {
+                let mut sums = [0.0; 4];
+                for (value, square, by_freedom, rounding) in window {
+                    sums[0] += value;
+                    sums[1] += square;
+                    sums[2] += by_freedom;
+                    sums[3] += rounding;
+                }
+                let [value, square, by_freedom, rounding] = sums;
+                if value >= -rounding {
+                    continue;
+                }
+                let distance = value / square.sqrt();
+                // an infinite distance of lines without variance, too
+                if below(distance, square * square / by_freedom) < LEVEL / n_trials as f64 {
+                    let from = index * width;
+                    add(from, from + width, from + width / 2, -distance);
+                }
+            }
+        }
+        (active.iter().filter(|line| **line).count(), worst)
+    }
+
+    /// Mass and delay by the nearly rigid lines of a free body that were measured: least squares of the real part of iωG by even powers of ω, of
+    /// its phase by the others.
+    fn rigid_lines(&self) -> (Option<MassCheck>, Option<DelayCheck>) {
+        let LowFrequency::Free(weighed) = self.low_frequency() else {
+            return (None, None);
+        };
+        let lines = self.mobility().iter().enumerate();
+        let accelerance: Vec<(f64, Complex64)> = lines
+            .skip(self.first_measured().max(1))
+            .map(|(line, value)| {
+                let omega = self.omega(line);
+                (omega, Complex64::new(0.0, omega) * value)
+            })
             .collect();
-        let n_lines = rigid.len();
-        if n_lines <= FEWEST_LINES {
+        let Some((unit, _)) = accelerance.last().copied() else {
+            return (None, None);
+        };
+        let start = accelerance.iter().take(FEWEST_RIGID).map(|(_, a)| a.re).sum::<f64>()
+            / FEWEST_RIGID as f64;
+        let mut n_lines = accelerance.iter().take_while(|(_, a)| a.re / start > NEARLY_RIGID).count();
+        // where the lines end is said by what was fitted, not by the noise of one line
+        let mut fitted = None;
+        for _ in 0..3 {
+            let rigid = accelerance.get(..n_lines).unwrap_or_default();
+            let even = rigid.iter().map(|(omega, a)| {
+                let square = (omega / unit).powi(2);
+                ([1.0, square, square * square], a.re)
+            });
+            let Some(fit) = Fit::of(even) else {
+                return (None, None);
+            };
+            let [p, q, r] = fit.terms;
+            n_lines = accelerance
+                .iter()
+                .take_while(|(omega, _)| {
+                    let square = (omega / unit).powi(2);
+                    (p + q * square + r * square * square) / p > NEARLY_RIGID
+                })
+                .count();
+            fitted = Some((fit, rigid));
+        }
+        let Some((fit, rigid)) = fitted else {
+            return (None, None);
+        };
+        let [intercept, ..] = fit.terms;
+        let scale = self.scale_error() * weighed.mass;
+        let mass = MassCheck {
+            apparent: 1.0 / intercept,
+            standard_error: fit.error / (intercept * intercept),
+            degrees_of_freedom: fit.degrees_of_freedom,
+            weighed: (weighed.mass, weighed.standard_error.hypot(scale)),
+            n_lines: rigid.len(),
+        };
+        let phase = rigid.iter().map(|(omega, a)| {
+            let x = omega / unit;
+            ([x, x * x, x * x * x], (a / intercept).arg())
+        });
+        let delay = Fit::of(phase).map(|fit| {
+            let [slope, ..] = fit.terms;
+            DelayCheck {
+                delay: -slope / unit,
+                standard_error: fit.error / unit,
+                degrees_of_freedom: fit.degrees_of_freedom,
+            }
+        });
+        (Some(mass), delay)
+    }
+}
+
+/// Least squares by three terms.
+struct Fit {
+    terms: [f64; TERMS],
+    /// Standard error of the first term, by the scatter.
+    error: f64,
+    degrees_of_freedom: f64,
+}
+
+impl Fit {
+    /// Of rows and what they stand for: modified Gram-Schmidt from the last term to the first, whose own part is left at the end. `None` for fewer rows
+    /// than two more than terms, or terms that depend on each other.
+    fn of(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<Self> {
+        let (mut columns, mut values) = ([const { Vec::new() }; TERMS], Vec::new());
+        for (row, value) in rows {
+            for (column, x) in columns.iter_mut().zip(row) {
+                column.push(x);
+            }
+            values.push(value);
+        }
+        let n_rows = values.len();
+        if n_rows < FEWEST_RIGID {
             return None;
         }
-        let count = n_lines as f64;
-        let mean_x = rigid.iter().map(|(x, _)| x).sum::<f64>() / count;
-        let mean_y = rigid.iter().map(|(_, y)| y).sum::<f64>() / count;
-        let square: f64 = rigid.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-        let product: f64 = rigid.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-        let slope = product / square;
-        let intercept = mean_y - slope * mean_x;
-        let misfit: f64 = rigid
-            .iter()
-            .map(|(x, y)| (y - intercept - slope * x).powi(2))
-            .sum();
-        let variance = misfit / (count - 2.0) * (1.0 / count + mean_x * mean_x / square);
-        Some(MassCheck {
-            apparent: 1.0 / intercept,
-            standard_error: variance.sqrt() / (intercept * intercept),
-            weighed: (weighed.mass, weighed.standard_error),
-            n_lines,
-        })
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let take = |from: &mut [f64], part: f64, of: &[f64]| {
+            for (value, x) in from.iter_mut().zip(of) {
+                *value -= part * x;
+            }
+        };
+        let [mut first, mut second, third] = columns;
+        let of_third = dot(&third, &third);
+        let second_by_third = dot(&second, &third) / of_third;
+        take(&mut second, second_by_third, &third);
+        let first_by_third = dot(&first, &third) / of_third;
+        take(&mut first, first_by_third, &third);
+        let of_second = dot(&second, &second);
+        let first_by_second = dot(&first, &second) / of_second;
+        take(&mut first, first_by_second, &second);
+        let of_first = dot(&first, &first);
+        let c = dot(&values, &third) / of_third;
+        take(&mut values, c, &third);
+        let b = dot(&values, &second) / of_second;
+        take(&mut values, b, &second);
+        let a = dot(&values, &first) / of_first;
+        take(&mut values, a, &first);
+        let degrees_of_freedom = (n_rows - TERMS) as f64;
+        let error = (dot(&values, &values) / degrees_of_freedom / of_first).sqrt();
+        let b = b - a * first_by_second;
+        let c = c - a * first_by_third - b * second_by_third;
+        let fit = Self {
+            terms: [a, b, c],
+            error,
+            degrees_of_freedom,
+        };
+        (fit.error.is_finite() && [a, b, c].iter().all(|term| term.is_finite())).then_some(fit)
+    }
+}
+
+/// Probability of Student's law below `value`.
+fn below(value: f64, freedom: f64) -> f64 {
+    if freedom < MANY {
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(value))
+    } else {
+        Normal::standard().cdf(value)
+    }
+}
+
+/// The value that Student's law exceeds with the probability 1 - `probability`.
+fn quantile(probability: f64, freedom: f64) -> f64 {
+    if freedom < MANY {
+        let law = StudentsT::new(0.0, 1.0, freedom);
+        law.map_or(f64::INFINITY, |law| law.inverse_cdf(probability))
+    } else {
+        Normal::standard().inverse_cdf(probability)
     }
 }
 

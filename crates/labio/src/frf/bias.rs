@@ -1,6 +1,7 @@
 //! What the estimators of a frequency response are off by in the mean.
 
 use super::{Estimator, FrequencyResponse};
+use crate::{AveragedSpectra, LabioError};
 
 /// Relative systematic errors of |H| on one line. All are about the magnitude: noise that is uncorrelated with everything leaves the
 /// phase unbiased.
@@ -12,9 +13,9 @@ use super::{Estimator, FrequencyResponse};
 pub struct Bias {
     /// $`+\varepsilon^2/2`$: the modulus of a number with random error $`\varepsilon`$ in both components is too large in the mean.
     pub scatter: f64,
-    /// $`\gamma^2-1`$ for H1, 0 for H2, $`\gamma-1`$ for Hv.
+    /// $`\gamma^2-1`$ for H1, 0 for H2, $`\gamma-1`$ for Hv, 0 for Hs.
     pub input_noise: f64,
-    /// 0 for H1, $`1/\gamma^2-1`$ for H2, $`1/\gamma-1`$ for Hv.
+    /// 0 for H1, $`1/\gamma^2-1`$ for H2, $`1/\gamma-1`$ for Hv, 0 for Hs.
     pub output_noise: f64,
 }
 
@@ -34,13 +35,82 @@ impl FrequencyResponse {
                 Estimator::H1 => (coherence - 1.0, 0.0 * coherence),
                 Estimator::H2 => (0.0 * coherence, 1.0 / coherence - 1.0),
                 Estimator::Hv => (root - 1.0, 1.0 / root - 1.0),
+                Estimator::Hs => (0.0 * coherence, 0.0 * coherence),
             };
             Bias {
-                scatter: (1.0 - coherence) / (4.0 * self.effective_averages * coherence),
+                scatter: (1.0 - coherence) / (4.0 * (self.effective_averages - 1.0) * coherence),
                 input_noise,
                 output_noise,
             }
         };
         Some(coherences.iter().map(line).collect())
+    }
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the response was made of these spectra and has their lines, as the noise of a channel has"
+)]
+impl AveragedSpectra {
+    /// The bias of a response by the noise of its channels at rest, and its removal by [`Estimator::Hs`].
+    pub(super) fn consider_rest_noise(
+        &self,
+        response: &mut FrequencyResponse,
+    ) -> Result<(), LabioError> {
+        let (input, output) = (response.input.name(), response.output.name());
+        let part = |channel: &str| -> Result<Option<Vec<f64>>, LabioError> {
+            let levels = self.auto_lines(channel)?;
+            let noise = self.rest_energy(channel)?;
+            Ok(noise.map(|noise| noise.iter().zip(levels).map(|(n, g)| n / g).collect()))
+        };
+        let (on_input, on_output) = (part(input)?, part(output)?);
+        let n_lines = response.values.len();
+        let zero = || vec![0.0; n_lines];
+        let (on_input, on_output) = match (response.estimator, on_input, on_output) {
+            (Estimator::Hs, Some(on_input), Some(on_output)) => {
+                let coherence = self.pair(input, output)?.coherences();
+                for (line, c) in coherence.iter().enumerate() {
+                    let (a, b) = (on_input[line], on_output[line]);
+                    let root = ((b - a).powi(2) + 4.0 * a * b * c).sqrt();
+                    // the same number twice: the first loses its digits where the second keeps them
+                    let factor = match (a > 0.0 || b > 0.0, b >= a) {
+                        (false, _) => 1.0,
+                        (true, true) => 2.0 * b / (root + b - a),
+                        (true, false) => (root - b + a) / (2.0 * a * c),
+                    };
+                    response.values[line] *= factor;
+                    if let Some(variance) = &mut response.variance {
+                        variance[line] *= factor * factor;
+                    }
+                }
+                (Some(zero()), Some(zero()))
+            }
+            (Estimator::Hs, known, _) => {
+                let channel = if known.is_none() { input } else { output };
+                return Err(LabioError::UnknownRestNoise {
+                    channel: channel.to_owned(),
+                });
+            }
+            (Estimator::H1, on_input, _) => (on_input, Some(zero())),
+            (Estimator::H2, _, on_output) => (Some(zero()), on_output),
+            (Estimator::Hv, on_input, on_output) => (on_input, on_output),
+        };
+        response.noise_bias = on_input.zip(on_output).map(|(on_input, on_output)| {
+            let lines = on_input.iter().zip(&on_output).zip(&response.values);
+            lines
+                .map(|((a, b), value)| {
+                    // the part of the power that is signal; none of it leaves no number
+                    let signal = |noise: f64| if noise < 1.0 { 1.0 - noise } else { f64::NAN };
+                    let bias = match response.estimator {
+                        Estimator::H1 => -a,
+                        Estimator::H2 => b / signal(*b),
+                        Estimator::Hv => (signal(*a) / signal(*b)).sqrt() - 1.0,
+                        Estimator::Hs => 0.0,
+                    };
+                    if value.is_nan() { f64::NAN } else { bias }
+                })
+                .collect()
+        });
+        Ok(())
     }
 }

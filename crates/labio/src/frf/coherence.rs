@@ -57,8 +57,16 @@ impl Coherence {
                 expected: "between 0 and 1",
             });
         }
-        Ok(1.0 - probability.powf(1.0 / (self.effective_averages - 1.0)))
+        Ok(chance_level(probability, self.effective_averages))
     }
+
+    /// The probability with which noise alone reaches the coherence below which a line is not believed.
+    pub const CHANCE: f64 = 0.05;
+}
+
+/// The coherence that noise exceeds with probability `probability`.
+pub(crate) fn chance_level(probability: f64, effective_averages: f64) -> f64 {
+    1.0 - probability.powf(1.0 / (effective_averages - 1.0))
 }
 
 /// What is left of 1 by the rounding of samples and transforms: a converter of 24 bits leaves more.

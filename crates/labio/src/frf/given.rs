@@ -77,12 +77,15 @@ impl FrequencyResponse {
                 .collect(),
             coherence: None,
             variance: None,
+            degrees_of_freedom: None,
+            noise_bias: None,
+            common_error: None,
             validity,
         })
     }
 
     /// The same response with the ordinary coherence of `n_averages` independent hits, from which its variance is
-    /// $`\lvert H\rvert^2(1-\gamma^2)/(n\gamma^2)`$. What stands on lines without information is not read.
+    /// $`\lvert H\rvert^2(1-\gamma^2)/((n-1)\gamma^2)`$ with 2(n-1) degrees of freedom. What stands on lines without information is not read.
     ///
     /// # Errors
     ///
@@ -119,14 +122,16 @@ impl FrequencyResponse {
             }
             *slot = check_finite(
                 "variance of a line",
-                value.norm_sqr() * (1.0 - *c) / (n_averages as f64 * *c),
+                value.norm_sqr() * (1.0 - *c) / ((n_averages - 1) as f64 * *c),
             )?;
         }
         self.n_averages = n_averages;
         self.effective_averages = n_averages as f64;
         self.coherence = Some(coherence);
         self.variance = Some(variance);
-        Ok(self)
+        let freedom = 2.0 * (n_averages - 1) as f64;
+        let freedom = vec![freedom; self.values.len()];
+        self.with_degrees_of_freedom(&freedom)
     }
 
     /// The same response with this variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex line. What stands on lines without
@@ -151,6 +156,90 @@ impl FrequencyResponse {
             }
         }
         self.variance = Some(variance);
+        let known = vec![f64::INFINITY; self.values.len()];
+        self.with_degrees_of_freedom(&known)
+    }
+
+    /// The same response with these degrees of freedom of its variance. What stands on lines without information is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is not positive; [`LabioError::TooFewAverages`] for a
+    /// response without a variance.
+    pub fn with_degrees_of_freedom(mut self, freedom: &[f64]) -> Result<Self, LabioError> {
+        self.check_lines("lines of the degrees of freedom", freedom.len())?;
+        if self.variance.is_none() {
+            return Err(LabioError::TooFewAverages {
+                estimate: "a variance with degrees of freedom",
+                found: self.n_averages,
+                expected: 2,
+            });
+        }
+        let lines = freedom.iter().zip(&self.validity);
+        let line = |(freedom, validity): (&f64, &LineValidity)| {
+            if *validity != LineValidity::Valid {
+                Ok(f64::NAN)
+            } else if *freedom > 0.0 {
+                Ok(*freedom)
+            } else {
+                Err(LabioError::NonPhysical {
+                    quantity: "degrees of freedom of a line",
+                    value: *freedom,
+                    expected: "a number above 0",
+                })
+            }
+        };
+        self.degrees_of_freedom = Some(lines.map(line).collect::<Result<_, _>>()?);
+        Ok(self)
+    }
+
+    /// The same response with a relative standard uncertainty of its own on every line that the lines share. What stands on lines without
+    /// information is not read.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_common_errors(mut self, relative: &[f64]) -> Result<Self, LabioError> {
+        self.check_lines("lines of the common error", relative.len())?;
+        let lines = relative.iter().zip(&self.validity);
+        let line = |(error, validity): (&f64, &LineValidity)| {
+            if *validity != LineValidity::Valid {
+                Ok(f64::NAN)
+            } else if error.is_finite() && *error >= 0.0 {
+                Ok(*error)
+            } else {
+                Err(LabioError::NonPhysical {
+                    quantity: "relative standard uncertainty of a line",
+                    value: *error,
+                    expected: "a finite value, not negative",
+                })
+            }
+        };
+        self.common_error = Some(lines.map(line).collect::<Result<_, _>>()?);
+        Ok(self)
+    }
+
+    /// The same response with a relative standard uncertainty that all lines share, as that of the sensors: beside what it had, to which it
+    /// is independent. Nothing changes for 0.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_common_error(mut self, relative: f64) -> Result<Self, LabioError> {
+        if !(relative.is_finite() && relative >= 0.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "relative standard uncertainty of all lines",
+                value: relative,
+                expected: "a finite value, not negative",
+            });
+        }
+        if relative > 0.0 {
+            let n_lines = self.values.len();
+            let lines = self.common_error.get_or_insert_with(|| vec![0.0; n_lines]);
+            for line in lines {
+                *line = line.hypot(relative);
+            }
+        }
         Ok(self)
     }
 
@@ -283,8 +372,8 @@ mod tests {
         let two = response()
             .with_coherence(vec![0.5; FEWEST_LINES], 2)
             .unwrap();
-        // |H|² (1 - c) / (n c)
-        assert!((two.variance.unwrap()[1] - 0.5).abs() < 1e-15);
+        // |H|² (1 - c) / ((n - 1) c)
+        assert!((two.variance.unwrap()[1] - 1.0).abs() < 1e-15);
         let nothing = response().with_coherence(vec![0.0; FEWEST_LINES], 2);
         assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
     }

@@ -273,6 +273,7 @@ impl SpectrumAverager {
     pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
         let about = Averaged {
             channels: &self.channels,
+            weights: &self.weights,
             sampling_rate_hz: self.sampling_rate_hz,
             n_samples: self.n_samples,
             window: self.window,
@@ -300,6 +301,7 @@ impl SpectrumAverager {
         let sums = (self.auto_sums, self.cross_sums);
         let about = Averaged {
             channels: &self.channels,
+            weights: &self.weights,
             sampling_rate_hz: self.sampling_rate_hz,
             n_samples: self.n_samples,
             window: self.window,
@@ -395,6 +397,7 @@ fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioErr
 /// All that is known of sums when they become averages.
 struct Averaged<'a> {
     channels: &'a [Channel],
+    weights: &'a [Vec<f64>],
     sampling_rate_hz: f64,
     n_samples: usize,
     window: Window,
@@ -452,7 +455,17 @@ impl Averaged<'_> {
             }
         }
         let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
+        let noise_duration = |weights: &Vec<f64>| {
+            let squares = if weights.is_empty() {
+                n_samples as f64
+            } else {
+                weights.iter().map(|weight| weight * weight).sum()
+            };
+            squares * time_step / self.gains.power
+        };
         Ok(AveragedSpectra {
+            noise_durations: self.weights.iter().map(noise_duration).collect(),
+            rest_energy: vec![None; self.channels.len()],
             channels: self.channels.to_vec(),
             n_averages: self.n_averages,
             effective_averages,

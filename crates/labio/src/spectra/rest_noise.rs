@@ -7,8 +7,6 @@ use std::f64::consts::PI;
 
 /// Longest segment of samples that is transformed: noise has no fine structure that a hit of a few thousand samples could show.
 const LONGEST_SEGMENT: usize = 64;
-/// Fewest samples before a hit.
-const FEWEST_SAMPLES: usize = 16;
 
 /// Power spectral density of the noise of one channel, from the silent samples before several hits.
 ///
@@ -42,6 +40,9 @@ pub struct RestNoise {
 }
 
 impl RestNoise {
+    /// Fewest samples before a hit.
+    pub const FEWEST_SAMPLES: usize = 16;
+
     /// The noise of the channel called `channel` in the first `n_silent` samples of each of `hits`.
     ///
     /// # Errors
@@ -50,11 +51,11 @@ impl RestNoise {
     /// [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit that is not like
     /// the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
-        if n_silent < FEWEST_SAMPLES {
+        if n_silent < Self::FEWEST_SAMPLES {
             return Err(LabioError::TooFewSamples {
                 what: "the silence before a hit",
                 found: n_silent,
-                expected: FEWEST_SAMPLES,
+                expected: Self::FEWEST_SAMPLES,
             });
         }
         let Some(first) = hits.first() else {

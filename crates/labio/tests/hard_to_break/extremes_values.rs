@@ -327,7 +327,7 @@ fn responses_from_lines() {
             .with_variance(vec![x; 9])
             .map(|r| r.variance.unwrap())
     });
-    sweep("coverage", |x| {
+    sweep("level", |x| {
         let report = of(1.0, Complex64::ONE)?
             .with_variance(vec![0.1; 9])?
             .passivity(x)?;

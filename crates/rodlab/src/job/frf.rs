@@ -17,8 +17,8 @@ mod universal;
 mod words;
 
 pub use sheet::{
-    BandSheet, DetrendSheet, EstimatorSheet, ExponentialWindowSheet, ForceWindowSheet, FrfSheet,
-    KindSheet, MergeSheet, SecondHammerSheet, WeighedMassSheet, WindowSheet,
+    BandSheet, DetrendSheet, ExponentialWindowSheet, ForceWindowSheet, FrfSheet, KindSheet,
+    SecondHammerSheet, WeighedMassSheet, WindowSheet,
 };
 
 use labio::{AveragedSpectra, Record};
@@ -29,9 +29,11 @@ use self::settings::settings;
 use self::words::capital;
 use super::Surroundings;
 use crate::figure::Greyed;
-use crate::hits::{FoundHits, HitsSheet, expect_independent};
+use crate::chosen::Chosen;
+use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::{Quantity, Verdict};
 use crate::records::{Records, expect_different_files};
+use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
@@ -70,14 +72,20 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
         outcome.doubt(doubt);
     }
     let accepted: Vec<Vec<&Record>> = sets.iter().map(FoundHits::accepted).collect();
-    let hit = accepted[0][0];
+    let first_hits: Vec<&Record> = accepted.iter().map(|hits| hits[0]).collect();
+    let hit = first_hits[0];
     for output in &outputs {
         estimate::check_kind(sheet, hit, output)?;
     }
     around.has_read_all()?;
     let mut spectra = Vec::with_capacity(sets.len());
-    for hits in &accepted {
-        spectra.push(estimate::spectra(sheet, hits, around)?);
+    for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
+        let mut chosen = Chosen::default();
+        let field = format!("{place}silent");
+        let n_silent = silent_samples(found, sheet.silent.as_ref(), &field, &mut chosen)?;
+        outcome.settings.extend(chosen.into_settings());
+        let averaged = estimate::spectra(sheet, hits, around)?;
+        spectra.push(with_silence(averaged, hits, n_silent, &channels, &field)?);
     }
     let band = band_of(sheet, &spectra[0])?;
     let greyed = outside_of(sheet, band, &spectra[0]);
@@ -88,7 +96,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
         around.go_on()?;
         estimated.push((
             output.clone(),
-            estimate::estimate(sheet, &spectra, output, hit)?,
+            estimate::estimate(sheet, &spectra, output, &first_hits)?,
         ));
         around.progress.one_more();
     }
@@ -321,6 +329,13 @@ fn warn(
         ));
     }
     for (output, one) in estimated {
+        for said in one
+            .merged
+            .iter()
+            .flat_map(|merged| disagreements(merged, "the second hammer", output))
+        {
+            outcome.doubt(said);
+        }
         let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
             continue;
         };

@@ -10,7 +10,7 @@ mod universal;
 use serde::Deserialize;
 
 use self::known::Known;
-pub use self::source::{MergeSheet, SourceSheet};
+pub use self::source::SourceSheet;
 use super::{About, Surroundings};
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::responses::{CompletionSheet, SupportSheet};

@@ -25,6 +25,15 @@ const MOST_BEFORE: usize = 1 << 20;
 /// What stands behind the name of a response in the name of its standard error.
 pub(crate) const STANDARD_ERROR: &str = ", standard error";
 
+/// The same of the degrees of freedom of the standard error.
+pub(crate) const FREEDOM: &str = ", degrees of freedom";
+
+/// The same of the relative standard uncertainty that lines share.
+pub(crate) const COMMON_ERROR: &str = ", error that lines share";
+
+/// What stands before the number of averages in the third text of a data set.
+pub(crate) const AVERAGES: &str = "averages: ";
+
 /// A frequency response in a file: UFF58, or any other that holds lines on a frequency axis.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -101,13 +110,18 @@ impl ResponseFile {
         values.splice(0..0, std::iter::repeat_n(nothing, lines.before));
         let [input, output] = quantities(kind);
         let channel = |quantity: Quantity| Channel::new(quantity.name(), quantity).map_err(reading);
-        let response = FrequencyResponse::of_lines(
+        let mut response = FrequencyResponse::of_lines(
             channel(input)?,
             channel(output)?,
             lines.spacing_hz,
             values,
         )
         .map_err(reading)?;
+        let said = series.properties.iter().find_map(|(field, text)| {
+            let number = text.strip_prefix(AVERAGES)?;
+            (field == "uff58.id3").then(|| number.trim().parse().ok()).flatten()
+        });
+        response.n_averages = said.unwrap_or(response.n_averages);
         self.with_errors(response, &contents, (&series.name, &lines), scale, field)
     }
 
@@ -151,31 +165,48 @@ impl ResponseFile {
             Ok(values)
         };
         let step = |error| RodlabError::step(format!("{field}, {}", self.file), error);
-        let beside = format!("{name}{STANDARD_ERROR}");
-        let called = contents.series.iter().any(|series| series.name == beside);
-        let by_default = (called && self.coherence.is_none()).then_some(Selector::Name(beside));
+        let beside = |what: &str| {
+            let name = format!("{name}{what}");
+            let called = contents.series.iter().any(|series| series.name == name);
+            called.then_some(Selector::Name(name))
+        };
+        let by_default = beside(STANDARD_ERROR).filter(|_| self.coherence.is_none());
         let standard_error = self.standard_error.as_ref().or(by_default.as_ref());
-        match (standard_error, &self.coherence, self.averages) {
+        let mut response = match (standard_error, &self.coherence, self.averages) {
             (Some(selector), _, _) => {
                 let errors = reals(selector, "standard_error")?;
                 let variance = errors.iter().map(|e| (e * scale).powi(2)).collect();
-                response.with_variance(variance).map_err(step)
+                let mut response = response.with_variance(variance).map_err(step)?;
+                if let Some(selector) = beside(FREEDOM) {
+                    let freedom = reals(&selector, "degrees of freedom")?;
+                    response = response.with_degrees_of_freedom(&freedom).map_err(step)?;
+                }
+                response
             }
             (None, Some(selector), Some(averages)) => response
                 .with_coherence(reals(selector, "coherence")?, averages)
-                .map_err(step),
-            (None, Some(_), None) => Err(RodlabError::request(
-                format!("{field}.averages"),
-                "not stated",
-                "the number of hits, which with the coherence tells the errors",
-            )),
-            (None, None, Some(_)) => Err(RodlabError::request(
-                format!("{field}.coherence"),
-                "not stated",
-                "the data set of the coherence, which with the averages tells the errors",
-            )),
-            (None, None, None) => Ok(response),
+                .map_err(step)?,
+            (None, Some(_), None) => {
+                return Err(RodlabError::request(
+                    format!("{field}.averages"),
+                    "not stated",
+                    "the number of hits, which with the coherence tells the errors",
+                ));
+            }
+            (None, None, Some(_)) => {
+                return Err(RodlabError::request(
+                    format!("{field}.coherence"),
+                    "not stated",
+                    "the data set of the coherence, which with the averages tells the errors",
+                ));
+            }
+            (None, None, None) => response,
+        };
+        if let Some(selector) = beside(COMMON_ERROR) {
+            let errors = reals(&selector, "error that lines share")?;
+            response = response.with_common_errors(&errors).map_err(step)?;
         }
+        Ok(response)
     }
 
     /// The data set of the response.

@@ -1,16 +1,18 @@
 //! A frequency response from hits.
 
 use labio::{
-    AddedDamping, AveragedSpectra, Estimator, ForceWindow, Quantity, Record, SpectrumAverager,
-    Window,
+    AddedDamping, AveragedSpectra, Estimator, ForceWindow, FrequencyResponse, LabioError,
+    MergedResponse, Quantity, Record, RestNoise, SpectrumAverager, Window,
 };
 use serde::Deserialize;
 
-use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise};
+use crate::chosen::Chosen;
+use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise, silent_samples};
 use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_quantity};
-use crate::sheet::{Exact, Ratio, Time};
+use crate::sheet::{Duration, Exact, Ratio, Time};
+use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.
@@ -35,6 +37,10 @@ pub struct HitsSource {
     /// Exponential window on both channels, by its weight at the end of a hit, as `"1 %"`.
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
+    /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
+    /// pre-trigger of hits that are cut by a trigger.
+    #[serde(default)]
+    pub silent: Option<Exact<Duration>>,
 }
 
 /// How a response is formed of averaged spectra.
@@ -47,6 +53,8 @@ pub enum EstimatorSheet {
     H2,
     /// Geometric mean of the two.
     Hv,
+    /// Errors in variables, with the noise that both channels have before the blow.
+    Hs,
 }
 
 impl EstimatorSheet {
@@ -57,8 +65,110 @@ impl EstimatorSheet {
             Self::H1 => Estimator::H1,
             Self::H2 => Estimator::H2,
             Self::Hv => Estimator::Hv,
+            Self::Hs => Estimator::Hs,
         }
     }
+}
+
+/// How two tests become one, line by line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum MergeSheet {
+    /// Weighed by the inverse of their relative variances.
+    #[default]
+    InverseVariance,
+    /// The test with the larger coherent spectrum of the input (Ödeen 1993, paper E, section 3.1).
+    #[serde(alias = "LargerForce")]
+    LargerInput,
+}
+
+impl MergeSheet {
+    /// One response of these tests, each with the relative standard uncertainty that its sensors give to all of its lines.
+    ///
+    /// # Errors
+    ///
+    /// As [`MergedResponse::by_inverse_variance`] and [`MergedResponse::by_larger_input`].
+    pub fn merge(
+        self,
+        tests: &[(AveragedSpectra, f64)],
+        estimator: Estimator,
+        (input, output): (&str, &str),
+    ) -> Result<MergedResponse, LabioError> {
+        let responses = tests
+            .iter()
+            .map(|(spectra, sensors)| {
+                let response = spectra.response(estimator, input, output)?;
+                response.with_common_error(*sensors)
+            })
+            .collect::<Result<Vec<FrequencyResponse>, _>>()?;
+        match self {
+            Self::InverseVariance => MergedResponse::by_inverse_variance(&responses),
+            Self::LargerInput => {
+                let levels = tests
+                    .iter()
+                    .map(|(spectra, _)| spectra.auto(input))
+                    .collect::<Result<Vec<_>, _>>()?;
+                let levels: Vec<&[f64]> = levels.iter().map(Vec::as_slice).collect();
+                MergedResponse::larger_of(&responses, &levels)
+            }
+        }
+    }
+}
+
+/// What two hammers, the second called `second`, do not have in common beyond their errors, a clause each.
+#[must_use]
+pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec<String> {
+    let mut said = Vec::new();
+    for agreement in merged.agreement.iter().flatten() {
+        if !agreement.explains_gain() {
+            said.push(format!(
+                "`{output}`: {second} gives {:.4} times the response of the other, ± {} %, on {} lines that both have: the sensors explain ± {} %, and the half of the power of the difference is in the error that all lines share",
+                agreement.gain,
+                short(100.0 * agreement.relative_error),
+                agreement.n_lines,
+                short(100.0 * agreement.expected),
+            ));
+        }
+        if !agreement.explains_delay() {
+            said.push(format!(
+                "`{output}`: {second} answers {} us {} than the other, ± {} us",
+                short(1e6 * agreement.delay.abs()),
+                if agreement.delay > 0.0 { "later" } else { "earlier" },
+                short(1e6 * agreement.delay_error),
+            ));
+        }
+    }
+    let inflated = merged.inflation.iter().filter(|factor| **factor > 1.0);
+    let (count, most) = inflated.fold((0, 1.0_f64), |(n, most), f| (n + 1, most.max(*f)));
+    if count > 0 {
+        said.push(format!(
+            "`{output}`: the hammers differ by more than their errors on {count} lines, whose errors are larger for it by a factor of up to {}",
+            short(most.sqrt())
+        ));
+    }
+    said
+}
+
+/// `spectra` with the noise of both channels in the silence before these hits, where its length is known.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] with the place `field` of the silence in the sheet.
+pub fn with_silence(
+    mut spectra: AveragedSpectra,
+    hits: &[&Record],
+    n_silent: Option<usize>,
+    channels: &[&str],
+    field: &str,
+) -> Result<AveragedSpectra, RodlabError> {
+    let refused = |error| RodlabError::step(field, error);
+    let Some(n_silent) = n_silent.filter(|n| *n >= RestNoise::FEWEST_SAMPLES) else {
+        return Ok(spectra);
+    };
+    for channel in channels {
+        let noise = RestNoise::before(hits, channel, n_silent).map_err(refused)?;
+        spectra = spectra.with_rest_noise(channel, &noise).map_err(refused)?;
+    }
+    Ok(spectra)
 }
 
 /// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times count from the first sample of the hit.
@@ -204,6 +314,24 @@ impl HitsSource {
         let spectra = averager.spectra().map_err(averaging)?;
         expect_noise(&spectra, (&self.force, &self.response), field)?;
         Ok(spectra)
+    }
+
+    /// Number of samples before a blow in which the channels rest, if it is known; `outcome` is told.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a time that is not one of samples.
+    pub fn silent_samples(
+        &self,
+        found: &FoundHits,
+        field: &str,
+        outcome: &mut Outcome,
+    ) -> Result<Option<usize>, RodlabError> {
+        let mut chosen = Chosen::default();
+        let place = format!("{field}.silent");
+        let silent = silent_samples(found, self.silent.as_ref(), &place, &mut chosen)?;
+        outcome.settings.extend(chosen.into_settings());
+        Ok(silent)
     }
 
     /// Relative standard uncertainty that the sensor chains of `hit` give to the whole response.

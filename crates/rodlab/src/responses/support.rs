@@ -140,7 +140,13 @@ pub fn measured_body(
             *first = 0.0;
         }
         body = body.with_variance(&variance).map_err(refused)?;
+        if let Some(freedom) = &mobility.degrees_of_freedom {
+            body = body.with_degrees_of_freedom(freedom).map_err(refused)?;
+        }
     }
+    let common = mobility.common_error.iter().flatten();
+    let scale = common.copied().filter(|e| e.is_finite()).fold(0.0, f64::max);
+    body = body.with_scale_error(scale).map_err(refused)?;
     if let Some(impedance) = front_impedance.map(NotFollowed::si).or(front) {
         body = body.with_front_impedance(impedance).map_err(refused)?;
     }

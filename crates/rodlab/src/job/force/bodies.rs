@@ -169,16 +169,23 @@ fn read_measured(
     if let Some(up_to) = &sheet.up_to {
         cut(&mut response, up_to, &format!("{field}.up_to"))?;
     }
+    if let Some(scale) = &sheet.scale_uncertainty {
+        response = response
+            .with_common_error(scale.si())
+            .map_err(|error| RodlabError::step(format!("{field}.scale_uncertainty"), error))?;
+    }
+    let mut first_measured = 1;
     if let Some(completion) = &sheet.complete {
         let place = format!("{field}.complete");
-        response = completion.complete(&response, &sheet.support, &place)?.0;
+        (response, first_measured) = completion.complete(&response, &sheet.support, &place)?;
     }
     let mut body = measured_body(
         &response,
         &sheet.support,
         sheet.front_impedance.as_ref(),
         field,
-    )?;
+    )?
+    .with_first_measured(first_measured);
     let mut say = |name: &str, value: String, by_default: bool| {
         outcome.settings.push(Setting {
             name: format!("{field}.{name}"),

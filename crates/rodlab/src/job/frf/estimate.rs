@@ -5,13 +5,10 @@ use labio::{
     LineValidity, MergedResponse, Record, ResponseKind, RigidBand, RigidBody, SpectrumAverager,
 };
 
-use super::sheet::{ExponentialWindowSheet, FrfSheet, MergeSheet};
+use super::sheet::{ExponentialWindowSheet, FrfSheet};
 use crate::RodlabError;
 use crate::hits::expect_noise;
 use crate::job::Surroundings;
-
-/// Probability with which noise alone reaches the coherence below which a line is not believed.
-pub(super) const CHANCE: f64 = 0.05;
 
 /// A response and all that says how good it is.
 #[derive(Debug)]
@@ -22,16 +19,19 @@ pub(super) struct Estimated {
     pub(super) coherences: Vec<Coherence>,
     /// Why each line is not to be believed; none for one that is.
     pub(super) objections: Vec<Option<&'static str>>,
-    /// Share of the first of two hammers in every line, and the discrepancy of the two.
-    pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
+    /// What each of two hammers gives, and how far they agree.
+    pub(super) merged: Option<MergedResponse>,
     /// What the lines say of the mass.
     pub(super) completed: Option<CompletedResponse>,
-    /// Relative standard uncertainty of all lines by the two sensor chains.
+    /// Largest relative standard uncertainty that lines share: of the sensor chains, and of two hammers that disagree.
     pub(super) calibration: f64,
 }
 
 /// What speaks against the lines of a test with a single hit.
 const ONE_HIT: &str = "error not known from one hit";
+
+/// What speaks against lines that the noise of the channels bends by more than it scatters them.
+const BIASED: &str = "bias by noise at rest above the random error";
 
 /// Standard deviations of the number of lines that chance passes, by which more must hold.
 const BEYOND_CHANCE: f64 = 4.0;
@@ -44,7 +44,7 @@ impl Estimated {
             return true;
         }
         let tests = i32::try_from(self.coherences.len()).unwrap_or(i32::MAX);
-        let passes = 1.0 - (1.0 - CHANCE).powi(tests);
+        let passes = 1.0 - (1.0 - Coherence::CHANCE).powi(tests);
         let expected = passes * n_lines as f64;
         n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
     }
@@ -122,42 +122,41 @@ pub(super) fn spectra(
     averager.spectra().map_err(averaging)
 }
 
-/// The response from the input to `output` of one test or two; `hit` is one of the hits, for its sensor chains.
+/// The response from the input to `output` of one test or two; `hits` are one hit of each, for their sensor chains.
 pub(super) fn estimate(
     sheet: &FrfSheet,
     tests: &[AveragedSpectra],
     output: &str,
-    hit: &Record,
+    hits: &[&Record],
 ) -> Result<Estimated, RodlabError> {
     let input = sheet.input.as_str();
     let refused = |error| RodlabError::step(format!("response of `{output}`"), error);
     let estimator = sheet.estimator.unwrap_or_default().estimator();
+    let with_sensors = tests
+        .iter()
+        .zip(hits)
+        .map(|(test, hit)| Ok((test.clone(), sensors(hit, [input, output])?)))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(refused)?;
     let (response, merged) = if let ([_, _, ..], Some(second)) = (tests, &sheet.second_hammer) {
-        let merged = match second.merge.unwrap_or_default() {
-            MergeSheet::LargerInput => {
-                let tests: Vec<&AveragedSpectra> = tests.iter().collect();
-                MergedResponse::by_larger_input(&tests, estimator, input, output)
-            }
-            MergeSheet::InverseVariance => tests
-                .iter()
-                .map(|test| test.response(estimator, input, output))
-                .collect::<Result<Vec<_>, _>>()
-                .and_then(|responses| MergedResponse::by_inverse_variance(&responses)),
-        }
-        .map_err(|error| RodlabError::step("second_hammer", error))?;
-        let shares = merged.shares.row(0).to_vec();
-        (merged.response, Some((shares, merged.discrepancy)))
+        let merge = second.merge.unwrap_or_default();
+        let merged = merge
+            .merge(&with_sensors, estimator, (input, output))
+            .map_err(|error| RodlabError::step("second_hammer", error))?;
+        (merged.response.clone(), Some(merged))
     } else {
-        let responses = tests
-            .iter()
-            .map(|test| test.response(estimator, input, output));
-        let first = responses.into_iter().next();
         let none = LabioError::TooFewAverages {
             estimate: "a frequency response",
             found: 0,
             expected: 1,
         };
-        (first.unwrap_or(Err(none)).map_err(refused)?, None)
+        let response = match with_sensors.first() {
+            Some((test, sensors)) => test
+                .response(estimator, input, output)
+                .and_then(|response| response.with_common_error(*sensors)),
+            None => Err(none),
+        };
+        (response.map_err(refused)?, None)
     };
     let mut coherences = Vec::new();
     let mut of_one_hit = Vec::with_capacity(tests.len());
@@ -172,11 +171,11 @@ pub(super) fn estimate(
         of_one_hit.push(coherence.is_none());
         coherences.extend(coherence);
     }
-    let mut objections = objections(&response, &coherences, merged.is_some())?;
+    let mut objections = objections(&response, &coherences, merged.as_ref())?;
     for (line, objection) in objections.iter_mut().enumerate() {
         let first = merged
             .as_ref()
-            .map_or(Some(&1.0), |(shares, _)| shares.get(line));
+            .map_or(Some(&1.0), |merged| merged.shares.get((0, line)));
         let first = first.copied().unwrap_or(f64::NAN);
         let alone = of_one_hit.iter().zip([first, 1.0 - first]);
         if objection.is_none()
@@ -218,11 +217,8 @@ pub(super) fn estimate(
             *objection = Some(super::words::validity_in_words(*validity));
         }
     }
-    let mut calibration: f64 = 0.0;
-    for channel in [input, output] {
-        let chain = hit.chain(channel).map_err(refused)?;
-        calibration = calibration.hypot(chain.map_or(0.0, |c| c.relative_uncertainty()));
-    }
+    let common = response.common_error.iter().flatten();
+    let calibration = common.copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
     Ok(Estimated {
         response,
         coherences,
@@ -233,17 +229,29 @@ pub(super) fn estimate(
     })
 }
 
-/// What speaks against each line: no information, or a coherence that noise alone would reach.
+/// Relative standard uncertainty by the sensor chains of these channels.
+fn sensors(hit: &Record, channels: [&str; 2]) -> Result<f64, LabioError> {
+    let mut relative: f64 = 0.0;
+    for channel in channels {
+        let chain = hit.chain(channel)?;
+        relative = relative.hypot(chain.map_or(0.0, |c| c.relative_uncertainty()));
+    }
+    Ok(relative)
+}
+
+/// What speaks against each line: no information, a coherence that noise alone would reach in the tests that gave it, or a bias by noise at
+/// rest beyond the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],
-    merged: bool,
+    merged: Option<&MergedResponse>,
 ) -> Result<Vec<Option<&'static str>>, RodlabError> {
     let levels = coherences
         .iter()
-        .map(|coherence| coherence.chance_level(CHANCE))
+        .map(|coherence| coherence.chance_level(Coherence::CHANCE))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| RodlabError::step("the level of chance", error))?;
+    let errors = response.random_error();
     Ok(response
         .validity
         .iter()
@@ -256,11 +264,20 @@ fn objections(
                 let value = coherence.values.get(line);
                 value.is_some_and(|value| value > level)
             };
-            let believed = coherences.is_empty() || coherences.iter().zip(&levels).any(above);
-            match (believed, merged) {
-                (true, _) => None,
-                (false, false) => Some("coherence as of chance"),
-                (false, true) => Some("coherence as of chance in both tests"),
+            let coherent = match merged {
+                Some(merged) => merged.coherent.get(line).copied().unwrap_or(false),
+                None => coherences.is_empty() || coherences.iter().zip(&levels).any(above),
+            };
+            let bias = response.noise_bias.as_ref().and_then(|b| b.get(line));
+            let error = errors.as_ref().and_then(|errors| errors.get(line));
+            let biased = bias
+                .zip(error)
+                // one that is no number belongs to a line of noise
+                .is_some_and(|(bias, error)| !(bias.abs() <= error.magnitude));
+            match (coherent, merged) {
+                (true, _) => biased.then_some(BIASED),
+                (false, None) => Some("coherence as of chance"),
+                (false, Some(_)) => Some("coherence as of chance in both tests"),
             }
         })
         .collect())

@@ -228,7 +228,7 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     let level = estimated
         .coherences
         .first()
-        .and_then(|c| c.chance_level(super::estimate::CHANCE).ok());
+        .and_then(|c| c.chance_level(labio::Coherence::CHANCE).ok());
     if let ([Some(first), Some(last)], Some(level)) = (ends, level) {
         marks.push(Mark::Line {
             name: "reached by chance once in twenty".to_owned(),
@@ -291,7 +291,8 @@ pub(super) fn merge(
     band: Band,
     greyed: &[Greyed],
 ) -> Option<Figure> {
-    let (shares, discrepancy) = estimated.merged.as_ref()?;
+    let merged = estimated.merged.as_ref()?;
+    let shares = merged.shares.row(0).to_vec();
     let drawn = Drawn::of(estimated);
     let line = |values: &[f64]| Mark::Line {
         name: String::new(),
@@ -306,13 +307,13 @@ pub(super) fn merge(
         panels: vec![
             drawn.panel(
                 Axis::linear("share of the first hammer", "").within([0.0, 1.0]),
-                vec![line(shares)],
+                vec![line(&shares)],
                 greyed,
                 band,
             ),
             drawn.panel(
                 Axis::logarithmic("discrepancy", ""),
-                vec![line(discrepancy)],
+                vec![line(&merged.discrepancy)],
                 greyed,
                 band,
             ),

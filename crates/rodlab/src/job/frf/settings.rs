@@ -1,7 +1,8 @@
 //! What was chosen, by the sheet or by default.
 
-use super::sheet::{ExponentialWindowSheet, FrfSheet, MergeSheet, WindowSheet};
+use super::sheet::{ExponentialWindowSheet, FrfSheet, WindowSheet};
 use crate::outcome::Setting;
+use crate::responses::MergeSheet;
 
 /// Every choice of the sheet but those of records and hits.
 pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
@@ -69,7 +70,7 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
     if let Some(second) = &sheet.second_hammer {
         let merge = match second.merge.unwrap_or_default() {
             MergeSheet::InverseVariance => "by inverse variance",
-            MergeSheet::LargerInput => "by the larger input",
+            MergeSheet::LargerInput => "by the larger coherent input",
         };
         say(
             "second_hammer.merge",

@@ -1,6 +1,6 @@
 //! The sheet of the job.
 
-use labio::{Detrend, Estimator, ForceWindow, ResponseKind, Window};
+use labio::{Detrend, ForceWindow, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
@@ -8,6 +8,7 @@ use crate::job::About;
 use crate::RodlabError;
 use crate::hits::HitsSheet;
 use crate::records::Records;
+use crate::responses::{EstimatorSheet, MergeSheet};
 use crate::sheet::{Duration, Exact, Frequency, ImpactMass, Ratio, Stated, Time};
 
 /// Sheet of the job.
@@ -29,7 +30,8 @@ pub struct FrfSheet {
     /// Channels that are divided; by default all others, as `["end A"]`.
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
-    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for the same relative noise on both.
+    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for the same relative noise on both, `Hs` for the noise that
+    /// the channels have in the silence before a blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
     /// Weight of the samples of all channels; by default `Rectangular`, which is the one for hits that die out.
@@ -44,6 +46,10 @@ pub struct FrfSheet {
     /// What is taken off every hit before the windows: `Nothing` (default), `Mean` or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
+    /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
+    /// pre-trigger of hits that are cut by a trigger.
+    #[serde(default)]
+    pub silent: Option<Exact<Duration>>,
     /// Frequencies that the result is for; by default all above 0 Hz.
     #[serde(default)]
     pub band: Option<BandSheet>,
@@ -56,28 +62,6 @@ pub struct FrfSheet {
     /// Weighed mass of a free body, which replaces the lines of low frequency.
     #[serde(default)]
     pub weighed_mass: Option<WeighedMassSheet>,
-}
-
-/// How the response is formed of the averaged spectra.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-pub enum EstimatorSheet {
-    /// Cross-spectrum over the auto-spectrum of the input.
-    #[default]
-    H1,
-    /// Auto-spectrum of the output over the cross-spectrum.
-    H2,
-    /// Geometric mean of the two.
-    Hv,
-}
-
-impl EstimatorSheet {
-    pub(super) fn estimator(self) -> Estimator {
-        match self {
-            Self::H1 => Estimator::H1,
-            Self::H2 => Estimator::H2,
-            Self::Hv => Estimator::Hv,
-        }
-    }
 }
 
 /// Weight of the samples of all channels.
@@ -229,16 +213,6 @@ pub struct SecondHammerSheet {
     /// How the two become one; by default `InverseVariance`.
     #[serde(default)]
     pub merge: Option<MergeSheet>,
-}
-
-/// How two tests become one, line by line.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-pub enum MergeSheet {
-    /// Weighed by the inverse of their variances.
-    #[default]
-    InverseVariance,
-    /// The test with the larger spectrum of the input (Ödeen 1993, paper E, section 3.1).
-    LargerInput,
 }
 
 /// A free body that was weighed.

@@ -4,6 +4,7 @@ use super::estimate::Estimated;
 use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
 use crate::outcome::{Column, Quantity, Table};
+use crate::responses::MOST_FREEDOM;
 use crate::rounded::{hertz, short};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -73,16 +74,31 @@ pub(super) fn table(
             each(&|line| DEGREES * errors[line].phase),
         ));
     }
-    if let Some((shares, discrepancy)) = &estimated.merged {
+    if let Some(freedom) = &response.degrees_of_freedom {
+        columns.push(Column::numbers(
+            "degrees of freedom of the errors",
+            "",
+            each(&|line| freedom[line].min(MOST_FREEDOM)),
+        ));
+    }
+    for (name, list) in [
+        ("bias of the magnitude by noise at rest", &response.noise_bias),
+        ("error that lines share", &response.common_error),
+    ] {
+        if let Some(list) = list {
+            columns.push(Column::numbers(name, "%", each(&|line| 100.0 * list[line])));
+        }
+    }
+    if let Some(merged) = &estimated.merged {
         columns.push(Column::numbers(
             "share of the first hammer",
             "",
-            each(&|line| shares[line]),
+            each(&|line| merged.shares[(0, line)]),
         ));
         columns.push(Column::numbers(
             "discrepancy of the hammers",
             "",
-            each(&|line| discrepancy[line]),
+            each(&|line| merged.discrepancy[line]),
         ));
     }
     let completed = estimated.completed.as_ref().map_or(0, |c| c.first_measured);
@@ -243,7 +259,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     reason = "`valid` are lines of the response, each of which has a discrepancy"
 )]
 fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Option<Quantity> {
-    let (_, discrepancy) = estimated.merged.as_ref()?;
+    let discrepancy = &estimated.merged.as_ref()?.discrepancy;
     let mut values: Vec<f64> = valid
         .iter()
         .map(|line| discrepancy[*line])

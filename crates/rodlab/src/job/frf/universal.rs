@@ -5,6 +5,7 @@ use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
 use super::estimate::Estimated;
 use crate::RodlabError;
 use crate::outcome::Attachment;
+use crate::responses::{AVERAGES, COMMON_ERROR, FREEDOM, MOST_FREEDOM, STANDARD_ERROR};
 use crate::universal::{self, axis, property};
 
 /// `frf.uff` with the response to every output, and the coherence of every test.
@@ -39,6 +40,7 @@ pub(super) fn attachment(
             ordinate_axis: axis(output_quantity.name(), unit(output_quantity)),
             properties: vec![
                 property("id2", title),
+                property("id3", &format!("{AVERAGES}{}", response.n_averages)),
                 property("id4", &format!("response of {output} over {input}")),
                 property("response_node", "2"),
                 property("response_direction", "1"),
@@ -48,6 +50,38 @@ pub(super) fn attachment(
                 property("denominator_unit", unit(input_quantity)),
             ],
         });
+        let roots = response.variance.as_ref();
+        let roots = roots.map(|variance| variance.iter().map(|v| v.sqrt()).collect());
+        let freedom = response.degrees_of_freedom.as_ref();
+        let freedom = freedom.map(|freedom| freedom.iter().map(|f| f.min(MOST_FREEDOM)).collect());
+        let units = (unit(output_quantity), unit(input_quantity));
+        for (what, note, (over, under), values) in [
+            (STANDARD_ERROR, "root of the variance of the complex line", units, roots),
+            (FREEDOM, "degrees of freedom of the standard error", ("", ""), freedom),
+            (
+                COMMON_ERROR,
+                "relative standard uncertainty that lines share",
+                ("", ""),
+                response.common_error.clone(),
+            ),
+        ] {
+            let Some(values): Option<Vec<f64>> = values else {
+                continue;
+            };
+            contents.series.push(Series {
+                name: format!("{output}{what}"),
+                kind: SeriesKind::General,
+                abscissa: abscissa(first),
+                ordinate: Ordinate::Real(values.into_iter().skip(first).collect()),
+                abscissa_axis: axis("Frequency", "Hz"),
+                ordinate_axis: axis("", over),
+                properties: vec![
+                    property("id2", title),
+                    property("id4", note),
+                    property("denominator_unit", under),
+                ],
+            });
+        }
         for (number, coherence) in one.coherences.iter().enumerate() {
             contents.series.push(Series {
                 name: output.clone(),

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use impulse::ImpedanceHead;
-use labio::{FrequencyResponse, LineValidity, Passivity, ResponseKind};
+use labio::{
+    Coherence, FrequencyResponse, LineValidity, MergedResponse, Passivity, ResponseKind,
+};
 use num_complex::Complex64;
 
 use super::MobilitySheet;
@@ -14,11 +16,8 @@ use crate::responses::{cut, in_words, line_spacing_hz};
 use crate::sheet::body::ComputedBody;
 use crate::{Outcome, RodlabError};
 
-/// Probability with which noise alone reaches the coherence below which a line is not believed.
-const CHANCE: f64 = 0.05;
-
-/// Standard errors by which a real part may be below zero.
-const COVERAGE: f64 = 4.0;
+/// Probability with which chance alone says of any line of a right body that it makes energy.
+const LEVEL: f64 = 0.01;
 
 /// Runs of lines that a log lists one by one.
 const LONGEST_LOG: usize = 40;
@@ -30,9 +29,11 @@ pub(super) struct Known {
     pub(super) objections: Vec<Option<String>>,
     /// Coherence of every test.
     pub(super) coherences: Vec<Vec<f64>>,
+    /// Share of the second hammer in every line, and how far the two are apart in units of their errors.
     pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
     /// Number of the first line that was not replaced.
     pub(super) first_measured: usize,
+    /// Largest relative standard uncertainty that lines share.
     pub(super) calibration: f64,
     pub(super) body: Option<ComputedBody>,
     pub(super) is_computed: bool,
@@ -56,7 +57,12 @@ pub(super) fn prepare(
     }
     let n_lines = response.values.len();
     let mut objections: Vec<Option<String>> = vec![None; n_lines];
-    judge_coherence(&response, &raw.coherences, &mut objections)?;
+    judge_coherence(
+        &response,
+        &raw.coherences,
+        raw.merged.as_ref(),
+        &mut objections,
+    )?;
     if let Some(mass) = &sheet.head_mass {
         let mass = mass.with_uncertainty();
         let bare = without_head(&response, mass.value)?;
@@ -107,13 +113,21 @@ pub(super) fn prepare(
                 values
             })
             .collect(),
-        merged: raw.merged.map(|(mut shares, mut discrepancy)| {
+        merged: raw.merged.map(|merged| {
+            let mut shares = merged.shares.row(1).to_vec();
+            let mut discrepancy = merged.discrepancy;
             shares.truncate(n_lines);
             discrepancy.truncate(n_lines);
             (shares, discrepancy)
         }),
         first_measured,
-        calibration: raw.calibration,
+        calibration: mobility
+            .common_error
+            .iter()
+            .flatten()
+            .copied()
+            .filter(|error| error.is_finite())
+            .fold(0.0, f64::max),
         is_computed: raw.body.is_some(),
         body: raw.body,
         origin: raw.origin,
@@ -194,7 +208,8 @@ fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quan
 
 fn judge_coherence(
     response: &FrequencyResponse,
-    coherences: &[labio::Coherence],
+    coherences: &[Coherence],
+    merged: Option<&MergedResponse>,
     objections: &mut [Option<String>],
 ) -> Result<(), RodlabError> {
     if coherences.is_empty() {
@@ -202,20 +217,35 @@ fn judge_coherence(
     }
     let levels = coherences
         .iter()
-        .map(|coherence| coherence.chance_level(CHANCE))
+        .map(|coherence| coherence.chance_level(Coherence::CHANCE))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| RodlabError::step("the level of chance", error))?;
+    let errors = response.random_error();
     let lines = objections.iter_mut().zip(&response.validity);
     for (line, (objection, validity)) in lines.enumerate() {
         let mut tests = coherences.iter().zip(&levels);
-        let believed = tests.any(|(coherence, level)| {
-            coherence
-                .values
-                .get(line)
-                .is_some_and(|value| value > level)
-        });
-        if !believed && *validity == LineValidity::Valid {
+        let believed = match merged {
+            Some(merged) => merged.coherent.get(line).copied().unwrap_or(false),
+            None => tests.any(|(coherence, level)| {
+                coherence
+                    .values
+                    .get(line)
+                    .is_some_and(|value| value > level)
+            }),
+        };
+        let bias = response.noise_bias.as_ref().and_then(|b| b.get(line));
+        let error = errors.as_ref().and_then(|errors| errors.get(line));
+        if *validity != LineValidity::Valid {
+            continue;
+        }
+        if !believed {
             *objection = Some("coherence as of chance".to_owned());
+        } else if bias
+            .zip(error)
+            // one that is no number belongs to a line of noise
+            .is_some_and(|(bias, error)| !(bias.abs() <= error.magnitude))
+        {
+            *objection = Some("bias by noise at rest above the random error".to_owned());
         }
     }
     Ok(())
@@ -229,7 +259,7 @@ fn judge_passivity(
         return Ok(());
     }
     let report = mobility
-        .passivity(COVERAGE)
+        .passivity(LEVEL / mobility.values.len() as f64)
         .map_err(|error| RodlabError::step("the passivity", error))?;
     for (objection, verdict) in objections.iter_mut().zip(&report.lines) {
         if *verdict == Passivity::Active && objection.is_none() {

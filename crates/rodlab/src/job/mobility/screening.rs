@@ -9,9 +9,9 @@ use super::MobilitySheet;
 use super::known::Known;
 use crate::outcome::{Column, Quantity, Setting, Table};
 use crate::responses::{
-    SupportSheet, first_lines, line_spacing_hz, measured_body, stretch_with_signal,
+    SupportSheet, line_spacing_hz, measured_body, stretch_with_signal,
 };
-use crate::rounded::hertz;
+use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
 /// Fewest lines that are screened by themselves.
@@ -75,6 +75,7 @@ pub(super) fn screen(
         let measured = |mobility: &FrequencyResponse| {
             let front = sheet.front_impedance.as_ref();
             measured_body(mobility, &sheet.support, front, "the mobility")
+                .map(|body| body.with_first_measured(known.first_measured))
         };
         let body = measured(mobility)?;
         let screening = match with_signal(known, sheet, outcome) {
@@ -110,7 +111,7 @@ fn with_signal(
         return None;
     }
     let mut lines = known.mobility.clone();
-    first_lines(&mut lines, n_screened);
+    lines.truncate(n_screened);
     let highest = lines.frequency_hz.last().copied().unwrap_or(f64::NAN);
     outcome.settings.push(Setting {
         name: "lines that are screened".to_owned(),
@@ -206,6 +207,27 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
         None,
         against(&|flag| matches!(flag, ScreeningFlag::Active { .. })),
     );
+    let early = |at: usize| screening.passivity.seen_delays.get(at).copied().flatten();
+    let mut seen = [early(0), early(1)];
+    if let Some(delay) = &screening.delay {
+        add(
+            "delay of the motion by the nearly rigid lines",
+            "us",
+            1e6 * delay.delay,
+            Some(1e6 * delay.standard_error),
+            against(&|flag| matches!(flag, ScreeningFlag::Delayed { .. })),
+        );
+        let least = delay.least_seen();
+        seen = seen.map(|seen| Some(seen.map_or(least, |seen| seen.min(least))));
+    }
+    for (name, seen) in [
+        ("motion too early that would have been seen", seen[0]),
+        ("motion too late that would have been seen", seen[1]),
+    ] {
+        if let Some(seen) = seen {
+            add(name, "us", 1e6 * seen, None, None);
+        }
+    }
     if let Some(mass) = &screening.mass {
         add(
             "mass by the low lines",
@@ -231,16 +253,33 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
         );
     }
     if flags.is_empty() {
-        outcome.summary.push(
-            "Nothing speaks against it: it answers after the force, takes energy, and begins and ends as it should."
-                .to_owned(),
-        );
+        let microseconds = |seen: f64| format!("{} us", short(1e6 * seen));
+        let delays = match seen {
+            [None, None] => "no delay between force and motion would have been seen".to_owned(),
+            [Some(early), Some(late)] => format!(
+                "a motion {} too early or {} too late would have been seen",
+                microseconds(early),
+                microseconds(late)
+            ),
+            [Some(early), None] => format!(
+                "a motion {} too early would have been seen, one too late would not",
+                microseconds(early)
+            ),
+            [None, Some(late)] => format!(
+                "a motion {} too late would have been seen, one too early would not",
+                microseconds(late)
+            ),
+        };
+        outcome.summary.push(format!(
+            "Nothing speaks against it: it takes energy, begins and ends as it should, and {delays}."
+        ));
     }
     let fails = |flag: &ScreeningFlag| {
         matches!(
             flag,
             ScreeningFlag::Acausal { .. }
                 | ScreeningFlag::Active { .. }
+                | ScreeningFlag::Delayed { .. }
                 | ScreeningFlag::MassContradicted { .. }
         )
     };

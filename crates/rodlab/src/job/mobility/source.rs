@@ -11,7 +11,7 @@ use crate::hits::{FoundHits, expect_independent};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_different_files;
-use crate::responses::{HitsSource, ResponseFile};
+use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::sheet::{Exact, Frequency};
@@ -30,7 +30,7 @@ pub enum SourceSheet {
         low: HitsSource,
         /// The light hammer, for high frequencies.
         high: HitsSource,
-        /// How the two become one; by default `LargerForce`.
+        /// How the two become one; by default `InverseVariance`.
         #[serde(default)]
         merge: MergeSheet,
     },
@@ -45,16 +45,6 @@ pub enum SourceSheet {
         /// Number of lines above 0 Hz, as 1024.
         lines: usize,
     },
-}
-
-/// How two tests become one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum MergeSheet {
-    /// Each line from the test with the larger force in it (Ödeen 1993, paper E, section 3.1).
-    #[default]
-    LargerForce,
-    /// Weighed by the inverse of the variances.
-    InverseVariance,
 }
 
 /// What was read.
@@ -76,10 +66,8 @@ pub(super) struct Raw {
     pub(super) response: FrequencyResponse,
     /// Coherence of every test.
     pub(super) coherences: Vec<Coherence>,
-    /// Share of the second hammer in every line, and how far the two are apart in units of their errors.
-    pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
-    /// Relative standard uncertainty of the scale by the sensors.
-    pub(super) calibration: f64,
+    /// What each of two hammers gives, and how far they agree.
+    pub(super) merged: Option<MergedResponse>,
     /// The body, where it was computed.
     pub(super) body: Option<ComputedBody>,
     /// Where it comes from, to stand at the end of a sentence.
@@ -156,7 +144,6 @@ pub(super) fn raw(
             response: response.clone(),
             coherences: Vec::new(),
             merged: None,
-            calibration: 0.0,
             body: None,
             origin: ", as the file has them".to_owned(),
         })),
@@ -170,8 +157,7 @@ fn of_tests(
     around: &Surroundings<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<Raw>, RodlabError> {
-    let mut spectra: Vec<AveragedSpectra> = Vec::new();
-    let mut calibration: f64 = 0.0;
+    let mut spectra: Vec<(AveragedSpectra, f64)> = Vec::new();
     let mut counts = Vec::new();
     for test in tests {
         let accepted: Vec<&Record> = test.found.accepted();
@@ -190,52 +176,48 @@ fn of_tests(
                 .push("There is no mobility: too few hits are accepted.".to_owned());
             return Ok(None);
         }
-        if let Some(first) = accepted.first() {
-            calibration = calibration.max(test.source.calibration(first, test.field)?);
-        }
+        let source = test.source;
+        let sensors = match accepted.first() {
+            Some(first) => source.calibration(first, test.field)?,
+            None => 0.0,
+        };
         counts.push(test.found.in_words());
-        spectra.push(
-            test.source
-                .spectra(accepted.iter().copied(), around, test.field)?,
-        );
+        let averaged = source.spectra(accepted.iter().copied(), around, test.field)?;
+        let n_silent = source.silent_samples(&test.found, test.field, outcome)?;
+        let channels = [source.force.as_str(), source.response.as_str()];
+        let field = format!("{}.silent", test.field);
+        let averaged = with_silence(averaged, &accepted, n_silent, &channels, &field)?;
+        spectra.push((averaged, sensors));
     }
-    let Some((first, source)) = spectra.first().zip(tests.first().map(|test| test.source)) else {
+    let Some(((first, sensors), source)) = spectra.first().zip(tests.first().map(|t| t.source))
+    else {
         return Ok(None);
     };
     let names = (source.force.as_str(), source.response.as_str());
     let estimator = source.estimator.unwrap_or_default().estimator();
     let refused = |error| RodlabError::step("source", error);
-    let (response, merged) = if let [low, high] = spectra.as_slice() {
-        let merged = match &sheet.source {
-            SourceSheet::TwoHammers {
-                merge: MergeSheet::InverseVariance,
-                ..
-            } => [low, high]
-                .into_iter()
-                .map(|test| test.response(estimator, names.0, names.1))
-                .collect::<Result<Vec<_>, _>>()
-                .and_then(|responses| MergedResponse::by_inverse_variance(&responses)),
-            _ => MergedResponse::by_larger_input(&[low, high], estimator, names.0, names.1),
+    let (response, merged) = if let SourceSheet::TwoHammers { merge, .. } = &sheet.source {
+        let merged = merge.merge(&spectra, estimator, names).map_err(refused)?;
+        for said in disagreements(&merged, "the hammer `high`", names.1) {
+            outcome.doubt(said);
         }
-        .map_err(refused)?;
-        let shares = merged.shares.row(1).to_vec();
-        (merged.response, Some((shares, merged.discrepancy)))
+        (merged.response.clone(), Some(merged))
     } else {
         let response = first
             .response(estimator, names.0, names.1)
+            .and_then(|response| response.with_common_error(*sensors))
             .map_err(refused)?;
         (response, None)
     };
     let coherences = spectra
         .iter()
-        .map(|test| test.coherence(names.0, names.1))
+        .map(|(test, _)| test.coherence(names.0, names.1))
         .collect::<Result<Vec<_>, _>>()
         .map_err(refused)?;
     Ok(Some(Raw {
         response,
         coherences,
         merged,
-        calibration,
         body: None,
         origin: format!(": {}", counts.join("; ")),
     }))
@@ -254,6 +236,15 @@ fn check_same_channels(tests: &[Test<'_>]) -> Result<(), RodlabError> {
                 format!("`{expected}`, as in source.low"),
             ));
         }
+    }
+    let estimator = |source: &HitsSource| source.estimator.unwrap_or_default();
+    let (expected, found) = (estimator(low.source), estimator(high.source));
+    if expected != found {
+        return Err(RodlabError::request(
+            "source.high.estimator",
+            format!("{found:?}"),
+            format!("{expected:?}, as in source.low"),
+        ));
     }
     Ok(())
 }
@@ -297,7 +288,6 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
         response,
         coherences: Vec::new(),
         merged: None,
-        calibration: 0.0,
         body: Some(body.clone()),
         origin: ", computed from the body of the sheet".to_owned(),
     })

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::known::Known;
 use crate::outcome::{Column, Table};
+use crate::responses::MOST_FREEDOM;
 
 pub(super) fn mobility(known: &Known) -> Table {
     let response = &known.mobility;
@@ -32,6 +33,22 @@ pub(super) fn mobility(known: &Known) -> Table {
             "deg",
             phases,
         ));
+    }
+    if let Some(freedom) = &response.degrees_of_freedom {
+        columns.push(Column::numbers(
+            "degrees of freedom of the errors",
+            "",
+            freedom.iter().map(|f| f.min(MOST_FREEDOM)).collect(),
+        ));
+    }
+    for (name, list) in [
+        ("bias of the magnitude by noise at rest", &response.noise_bias),
+        ("error that lines share", &response.common_error),
+    ] {
+        if let Some(list) = list {
+            let percent = list.iter().map(|value| 100.0 * value).collect();
+            columns.push(Column::numbers(name, "%", percent));
+        }
     }
     match known.coherences.as_slice() {
         [low, high] => {

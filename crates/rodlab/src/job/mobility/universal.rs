@@ -5,7 +5,9 @@ use labio::{Abscissa, Contents, LineValidity, Ordinate, Series, SeriesKind};
 use super::known::Known;
 use crate::RodlabError;
 use crate::outcome::Attachment;
-use crate::responses::{STANDARD_ERROR, line_spacing_hz};
+use crate::responses::{
+    AVERAGES, COMMON_ERROR, FREEDOM, MOST_FREEDOM, STANDARD_ERROR, line_spacing_hz,
+};
 use crate::universal::{self, axis, property};
 
 const NAME: &str = "mobility";
@@ -38,16 +40,17 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
         ordinate,
         abscissa_axis: axis("Frequency", "Hz"),
         ordinate_axis: axis(
-            if unit.is_empty() {
-                "coherence"
-            } else {
-                "velocity"
+            match (unit, kind) {
+                ("", SeriesKind::Coherence) => "coherence",
+                ("", _) => "",
+                _ => "velocity",
             },
             unit,
         ),
         properties: {
             let mut said = vec![
                 property("id2", title),
+                property("id3", &format!("{AVERAGES}{}", response.n_averages)),
                 property("id4", note),
                 property("response_node", "1"),
                 property("response_direction", "1"),
@@ -80,6 +83,23 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
             "m/s",
             "root of the variance of the complex line",
         ));
+    }
+    let mut of_lines = |what: &str, note: &str, value: &dyn Fn(usize) -> f64| {
+        contents.series.push(series(
+            format!("{NAME}{what}"),
+            SeriesKind::General,
+            Ordinate::Real(lines.iter().map(|n| value(*n)).collect()),
+            "",
+            note,
+        ));
+    };
+    if let Some(freedom) = &response.degrees_of_freedom {
+        let note = "degrees of freedom of the standard error";
+        of_lines(FREEDOM, note, &|n| freedom[n].min(MOST_FREEDOM));
+    }
+    if let Some(errors) = &response.common_error {
+        let note = "relative standard uncertainty that lines share";
+        of_lines(COMMON_ERROR, note, &|n| errors[n]);
     }
     let coherences = known
         .coherences

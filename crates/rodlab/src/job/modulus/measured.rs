@@ -2,7 +2,6 @@
 
 mod file;
 mod hits;
-mod silence;
 
 pub(super) use hits::averaged_ratio;
 

@@ -5,11 +5,10 @@ use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::two_point::variance_from_coherence;
 use labio::{AveragedSpectra, Record, Window};
 
-use super::silence::{silent_samples, trigger_of};
 use super::{FirstHit, Measured, Ratio, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::hits::{HitKind, HitsSheet, expect_independent, expect_noise};
+use crate::hits::{HitKind, HitsSheet, expect_independent, expect_noise, silent_samples, trigger_of};
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
@@ -47,7 +46,7 @@ pub(super) fn of_hits(
     chosen.extend(found.settings().to_vec());
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
     let doubts = expect_independent(&[&found], &taken)?;
-    let silent = silent_samples(&found, silent, chosen)?;
+    let silent = silent_samples(&found, silent, "source.silent", chosen)?;
     let mut in_words = found.in_words();
     if let Some(first) = in_words.get_mut(..1) {
         first.make_ascii_uppercase();

@@ -12,12 +12,12 @@ use crate::sheet::{Duration, Exact};
 const RISE: f64 = 0.2e-3;
 
 /// Number of samples before the blow, if it is known.
-pub(super) fn silent_samples(
+pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
+    name: &str,
     chosen: &mut Chosen,
 ) -> Result<Option<usize>, RodlabError> {
-    let name = "source.silent";
     let first = found.hits().find_map(|hit| Some((hit, hit.hit.record()?)));
     let Some((hit, record)) = first else {
         return Ok(None);
@@ -50,7 +50,7 @@ pub(super) fn silent_samples(
 }
 
 /// The sample of a hit on which the trigger fired; none where each record is a hit.
-pub(super) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
+pub(crate) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
     let before = hit.time() - record.start_time();
     (before > 0.0)
         .then(|| Extent::Seconds(before).samples(record.sampling_rate_hz()))
