@@ -6,7 +6,9 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::frf::chance_level;
-use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
+use crate::{
+    AveragedSpectra, Bias, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity,
+};
 
 /// Two tests have the same lines if their frequencies differ relatively by less than this, as sampling rates may.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
@@ -31,7 +33,7 @@ pub struct MergedResponse {
     /// Whether the tests that gave a line are coherent there. A test without coherence counts as coherent.
     pub coherent: Vec<bool>,
     /// How far the coherent tests are apart in units of their errors. Of two tests it is $`\frac\nu2\ln(1+2f/\nu)`$ with
-    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$ and ν degrees of freedom of the sum of variances (Welch and
+    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, in which the bias that a line may have counts as a variance, and ν degrees of freedom of the sum of variances (Welch and
     /// Satterthwaite): minus the logarithm of the probability that chance sets them so far apart, with the mean 1 for any number of hits, and
     /// f for many. Of more tests it is the mean over the tests, each against those before it that are known better. NaN where
     /// fewer than two tests are coherent.
@@ -92,6 +94,9 @@ const NEIGHBOURS: usize = 16;
 
 /// Standard errors by which the mean discrepancy of neighbours exceeds 1 before it counts.
 const BEYOND_CHANCE: f64 = 4.0;
+
+/// Probability with which noise alone reaches the coherence from which on tests are compared: where chance has chosen the lines, it sets them apart.
+const CLEAR: f64 = 1e-4;
 
 /// Relative variance of a ratio of two tests above which its logarithm is not taken.
 const ROUGH: f64 = 0.1;
@@ -188,11 +193,13 @@ impl MergedResponse {
     /// Weighs the tests on each line by the inverse of the variances that they have for one common H,
     ///
     /// ```math
-    /// H = \frac{\sum_h H_h/u_h}{\sum_h 1/u_h}, \qquad u_h = \frac{\mathrm{Var}_h}{\lvert H_h\rvert^2} + b_h^2, \qquad
-    /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,\frac{\lvert H\rvert^2\,\mathrm{Var}_h}{\lvert H_h\rvert^2} ,
+    /// H = \frac{\sum_h H_h/(V_h + b_h^2)}{\sum_h 1/(V_h + b_h^2)}, \qquad
+    /// V_h = \mathrm{Var}_h\max\Bigl(1, \frac{\lvert H\rvert^2}{\lvert H_h\rvert^2}\Bigr), \qquad
+    /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,V_h ,
     /// ```
     ///
-    /// with the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known. The variance of H1 alone
+    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known, or else the bias that the missing
+    /// coherence would be if all of it were noise of the channel that the estimator takes as free of it ([`FrequencyResponse::bias`]). The variance of H1 alone
     /// is no weight: noise of the input sends it to zero together with H1, and a test without signal would win. The sum over $`p_h(1-p_h)`$ is what
     /// estimated weights cost (Meier 1953). The degrees of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
     ///
@@ -286,14 +293,8 @@ impl MergedResponse {
             effective_averages: tests.iter().map(|test| test.effective_averages).sum(),
             variance: Some(nothing()),
             degrees_of_freedom: Some(nothing()),
-            noise_bias: tests
-                .iter()
-                .all(|t| t.noise_bias.is_some())
-                .then(nothing),
-            common_error: tests
-                .iter()
-                .any(|t| t.common_error.is_some())
-                .then(nothing),
+            noise_bias: tests.iter().all(|t| t.noise_bias.is_some()).then(nothing),
+            common_error: tests.iter().any(|t| t.common_error.is_some()).then(nothing),
             coherence: None,
             ..first.clone()
         };
@@ -356,7 +357,11 @@ impl MergedResponse {
             let from = at.saturating_sub(NEIGHBOURS);
             let near = &known[from..known.len().min(at + NEIGHBOURS + 1)];
             let count = near.len() as f64;
-            let mean = near.iter().map(|(line, _)| self.discrepancy[*line]).sum::<f64>() / count;
+            let mean = near
+                .iter()
+                .map(|(line, _)| self.discrepancy[*line])
+                .sum::<f64>()
+                / count;
             if mean <= 1.0 + BEYOND_CHANCE / count.sqrt() {
                 continue;
             }
@@ -375,22 +380,28 @@ impl MergedResponse {
         }
         if let Some((first, others)) = tests.split_first() {
             let lines: Vec<usize> = (0..entering.len())
-                .filter(|line| entering[*line].coherent && entering[*line].tests.contains(&0))
+                .filter(|line| entering[*line].tests.contains(&0) && is_above(first, *line, CLEAR))
                 .collect();
             for (index, other) in others.iter().enumerate() {
-                let both = lines
-                    .iter()
-                    .copied()
-                    .filter(|line| entering[*line].tests.contains(&(index + 1)));
+                let both = lines.iter().copied().filter(|line| {
+                    entering[*line].tests.contains(&(index + 1)) && is_above(other, *line, CLEAR)
+                });
                 self.agreement.push(agreement(first, other, both));
             }
         }
         // of two values that differ by d, one is off by d/√2 in the mean square
-        let unexplained = self.agreement.iter().flatten().filter(|a| !a.explains_gain());
+        let unexplained = self
+            .agreement
+            .iter()
+            .flatten()
+            .filter(|a| !a.explains_gain());
         let apart = unexplained.fold(0.0_f64, |most, a| most.max(a.gain.abs().ln().abs()));
         if apart > 0.0 {
             let n_lines = self.coherent.len();
-            let errors = self.response.common_error.get_or_insert_with(|| vec![0.0; n_lines]);
+            let errors = self
+                .response
+                .common_error
+                .get_or_insert_with(|| vec![0.0; n_lines]);
             for error in errors {
                 *error = error.hypot(apart / std::f64::consts::SQRT_2);
             }
@@ -414,12 +425,7 @@ impl Entering {
         let informed: Vec<usize> = (0..tests.len())
             .filter(|h| tests[*h].validity[line] == LineValidity::Valid)
             .collect();
-        let above_chance = |h: &usize| {
-            let level = chance_level(Coherence::CHANCE, tests[*h].effective_averages);
-            let coherence = tests[*h].coherence.as_ref();
-            // a line that was completed has no coherence
-            coherence.is_none_or(|coherence| !(coherence[line] <= level))
-        };
+        let above_chance = |h: &usize| is_above(&tests[*h], line, Coherence::CHANCE);
         let coherent: Vec<usize> = informed.iter().copied().filter(above_chance).collect();
         if coherent.is_empty() {
             Self {
@@ -434,17 +440,31 @@ impl Entering {
         }
     }
 
-    /// Shares of the tests by their relative variances; tests without any scatter share a line among themselves. Empty where no test has
-    /// a variance.
+    /// Square of the value of the test that is known best: that of the common H.
+    fn square(&self, tests: &[FrequencyResponse], line: usize) -> f64 {
+        let relative = |h: &usize| relative_variance(&tests[*h], line);
+        let known = self.tests.iter().filter(|h| relative(h) >= 0.0);
+        let best = known.min_by(|a, b| relative(a).total_cmp(&relative(b)));
+        best.map_or(f64::NAN, |h| tests[*h].values[line].norm_sqr())
+    }
+
+    /// Shares of the tests by their variances for the common H; tests without any scatter share a line among themselves. Empty where no test
+    /// has a variance.
     fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
+        let square = self.square(tests, line);
         let known = || {
-            let tests = self.tests.iter().map(|h| (*h, relative_variance(&tests[*h], line)));
-            tests.filter(|(_, u)| *u >= 0.0 && u.is_finite())
+            let variances = self.tests.iter().map(|h| {
+                let test = &tests[*h];
+                let bias = square * bias_at(test, line).powi(2);
+                (*h, common_variance(test, line, square) + bias)
+            });
+            variances.filter(|(_, u)| *u >= 0.0 && u.is_finite())
         };
         let certain = known().filter(|(_, u)| *u <= 0.0).count();
         if certain > 0 {
             let share = 1.0 / certain as f64;
-            return known().filter(|(_, u)| *u <= 0.0).map(|(h, _)| (h, share)).collect();
+            let certain = known().filter(|(_, u)| *u <= 0.0);
+            return certain.map(|(h, _)| (h, share)).collect();
         }
         let total: f64 = known().map(|(_, u)| u.recip()).sum();
         known().map(|(h, u)| (h, u.recip() / total)).collect()
@@ -452,18 +472,16 @@ impl Entering {
 
     /// Discrepancy of the tests and the degrees of freedom of their variances.
     fn discrepancy(&self, tests: &[FrequencyResponse], line: usize) -> Option<(f64, f64)> {
-        let square = {
-            let shares = self.shares(tests, line);
-            let value: Complex64 = shares.iter().map(|(h, p)| tests[*h].values[line] * p).sum();
-            value.norm_sqr()
-        };
+        let square = self.square(tests, line);
         let mut known: Vec<(Complex64, f64, f64)> = self
             .tests
             .iter()
+            .filter(|h| is_above(&tests[**h], line, CLEAR))
             .map(|h| {
                 let test = &tests[*h];
                 let variance = common_variance(test, line, square);
-                (test.values[line], variance, freedom_at(test, line))
+                let bias = square * bias_at(test, line).powi(2);
+                (test.values[line], variance + bias, freedom_at(test, line))
             })
             .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
             .collect();
@@ -476,8 +494,7 @@ impl Entering {
         let (mut sum, mut least) = (0.0, f64::INFINITY);
         for (value, own, own_freedom) in others {
             let both = variance + own;
-            let of_both =
-                both * both / (variance * variance / freedom + own * own / own_freedom);
+            let of_both = both * both / (variance * variance / freedom + own * own / own_freedom);
             let squares = (value - mean).norm_sqr() / both;
             sum += if of_both.is_finite() {
                 0.5 * of_both * (2.0 * squares / of_both).ln_1p()
@@ -494,6 +511,17 @@ impl Entering {
     }
 }
 
+/// Whether noise alone reaches the coherence of a line with less than this probability; a line that was completed has none, and is known.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn is_above(test: &FrequencyResponse, line: usize, probability: f64) -> bool {
+    let level = chance_level(probability, test.effective_averages);
+    let coherence = test.coherence.as_ref().map(|coherence| coherence[line]);
+    coherence.is_none_or(|coherence| coherence.is_nan() || coherence > level)
+}
+
 /// Variance of a line over the square of its value, with the square of the bias where it is known.
 #[allow(
     clippy::indexing_slicing,
@@ -504,11 +532,27 @@ fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
     if variance <= 0.0 {
         return variance;
     }
-    let bias = test.noise_bias.as_ref().map_or(0.0, |bias| bias[line]);
-    variance / test.values[line].norm_sqr() + bias * bias
+    variance / test.values[line].norm_sqr() + bias_at(test, line).powi(2)
 }
 
-/// Variance that a test has for a common H of this square.
+/// Bias that a line may have.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+)]
+fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
+    match (&test.noise_bias, &test.coherence) {
+        (Some(bias), _) => bias[line],
+        // of a completed line there is none
+        (None, Some(coherence)) if coherence[line] > 0.0 => {
+            let bias = Bias::of(test.estimator, coherence[line], test.effective_averages);
+            bias.input_noise.abs().max(bias.output_noise)
+        }
+        _ => 0.0,
+    }
+}
+
+/// Variance that a test has for a common H of this square: not less than its own.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -518,7 +562,12 @@ fn common_variance(test: &FrequencyResponse, line: usize, square: f64) -> f64 {
     if variance <= 0.0 {
         return variance;
     }
-    square * variance / test.values[line].norm_sqr()
+    let own = test.values[line].norm_sqr();
+    if square > own {
+        square * variance / own
+    } else {
+        variance
+    }
 }
 
 #[allow(
@@ -564,7 +613,10 @@ fn agreement(
     if ratios.len() < FEWEST_LINES {
         return None;
     }
-    let mean: Complex64 = ratios.iter().map(|(_, ratio, w)| ratio * w / ratio.norm()).sum();
+    let mean: Complex64 = ratios
+        .iter()
+        .map(|(_, ratio, w)| ratio * w / ratio.norm())
+        .sum();
     let sign = if mean.re < 0.0 { -1.0 } else { 1.0 };
     let mut sums = [0.0; 4];
     let logarithms: Vec<(f64, Complex64, f64)> = ratios

@@ -33,17 +33,21 @@ const NEAR_IMPULSE: usize = 4;
 /// A real part counts as negative below minus this fraction of the magnitude (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// Relative mass by which three terms of the fitted law may be off on nearly rigid lines: the next term of a free rod leaves 2e-4.
-const MASS_TOLERANCE: f64 = 3e-4;
+/// Relative mass by which the fitted law may be off on nearly rigid lines: what the neglected terms leave of rods of constant loss factor and of two masses with
+/// a spring is up to 8e-4.
+const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Angle at the highest line below which a delay is not told: what the neglected terms of nearly rigid lines leave.
-const DELAY_TOLERANCE: f64 = 1e-3;
+/// Angle at the last nearly rigid line by which the delay may be off: up to 1.3e-3 for the same bodies.
+const DELAY_TOLERANCE: f64 = 1.5e-3;
+
+/// Standard errors beside such a tolerance.
+const BESIDE_TOLERANCE: f64 = 2.0;
 
 /// Terms of the law that is fitted to the real part of nearly rigid lines, and to their phase.
 const TERMS: usize = 3;
 
-/// Fewest nearly rigid lines: two more than the fitted terms.
-const FEWEST_RIGID: usize = TERMS + 2;
+/// Fewest nearly rigid lines: one more than the fitted terms.
+const FEWEST_RIGID: usize = TERMS + 1;
 
 /// Real over imaginary part below which the lowest lines are those of a rigid or a fixed body.
 const RIGID: f64 = 0.5;
@@ -57,7 +61,7 @@ const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;
 
 /// The lines that tell the mass end where the accelerance has fallen to this part of its start.
-const NEARLY_RIGID: f64 = 0.6;
+const NEARLY_RIGID: f64 = 0.85;
 
 /// Relative deviation of the front impedance that is never flagged: the impedance of a polymer grows by as much over the lines.
 const FRONT_TOLERANCE: f64 = 0.1;
@@ -90,21 +94,29 @@ pub struct Passivity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DelayCheck {
-    /// Delay \[s\] of the motion behind the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^3`$: losses begin with the
+    /// Delay \[s\] of the motion behind the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^4`$: losses begin with the
     /// second order.
     pub delay: f64,
     /// Its standard error \[s\], by the scatter of the lines.
     pub standard_error: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: f64,
+    /// What the neglected orders may leave \[s\].
+    pub tolerance: f64,
 }
 
 impl DelayCheck {
-    /// The delay \[s\] that would have been called one.
+    /// The delay \[s\] from which on it is called one.
     #[must_use]
     pub fn least_seen(&self) -> f64 {
-        self.standard_error * quantile(1.0 - 0.5 * LEVEL, self.degrees_of_freedom)
+        least_doubted(self.standard_error, self.degrees_of_freedom, self.tolerance)
     }
+}
+
+/// Distance that chance exceeds with the probability of the level, or a tolerance with some standard errors if that is more.
+fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
+    let by_chance = standard_error * quantile(1.0 - 0.5 * LEVEL, freedom);
+    by_chance.max(tolerance + BESIDE_TOLERANCE * standard_error)
 }
 
 /// The mass by the low lines.
@@ -155,8 +167,6 @@ pub struct Screening {
     pub front: Option<FrontLimit>,
     free: bool,
     n_judged: usize,
-    /// Delay \[s\] that the neglected terms of nearly rigid lines may leave.
-    rounding: f64,
 }
 
 /// What speaks against a measured mobility.
@@ -296,12 +306,10 @@ impl Screening {
                 let (weighed, weighed_error) = mass.weighed;
                 let error = mass.standard_error.hypot(weighed_error);
                 let freedom = mass.degrees_of_freedom * (error / mass.standard_error).powi(4);
-                let allowed = quantile(1.0 - 0.5 * LEVEL, freedom) * error;
+                let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
                 // a mass that is negative or infinite is wrong whatever its error
                 let difference = (mass.apparent - weighed).abs();
-                if mass.apparent <= 0.0
-                    || !(0.0..=allowed + MASS_TOLERANCE * weighed).contains(&difference)
-                {
+                if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
                     flags.push(ScreeningFlag::MassContradicted {
                         apparent: mass.apparent,
                         standard_error: error,
@@ -313,7 +321,7 @@ impl Screening {
             None => {}
         }
         if let Some(delay) = &self.delay
-            && delay.delay.abs() > delay.least_seen() + self.rounding
+            && delay.delay.abs() > delay.least_seen()
         {
             flags.push(ScreeningFlag::Delayed {
                 delay: delay.delay,
@@ -346,13 +354,11 @@ impl MeasuredBody {
     #[must_use]
     pub fn screen(&self) -> Screening {
         let (mass, delay) = self.rigid_lines();
-        let highest = self.omega(self.mobility().len() - 1);
         Screening {
             causality: self.causality(self.conductance()),
             passivity: self.passivity(),
             mass,
             delay,
-            rounding: DELAY_TOLERANCE / highest,
             front: self.front_limit(),
             free: matches!(self.low_frequency(), LowFrequency::Free(_)),
             n_judged: self.mobility().len(),
@@ -538,9 +544,16 @@ impl MeasuredBody {
         let Some((unit, _)) = accelerance.last().copied() else {
             return (None, None);
         };
-        let start = accelerance.iter().take(FEWEST_RIGID).map(|(_, a)| a.re).sum::<f64>()
+        let start = accelerance
+            .iter()
+            .take(FEWEST_RIGID)
+            .map(|(_, a)| a.re)
+            .sum::<f64>()
             / FEWEST_RIGID as f64;
-        let mut n_lines = accelerance.iter().take_while(|(_, a)| a.re / start > NEARLY_RIGID).count();
+        let mut n_lines = accelerance
+            .iter()
+            .take_while(|(_, a)| a.re / start > NEARLY_RIGID)
+            .count();
         // where the lines end is said by what was fitted, not by the noise of one line
         let mut fitted = None;
         for _ in 0..3 {
@@ -576,7 +589,7 @@ impl MeasuredBody {
         };
         let phase = rigid.iter().map(|(omega, a)| {
             let x = omega / unit;
-            ([x, x * x, x * x * x], (a / intercept).arg())
+            ([x, x * x, x.powi(4)], (a / intercept).arg())
         });
         let delay = Fit::of(phase).map(|fit| {
             let [slope, ..] = fit.terms;
@@ -584,6 +597,9 @@ impl MeasuredBody {
                 delay: -slope / unit,
                 standard_error: fit.error / unit,
                 degrees_of_freedom: fit.degrees_of_freedom,
+                tolerance: rigid
+                    .last()
+                    .map_or(0.0, |(omega, _)| DELAY_TOLERANCE / omega),
             }
         });
         (Some(mass), delay)

@@ -29,21 +29,25 @@ impl FrequencyResponse {
     #[must_use]
     pub fn bias(&self) -> Option<Vec<Bias>> {
         let coherences = self.coherence.as_ref()?;
-        let line = |coherence: &f64| {
-            let root = coherence.sqrt();
-            let (input_noise, output_noise) = match self.estimator {
-                Estimator::H1 => (coherence - 1.0, 0.0 * coherence),
-                Estimator::H2 => (0.0 * coherence, 1.0 / coherence - 1.0),
-                Estimator::Hv => (root - 1.0, 1.0 / root - 1.0),
-                Estimator::Hs => (0.0 * coherence, 0.0 * coherence),
-            };
-            Bias {
-                scatter: (1.0 - coherence) / (4.0 * (self.effective_averages - 1.0) * coherence),
-                input_noise,
-                output_noise,
-            }
-        };
+        let line = |coherence: &f64| Bias::of(self.estimator, *coherence, self.effective_averages);
         Some(coherences.iter().map(line).collect())
+    }
+}
+
+impl Bias {
+    pub(crate) fn of(estimator: Estimator, coherence: f64, effective_averages: f64) -> Self {
+        let root = coherence.sqrt();
+        let (input_noise, output_noise) = match estimator {
+            Estimator::H1 => (coherence - 1.0, 0.0 * coherence),
+            Estimator::H2 => (0.0 * coherence, 1.0 / coherence - 1.0),
+            Estimator::Hv => (root - 1.0, 1.0 / root - 1.0),
+            Estimator::Hs => (0.0 * coherence, 0.0 * coherence),
+        };
+        Self {
+            scatter: (1.0 - coherence) / (4.0 * (effective_averages - 1.0) * coherence),
+            input_noise,
+            output_noise,
+        }
     }
 }
 

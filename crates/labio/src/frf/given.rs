@@ -401,7 +401,7 @@ mod tests {
         for response in &variants {
             let answers = [
                 response.to_kind(ResponseKind::Accelerance).map(|_| ()),
-                response.passivity(2.0).map(|_| ()),
+                response.passivity(0.02).map(|_| ()),
                 response.impulse_response().map(|_| ()),
                 mass.complete(response, band).map(|_| ()),
                 MergedResponse::by_inverse_variance(&[averaged(), response.clone()]).map(|_| ()),

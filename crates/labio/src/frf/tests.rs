@@ -446,7 +446,11 @@ const STUDENT: [(usize, f64, f64); 4] = [
 ];
 
 /// One blow, the same in every hit, on a gain of 2 with noise of these powers on both channels; behind it as long a silence.
-fn blows(seed: u64, n_hits: usize, [on_input, on_output]: [f64; 2]) -> (AveragedSpectra, [RestNoise; 2]) {
+fn blows(
+    seed: u64,
+    n_hits: usize,
+    [on_input, on_output]: [f64; 2],
+) -> (AveragedSpectra, [RestNoise; 2]) {
     const LENGTH: usize = 512;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let hits: Vec<Record> = (0..n_hits)
@@ -462,7 +466,10 @@ fn blows(seed: u64, n_hits: usize, [on_input, on_output]: [f64; 2]) -> (Averaged
         .collect();
     let all: Vec<&Record> = hits.iter().collect();
     let rest = ["x", "y"].map(|channel| RestNoise::before(&all, channel, LENGTH / 2).unwrap());
-    (AveragedSpectra::of(&hits, Window::Rectangular).unwrap(), rest)
+    (
+        AveragedSpectra::of(&hits, Window::Rectangular).unwrap(),
+        rest,
+    )
 }
 
 /// Parts of magnitudes and phases within the 68 % and the 95 % of Student's law, over the lines of so many tests.
@@ -503,7 +510,10 @@ fn s13_few_hits_are_covered_by_students_law() {
             println!("{n_hits} hits, noise {noise:?}, {estimator:?}: {of_parts:.1?}");
             for [one, two] in of_parts {
                 // 2040 lines and more: 1 % and 0.5 %, three of these and the second order
-                assert!((one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0, "{n_hits}: {one} {two}");
+                assert!(
+                    (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
+                    "{n_hits}: {one} {two}"
+                );
             }
         }
     }
@@ -527,10 +537,17 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
         (Estimator::Hs, 0.0),
     ] {
         let response = spectra.response(estimator, "x", "y").unwrap();
-        let off: Vec<f64> = response.values[1..256].iter().map(|h| h.norm() / 2.0 - 1.0).collect();
+        let off: Vec<f64> = response.values[1..256]
+            .iter()
+            .map(|h| h.norm() / 2.0 - 1.0)
+            .collect();
         let stated = mean(&response.noise_bias.as_ref().unwrap()[1..256]);
         // a line scatters by ((a + b)/120)^½ = 5 %, their mean by 0.3 %, and the scatter adds 0.1 %: four of these
-        assert!((mean(&off) - expected).abs() < 0.014, "{estimator:?} {}", mean(&off));
+        assert!(
+            (mean(&off) - expected).abs() < 0.014,
+            "{estimator:?} {}",
+            mean(&off)
+        );
         // the noise is known to 2 % of itself, and the noise of the line's own level stays in the ratio
         assert!((stated - expected).abs() < 0.015, "{estimator:?} {stated}");
     }

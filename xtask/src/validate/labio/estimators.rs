@@ -207,7 +207,7 @@ fn bias(report: &mut Report) {
 fn random_errors(report: &mut Report) {
     const HITS: u32 = 20;
     let g2: f64 = 1.0 / 1.3;
-    let predicted = ((1.0 - g2) / (2.0 * f64::from(HITS) * g2)).sqrt();
+    let predicted = ((1.0 - g2) / (2.0 * f64::from(HITS - 1) * g2)).sqrt();
     let response =
         || -> Fallible<FrequencyResponse> { Ok(noisy(5, 4096, HITS, 0.0, 0.3)?.h1("x", "y")?) };
     // 0 Hz and the Nyquist frequency have half the degrees of freedom
@@ -218,7 +218,7 @@ fn random_errors(report: &mut Report) {
             BENDAT,
         )
         .expects(predicted, "1")
-        .within_part(0.09, "four standard errors over 2047 lines, and n/(n - 1)"),
+        .within_part(0.075, "four standard errors over 2047 lines, and the second order"),
         || {
             let squares: Vec<f64> = inner(&response()?.values)
                 .iter()
@@ -233,7 +233,7 @@ fn random_errors(report: &mut Report) {
             BENDAT,
         )
         .expects(predicted, "rad")
-        .within_part(0.09, "four standard errors over 2047 lines, and n/(n - 1)"),
+        .within_part(0.075, "four standard errors over 2047 lines, and the second order"),
         || {
             let squares: Vec<f64> = inner(&response()?.values)
                 .iter()
