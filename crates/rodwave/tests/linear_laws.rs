@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
 use rodwave::modulus::{
-    ComplexModulus, ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, HavriliakNegami,
+    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell, HavriliakNegami,
     KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation, SpringPot, Tabulated,
     Zener,
 };
@@ -55,6 +55,8 @@ fn laplace_laws() -> Vec<Case> {
     add("elastic", Box::new(elastic), 2.7e9, Some(2.7e9));
     let maxwell = Maxwell::new(2.7e9, 2.7e5).unwrap();
     add("Maxwell", Box::new(maxwell), 0.0, Some(2.7e9));
+    let fractional = FractionalMaxwell::new(2.7e9, 1e-4, 0.5).unwrap();
+    add("fractional Maxwell", Box::new(fractional), 0.0, Some(2.7e9));
     let kelvin_voigt = KelvinVoigt::new(2.7e9, 2.7e4).unwrap();
     add("Kelvin-Voigt", Box::new(kelvin_voigt), 2.7e9, None);
     let zener = Zener::new(2.5e9, 2.9e9, 1e-4).unwrap();
@@ -444,5 +446,25 @@ fn impossible_materials_are_refused() {
     ];
     for (error, expected) in cases {
         assert_eq!(quantity(error), expected);
+    }
+}
+
+/// E'' of a fractional Zener model far above its relaxation, to the last digits: with p = (ωτ)^α e^{iπα/2} it is ΔE Im p/|1 + p|².
+#[test]
+fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
+    let (increment, time) = (1.6e9, 1.0);
+    for alpha in [0.3, 0.5, 0.8, 1.0] {
+        let law = FractionalZener::new(1.8e9, 1.8e9 + increment, time, alpha).unwrap();
+        let fluid = FractionalMaxwell::new(increment, time, alpha).unwrap();
+        for decade in [-6, 0, 3, 6, 9, 12, 15, 18, 30] {
+            let omega = 10f64.powi(decade);
+            let size = omega.powf(alpha);
+            let (sine, cosine) = (0.5 * std::f64::consts::PI * alpha).sin_cos();
+            // |1 + p|² divided by |p|, which overflows nowhere
+            let exact = increment * sine / (1.0 / size + 2.0 * cosine + size);
+            for loss in [law.at(omega).im, fluid.at(omega).im] {
+                assert!((loss / exact - 1.0).abs() < 1e-12, "{alpha} 1e{decade}: {loss:e} {exact:e}");
+            }
+        }
     }
 }

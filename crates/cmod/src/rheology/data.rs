@@ -128,6 +128,15 @@ impl Whitening {
         ]
     }
 
+    /// Variance of E', covariance, variance of E'' \[Pa²\].
+    pub(super) fn covariance(self) -> [f64; 3] {
+        let storage = self.storage.recip();
+        // of W⁻¹ by rows: (1/s, 0), (-m/(sl), 1/l)
+        let mixed = -self.mixed * storage / self.loss;
+        let loss = self.loss.recip();
+        [storage * storage, storage * mixed, mixed * mixed + loss * loss]
+    }
+
     /// The same for moduli that are `factor` times as large.
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self {

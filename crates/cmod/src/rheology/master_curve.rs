@@ -24,6 +24,11 @@ use crate::error::CmodError;
 /// Rounds of choosing an order and fitting it with the shifts; two are the rule.
 const MOST_ROUNDS: usize = 5;
 
+/// Between neighbouring temperatures a factor of the modulus is not looked for beyond e^±0.2.
+const MOST_LOG_FACTOR: f64 = 0.2;
+/// Nor where the curves have fewer points in common: shift and factor together fit a few by chance.
+const FEWEST_FOR_FACTOR: usize = 8;
+
 /// A master curve: one Prony series for all temperatures, with a shift factor for each.
 ///
 /// ```text
@@ -384,7 +389,10 @@ fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
         let plain = overlap::best(colder, warmer, false).filter(Overlap::agrees);
         let found = plain.or_else(|| {
             let free = (!sweep.vertical_is_stated).then(|| overlap::best(colder, warmer, true));
-            free.flatten().filter(Overlap::agrees)
+            let plausible = |found: &Overlap| {
+                found.log_factor.abs() <= MOST_LOG_FACTOR && found.points >= FEWEST_FOR_FACTOR
+            };
+            free.flatten().filter(Overlap::agrees).filter(plausible)
         });
         let of_overlap = found.map(|found| Link {
             overlap: Some(found.log_shift),

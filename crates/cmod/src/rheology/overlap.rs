@@ -12,10 +12,11 @@ const FEWEST: usize = 3;
 /// An overlap of few points is good by chance: the mean square is raised by this share over the number of points.
 const CHANCE: f64 = 6.0;
 
-/// Mean whitened square of a point, two values, of two curves that are the same but for their noise: 2 of its own, and as much of the
-/// other curve.
-const OF_NOISE: f64 = 4.0;
-/// Accepted excess over [`OF_NOISE`] for one point, in shares; of m points it is less by √m.
+/// Mean square of a point, two values, in the covariances of both curves, if they differ by noise.
+const OF_NOISE: f64 = 2.0;
+/// Accepted excess over [`OF_NOISE`]: for errors that are stated too small by half, and as a share for one point; of m points it is less
+/// by √m.
+const UNDERSTATED: f64 = 3.0;
 const MOST_EXCESS: f64 = 4.0;
 
 /// Where two curves overlap best.
@@ -34,13 +35,14 @@ pub(super) struct Overlap {
 impl Overlap {
     /// Whether the curves differ there by no more than noise.
     pub(super) fn agrees(&self) -> bool {
-        self.mean_square <= OF_NOISE * (1.0 + MOST_EXCESS / count(self.points).sqrt())
+        let chance = OF_NOISE * (1.0 + MOST_EXCESS / count(self.points).sqrt());
+        self.mean_square <= chance + UNDERSTATED
     }
 }
 
 /// The shift s for which E_b(ω) = b E_a(ω e^s) holds best, with b = 1 or free; `None` if no shift makes the curves overlap.
 ///
-/// The measure is the mean whitened square of the difference to the other curve, interpolated linearly over ln ω, over all
+/// The measure is the mean square of the difference to the other curve, in the covariance of both, interpolated linearly over ln ω, over all
 /// points of both that lie within the band of the other. A mean, so that no overlap is preferred for its length.
 pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Option<Overlap> {
     let ((a_low, a_high), (b_low, b_high)) = (a.band(), b.band());
@@ -96,40 +98,54 @@ fn factor(data: &ModulusData, curve: &ModulusData, s: f64) -> Option<f64> {
     let lines = data.omega.iter().zip(&data.modulus);
     let ratios: Vec<f64> = lines
         .filter_map(|(omega, modulus)| {
-            let expected = interpolated(curve, omega * s.exp())?;
+            let (expected, _) = interpolated(curve, omega * s.exp())?;
             Some((modulus.norm() / expected.norm()).ln())
         })
         .collect();
     (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / count(ratios.len()))
 }
 
-/// Sum of whitened squares over the points of `data` that, shifted by `s`, lie within the band of `curve` times the factor, and their
-/// number.
+/// Sum over the points of `data` that, shifted by `s`, lie within the band of `curve` times the factor, of the squares of the difference in
+/// the covariance of both, and their number.
 fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) -> (f64, usize) {
     let (shift, factor) = (s.exp(), log_factor.exp());
     let mut sum = 0.0;
     let mut points = 0;
     for ((omega, modulus), whitening) in data.omega.iter().zip(&data.modulus).zip(&data.whitening) {
-        if let Some(expected) = interpolated(curve, omega * shift) {
-            let [storage, loss] = whitening.apply(modulus - factor * expected);
-            sum += storage * storage + loss * loss;
+        if let Some((expected, own)) = interpolated(curve, omega * shift) {
+            let delta = modulus - factor * expected;
+            let mut covariance = whitening.covariance();
+            for (sum, other) in covariance.iter_mut().zip(own) {
+                *sum += factor * factor * other;
+            }
+            let [storage, mixed, loss] = covariance;
+            let determinant = storage * loss - mixed * mixed;
+            sum += (loss * delta.re * delta.re - 2.0 * mixed * delta.re * delta.im
+                + storage * delta.im * delta.im)
+                / determinant;
             points += 1;
         }
     }
     (sum, points)
 }
 
-fn interpolated(curve: &ModulusData, omega: f64) -> Option<Complex64> {
+/// The modulus at `omega`, linear in ln ω between two points, with its covariance as that of [`Whitening::covariance`].
+fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
     let right = curve.omega.partition_point(|line| *line < omega);
-    if right == 0 {
-        return None;
-    }
-    let &[before, after] = curve.omega.get(right - 1..=right)? else {
+    let places = right.checked_sub(1)?..=right;
+    let &[before, after] = curve.omega.get(places.clone())? else {
         return None;
     };
-    let &[left, right] = curve.modulus.get(right - 1..=right)? else {
+    let &[left, right] = curve.modulus.get(places.clone())? else {
+        return None;
+    };
+    let [of_left, of_right] = curve.whitening.get(places)? else {
         return None;
     };
     let share = (omega / before).ln() / (after / before).ln();
-    Some(left * (1.0 - share) + right * share)
+    let mut covariance = of_left.covariance().map(|c| (1.0 - share) * (1.0 - share) * c);
+    for (sum, own) in covariance.iter_mut().zip(of_right.covariance()) {
+        *sum += share * share * own;
+    }
+    Some((left * (1.0 - share) + right * share, covariance))
 }

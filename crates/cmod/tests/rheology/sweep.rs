@@ -169,7 +169,8 @@ fn rubber_elasticity_is_taken_out() {
     // without it the data demand a factor, which changes by 30 %, and it is found
     let found = MasterCurve::new(&sweep, 6, &options).unwrap();
     assert!(found.fit.p_value() > 1e-3, "{found}");
-    for (shift, t) in found.shifts.iter().zip(temperatures()) {
+    for shift in &found.shifts {
+        let t = shift.temperature;
         let truth = density(t) * t / density(REFERENCE) / REFERENCE;
         let error = (shift.vertical / truth).ln();
         assert!(error.abs() < 4.0 * shift.vertical_standard_error + 1e-9, "{t} {shift:?}");
@@ -349,7 +350,7 @@ fn l6_shifts_cover_with_few_frequencies() {
 #[test]
 fn l3_curves_without_overlap_are_not_shifted() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
-    let temperatures = [333.15, 343.15, 353.15, 363.15, 403.15, 413.15];
+    let temperatures = [333.15, 343.15, 353.15, 363.15, 443.15, 453.15];
     let steps = temperatures.iter().enumerate().map(|(k, temperature)| {
         let a = wlf(8.0, 180.0, *temperature).exp();
         let frequency = logarithmic(400.0, 10e3, 16);
@@ -359,10 +360,10 @@ fn l3_curves_without_overlap_are_not_shifted() {
     let sweep = TemperatureSweep::new(steps.collect()).unwrap();
     let options = FitOptions::default().with_profiles(false);
     let curve = MasterCurve::new(&sweep, 2, &options).unwrap();
-    assert_eq!(curve.unconnected, [403.15, 413.15]);
+    assert_eq!(curve.unconnected, [443.15, 453.15]);
     assert_eq!(curve.shifts.len(), 4);
     assert_eq!(curve.points.len(), 4 * 16);
-    assert!(curve.to_string().contains("403.15 K  not connected"), "{curve}");
+    assert!(curve.to_string().contains("443.15 K  not connected"), "{curve}");
 
     let stated = temperatures.map(|t| wlf(8.0, 180.0, t));
     let sweep = sweep.with_stated_shifts(&stated).unwrap();
@@ -421,19 +422,27 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     assert!(without >= 7, "{without}");
 }
 
-/// Where the curves are flat within their errors nothing tells the shift: the laws of the shifts leave it out.
+/// At the coldest temperature the curve is flat within its errors and its shift bounded below only: the laws of the shifts leave it out.
 #[test]
 fn l4_shift_laws_use_identified_shifts_only() {
     let law = four_branches();
-    let sweep = sweep(&|omega| law.at(omega), &|t| wlf(8.0, 180.0, t), 0.01, 3);
-    let mut curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
-    assert!(curve.shifts.iter().all(|shift| shift.verdict.is_identified()));
-    let all = curve.shift_laws().unwrap();
-    assert_eq!(all.wlf.degrees_of_freedom, 10);
-    curve.shifts[0].verdict =
-        cmod::rheology::Verdict::NotIdentifiable(cmod::rheology::Reason::NoInfluence);
-    curve.shifts[0].log_shift = 1e3;
-    let rest = curve.shift_laws().unwrap();
-    assert_eq!(rest.wlf.degrees_of_freedom, 9);
-    assert!((rest.wlf.c1 - all.wlf.c1).abs() < 2.0 * all.wlf.c1_standard_error);
+    let (mut left_out, mut covered) = (0, 0);
+    for seed in 0..5 {
+        let sweep = sweep(&|omega| law.at(omega), &|t| wlf(8.0, 180.0, t), 0.01, seed);
+        let mut curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
+        let identified = curve.shifts.iter().filter(|s| s.verdict.is_identified()).count();
+        left_out += curve.shifts.len() - identified;
+        let laws = curve.shift_laws().unwrap();
+        // less the reference, and two parameters
+        assert_eq!(laws.wlf.degrees_of_freedom, identified - 3, "{curve}");
+        covered += u32::from((laws.wlf.c1 - 8.0).abs() < 2.0 * laws.wlf.c1_standard_error);
+        for shift in &mut curve.shifts {
+            if !shift.verdict.is_identified() {
+                shift.log_shift = 1e3;
+            }
+        }
+        assert_eq!(curve.shift_laws().unwrap(), laws);
+    }
+    assert!(left_out > 0);
+    assert!(covered >= 4, "{covered} of 5");
 }
