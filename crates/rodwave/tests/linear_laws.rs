@@ -12,9 +12,9 @@ use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
 use rodwave::modulus::{
-    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell, HavriliakNegami,
-    KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation, SpringPot, Tabulated,
-    Zener,
+    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell,
+    HavriliakNegami, KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation,
+    SpringPot, Tabulated, Zener,
 };
 
 const DENSITY: f64 = 1150.0;
@@ -463,8 +463,41 @@ fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
             // |1 + p|² divided by |p|, which overflows nowhere
             let exact = increment * sine / (1.0 / size + 2.0 * cosine + size);
             for loss in [law.at(omega).im, fluid.at(omega).im] {
-                assert!((loss / exact - 1.0).abs() < 1e-12, "{alpha} 1e{decade}: {loss:e} {exact:e}");
+                assert!(
+                    (loss / exact - 1.0).abs() < 1e-12,
+                    "{alpha} 1e{decade}: {loss:e} {exact:e}"
+                );
             }
         }
     }
+}
+
+/// A Havriliak-Negami model of a very small skewness exponent is ΔE β ln(1 + p), and far below its relaxation ΔE β p: neither is lost in
+/// the difference of 1 and a number near it.
+#[test]
+fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
+    let (time, alpha) = (1e-4, 0.6);
+    for beta in [1e-4, 1e-8, 1e-15] {
+        let law = HavriliakNegami::new(1e9, 1e9 + 1e9 / beta, time, alpha, beta).unwrap();
+        for omega in [1e2, 1e4, 1e7] {
+            let power = Complex64::new(0.0, omega * time).powf(alpha);
+            let logarithm = (1.0 + power).ln();
+            // the next terms are (β ln)²/2 and (β ln)³/6
+            let z = beta * logarithm;
+            let exact = 1e9 / beta * z * (1.0 - 0.5 * z + z * z / 6.0);
+            let found = law.at(omega) - 1e9;
+            // 1e9/β as a difference with 1e9 has lost the last digits; the fourth term is 4e-11 at β = 1e-4
+            assert!(
+                (found - exact).norm() < 1e-10 * exact.norm(),
+                "{beta} {omega}: {found} {exact}"
+            );
+        }
+    }
+    let law = HavriliakNegami::new(1e3, 1e15, 1.0, alpha, 0.5).unwrap();
+    let power = Complex64::new(0.0, 1e-25).powf(alpha);
+    let loss = law.at(1e-25).im;
+    assert!(
+        (loss / (1e15 * 0.5 * power.im) - 1.0).abs() < 1e-10,
+        "{loss:e}"
+    );
 }

@@ -133,8 +133,10 @@ impl<'a> MaterialCard<'a> {
             law.equilibrium_modulus(),
             law.unrelaxed_modulus()
         ));
-        card.comments
-            .push(format!("{:.0} % intervals; all are identified", 100.0 * options.confidence));
+        card.comments.push(format!(
+            "{:.0} % intervals; all are identified",
+            100.0 * options.confidence
+        ));
         for parameter in &own.parameters {
             card.comments.push(format!(
                 "{}: {:.3e} to {:.3e} {}",

@@ -134,7 +134,11 @@ impl Whitening {
         // of W⁻¹ by rows: (1/s, 0), (-m/(sl), 1/l)
         let mixed = -self.mixed * storage / self.loss;
         let loss = self.loss.recip();
-        [storage * storage, storage * mixed, mixed * mixed + loss * loss]
+        [
+            storage * storage,
+            storage * mixed,
+            mixed * mixed + loss * loss,
+        ]
     }
 
     /// The same for moduli that are `factor` times as large.

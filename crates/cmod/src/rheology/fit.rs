@@ -300,7 +300,12 @@ impl RheologicalFit {
             }
             Law::FractionalMaxwell => {
                 let starts = start::of_fluid(data, &[0.1, 0.3, 0.6, 0.9]);
-                linked!(FractionalMaxwell, model::fractional_maxwell(), starts, none())
+                linked!(
+                    FractionalMaxwell,
+                    model::fractional_maxwell(),
+                    starts,
+                    none()
+                )
             }
             Law::Zener => {
                 let shape = Shape::Zener;
@@ -424,7 +429,10 @@ pub(super) fn mean_of(
     parts: impl Iterator<Item = (f64, Complex64, [[f64; 2]; 2])>,
 ) -> (Complex64, [[f64; 2]; 2]) {
     let parts: Vec<_> = parts.collect();
-    let mean: Complex64 = parts.iter().map(|(weight, modulus, _)| weight * modulus).sum();
+    let mean: Complex64 = parts
+        .iter()
+        .map(|(weight, modulus, _)| weight * modulus)
+        .sum();
     let mut sum = [[0.0; 2]; 2];
     for (weight, modulus, covariance) in parts {
         for (row, own) in sum.iter_mut().zip(covariance) {
@@ -481,12 +489,9 @@ fn best_of<M: Model>(
     let mut minima: Vec<_> = minima.collect();
     minima.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
     elsewhere.extend(minima.iter().skip(1).map(|other| other.at.clone()));
-    let best = minima
-        .into_iter()
-        .next()
-        .ok_or_else(|| CmodError::NoLaw {
-            law: law.to_string(),
-        })?;
+    let best = minima.into_iter().next().ok_or_else(|| CmodError::NoLaw {
+        law: law.to_string(),
+    })?;
     let sequence = 0..data.len();
     let scene = Scene {
         model,

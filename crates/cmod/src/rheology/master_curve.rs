@@ -181,7 +181,12 @@ impl MasterCurve {
         } = settled;
         let has_factors = log_factors.is_some();
         let none = vec![0.0; count];
-        let shifted = shifted(sweep, &joined, &log_shifts, log_factors.as_ref().unwrap_or(&none));
+        let shifted = shifted(
+            sweep,
+            &joined,
+            &log_shifts,
+            log_factors.as_ref().unwrap_or(&none),
+        );
         let others = &joint.others;
         let mut begin = 0;
         let sequences: Vec<_> = sweep
@@ -254,7 +259,11 @@ impl MasterCurve {
             .zip(&shifts)
             .flat_map(|(sequence, shift)| sequence.clone().map(move |line| (line, shift)))
             .map(|(line, shift)| {
-                let factor = if shift.is_stated { 1.0 } else { shift.log_shift.exp() };
+                let factor = if shift.is_stated {
+                    1.0
+                } else {
+                    shift.log_shift.exp()
+                };
                 MasterPoint {
                     temperature: shift.temperature,
                     reduced_frequency_hz: joined.omega[line] * factor / std::f64::consts::TAU,
@@ -301,15 +310,27 @@ impl MasterCurve {
         };
         // a shift that the data leave open, at one end or both, says nothing of the law
         let identified: Vec<usize> = (0..others.len())
-            .filter(|k| others.get(*k).is_some_and(|shift| shift.verdict.is_identified()))
+            .filter(|k| {
+                others
+                    .get(*k)
+                    .is_some_and(|shift| shift.verdict.is_identified())
+            })
             .collect();
         let (_, all) = shifts_of(&self.fit, parameters - first);
         let covariance: Vec<Vec<f64>> = identified
             .iter()
             .filter_map(|row| all.get(*row))
-            .map(|row| identified.iter().filter_map(|k| row.get(*k).copied()).collect())
+            .map(|row| {
+                identified
+                    .iter()
+                    .filter_map(|k| row.get(*k).copied())
+                    .collect()
+            })
             .collect();
-        let others: Vec<&Shift> = identified.iter().filter_map(|k| others.get(*k).copied()).collect();
+        let others: Vec<&Shift> = identified
+            .iter()
+            .filter_map(|k| others.get(*k).copied())
+            .collect();
         let differences: Vec<f64> = others.iter().map(|s| s.temperature - reference).collect();
         let log_shifts: Vec<f64> = others.iter().map(|s| s.log_shift).collect();
         ShiftLaws::new(reference, &differences, &log_shifts, &covariance)
@@ -328,7 +349,13 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     if all.is_empty() {
         all.push(own);
     }
-    let last = |values: &[f64]| values.iter().skip(values.len().saturating_sub(count)).copied().collect::<Vec<f64>>();
+    let last = |values: &[f64]| {
+        values
+            .iter()
+            .skip(values.len().saturating_sub(count))
+            .copied()
+            .collect::<Vec<f64>>()
+    };
     let shifts: Vec<(f64, Vec<f64>, &Information)> = all
         .into_iter()
         .map(|(weight, at, information)| (weight, last(at), information))
@@ -580,10 +607,7 @@ impl Joint<'_> {
                 let aicc = self.scores(&minimum).aicc;
                 let alternative = Alternative {
                     weight: 0.0,
-                    model: Prony::new(
-                        tried.series.equilibrium > 0.0,
-                        tried.series.branches.len(),
-                    ),
+                    model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
                     coordinates: minimum.at,
                     information,
                 };
@@ -628,9 +652,16 @@ fn shifted(
     let moduli = joined.modulus.iter().enumerate();
     let whitening = joined.whitening.iter().enumerate();
     ModulusData {
-        omega: joined.omega.iter().zip(shifts).map(|(omega, a)| omega * a).collect(),
+        omega: joined
+            .omega
+            .iter()
+            .zip(shifts)
+            .map(|(omega, a)| omega * a)
+            .collect(),
         modulus: moduli.map(|(line, modulus)| modulus / of(line)).collect(),
-        whitening: whitening.map(|(line, w)| w.scaled(of(line).recip())).collect(),
+        whitening: whitening
+            .map(|(line, w)| w.scaled(of(line).recip()))
+            .collect(),
         ..joined.clone()
     }
 }
@@ -649,7 +680,10 @@ impl fmt::Display for MasterCurve {
             )?;
         }
         for temperature in &self.unconnected {
-            writeln!(f, "{temperature:>8.2} K  not connected: overlaps no other curve")?;
+            writeln!(
+                f,
+                "{temperature:>8.2} K  not connected: overlaps no other curve"
+            )?;
         }
         write!(f, "{}", self.fit)
     }

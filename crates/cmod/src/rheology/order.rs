@@ -157,7 +157,13 @@ pub(super) struct Chosen {
 impl Chosen {
     /// The series that may have a part in a prediction, each with the value of its criterion.
     pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
-        let score = |order: &Order| if order.aicc.is_finite() { order.aicc } else { order.bic };
+        let score = |order: &Order| {
+            if order.aicc.is_finite() {
+                order.aicc
+            } else {
+                order.bic
+            }
+        };
         let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
         let all = self.orders.iter().map(score).zip(&self.tried);
         all.filter(|(score, _)| 0.5 * (score - least) < -LEAST_WEIGHT.ln())
@@ -206,13 +212,18 @@ impl Chosen {
 
 /// The alternatives with their weights exp(-AICc/2), normalised, from their AICc.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
-    let least = all.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
+    let least = all
+        .iter()
+        .map(|(score, _)| *score)
+        .fold(f64::INFINITY, f64::min);
     let weight = |score: f64| (0.5 * (least - score)).exp();
     let sum: f64 = all.iter().map(|(score, _)| weight(*score)).sum();
     for (score, alternative) in &mut all {
         alternative.weight = weight(*score) / sum;
     }
-    all.into_iter().map(|(_, alternative)| alternative).collect()
+    all.into_iter()
+        .map(|(_, alternative)| alternative)
+        .collect()
 }
 
 pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen, CmodError> {

@@ -143,7 +143,9 @@ fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])
         return None;
     };
     let share = (omega / before).ln() / (after / before).ln();
-    let mut covariance = of_left.covariance().map(|c| (1.0 - share) * (1.0 - share) * c);
+    let mut covariance = of_left
+        .covariance()
+        .map(|c| (1.0 - share) * (1.0 - share) * c);
     for (sum, own) in covariance.iter_mut().zip(of_right.covariance()) {
         *sum += share * share * own;
     }

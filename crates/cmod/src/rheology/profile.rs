@@ -109,7 +109,9 @@ impl<M: Model + ?Sized> Profile<'_, M> {
                 let further = here.iter().zip(before).map(|(h, b)| h + share * (h - b));
                 self.rise(coordinate, &further.collect::<Vec<f64>>())
             });
-            let follows = ahead.as_ref().is_some_and(|(rise, _)| *rise <= self.threshold);
+            let follows = ahead
+                .as_ref()
+                .is_some_and(|(rise, _)| *rise <= self.threshold);
             let reached = if follows {
                 ahead
             } else {

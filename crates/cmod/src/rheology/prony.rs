@@ -71,7 +71,11 @@ impl Prony {
     }
 
     /// With a factor of the modulus for each temperature \[K\] of `factors`, before the shifts.
-    pub(super) fn with_factors(mut self, factor_of_line: Vec<Option<usize>>, factors: &[f64]) -> Self {
+    pub(super) fn with_factors(
+        mut self,
+        factor_of_line: Vec<Option<usize>>,
+        factors: &[f64],
+    ) -> Self {
         let place = self.first() + 2 * self.branches;
         let kind = |temperature: &f64| {
             let name = format!("vertical factor at {temperature} K");
@@ -172,8 +176,9 @@ impl Model for Prony {
                 *entry = Complex64::from(equilibrium);
             }
             let branches = row[first..factors].as_chunks_mut().0;
-            for ([by_modulus, by_time], [e, tau]) in
-                branches.iter_mut().zip(values[first..factors].as_chunks().0)
+            for ([by_modulus, by_time], [e, tau]) in branches
+                .iter_mut()
+                .zip(values[first..factors].as_chunks().0)
             {
                 let z = share(shifted * tau);
                 *by_modulus = e * z;

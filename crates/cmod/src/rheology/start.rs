@@ -127,7 +127,9 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
         (own, of_fast, fast),
     ]
     .into_iter()
-    .map(|(relaxed, increment, time)| [vec![relaxed.ln(), increment.ln(), time], exponents.clone()].concat())
+    .map(|(relaxed, increment, time)| {
+        [vec![relaxed.ln(), increment.ln(), time], exponents.clone()].concat()
+    })
     .collect()
 }
 
@@ -174,7 +176,11 @@ pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
                 })
                 .collect();
             let (chi_squared, modulus) = one_modulus(data, &spread);
-            if modulus > 0.0 && of_shape.as_ref().is_none_or(|(least, _)| chi_squared < *least) {
+            if modulus > 0.0
+                && of_shape
+                    .as_ref()
+                    .is_none_or(|(least, _)| chi_squared < *least)
+            {
                 let mut at = vec![modulus.ln(), log_time];
                 if *alpha < 1.0 {
                     at.push((alpha / (1.0 - alpha)).ln());

@@ -335,7 +335,10 @@ fn l1_cards_hold_what_the_band_of_the_data_allows() {
         // E' + E'' is 1.095 |E|; three standard errors of 1 % on a line
         assert!(instantaneous < 1.13 * top.norm(), "{text}");
         assert!(young(1e-6).re > 0.87 * law.at(TAU * 150.0).norm(), "{text}");
-        let (k, g) = (solid.bulk, Solid::relaxed(solid.shear, &solid.shear_terms, TAU * 1.5e3));
+        let (k, g) = (
+            solid.bulk,
+            Solid::relaxed(solid.shear, &solid.shear_terms, TAU * 1.5e3),
+        );
         let poisson = (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g));
         assert!((poisson.re - 0.35).abs() < 1e-9, "{poisson}");
         // 40 lines of 1 % and a law of few branches: the largest deviation is some standard errors

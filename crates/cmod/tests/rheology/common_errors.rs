@@ -193,8 +193,7 @@ fn r23_cards_and_master_curves_take_common_errors() {
             .unwrap()
     };
     let data = at(1.0, 1);
-    let fit =
-        RheologicalFit::new(&data, Law::GeneralisedMaxwell, &FitOptions::default()).unwrap();
+    let fit = RheologicalFit::new(&data, Law::GeneralisedMaxwell, &FitOptions::default()).unwrap();
     let card = MaterialCard::from_fit("PP", 912.0, 0.4, &fit, &data).unwrap();
     let texts = [
         card.abaqus(Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio)
@@ -203,7 +202,10 @@ fn r23_cards_and_master_curves_take_common_errors() {
         card.ls_dyna(1).unwrap(),
     ];
     for (text, mark) in texts.iter().zip(["** ", "! ", "$ "]) {
-        let comments: Vec<&str> = text.lines().filter(|line| line.contains("|E| at")).collect();
+        let comments: Vec<&str> = text
+            .lines()
+            .filter(|line| line.contains("|E| at"))
+            .collect();
         assert_eq!(comments.len(), 3);
         for comment in comments {
             assert!(comment.starts_with(mark) && comment.len() < 80, "{comment}");

@@ -91,7 +91,12 @@ fn l7_same_function_counts_once() {
     ];
     let mut right = 0;
     for seed in 0..40 {
-        let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.005), seed);
+        let data = measured(
+            |omega| law.at(omega),
+            &frequency,
+            Noise::circular(0.005),
+            seed,
+        );
         let comparison = Comparison::new(&data, &laws, &FitOptions::default()).unwrap();
         right += u32::from(comparison.best().unwrap().law.law() == Law::Zener);
         let twin = comparison.rows.iter().find(|row| row.same_as.is_some());
@@ -137,7 +142,12 @@ fn l8_simple_laws_are_named() {
         let mut right = 0;
         let mut covered = 0;
         for seed in 0..20 {
-            let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.01), seed);
+            let data = measured(
+                |omega| law.at(omega),
+                &frequency,
+                Noise::circular(0.01),
+                seed,
+            );
             let comparison = Comparison::new(&data, &laws, &options).unwrap();
             let best = comparison.best().unwrap();
             right += u32::from(best.law.law() == name);

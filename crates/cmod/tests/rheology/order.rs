@@ -218,7 +218,12 @@ fn l8_missing_spring_has_a_limit() {
     let fluid = series(0.0, &[(0.3e9, 4e-5), (0.2e9, 8e-4)]);
     let mut fluids = 0;
     for seed in 0..5 {
-        let data = measured(|omega| fluid.at(omega), &frequency, Noise::circular(0.01), seed);
+        let data = measured(
+            |omega| fluid.at(omega),
+            &frequency,
+            Noise::circular(0.01),
+            seed,
+        );
         let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
         let spring = fit.law.prony_series().unwrap().equilibrium_modulus();
         let limit = fit.equilibrium_limit.unwrap_or(spring);
@@ -232,7 +237,12 @@ fn l8_missing_spring_has_a_limit() {
     let frequency = logarithmic(100.0, 5e4, 40);
     let mut without = 0;
     for seed in 0..40 {
-        let data = measured(|omega| solid.at(omega), &frequency, Noise::circular(0.01), seed);
+        let data = measured(
+            |omega| solid.at(omega),
+            &frequency,
+            Noise::circular(0.01),
+            seed,
+        );
         let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
         if let Some(limit) = fit.equilibrium_limit {
             without += 1;

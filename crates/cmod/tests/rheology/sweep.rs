@@ -173,7 +173,10 @@ fn rubber_elasticity_is_taken_out() {
         let t = shift.temperature;
         let truth = density(t) * t / density(REFERENCE) / REFERENCE;
         let error = (shift.vertical / truth).ln();
-        assert!(error.abs() < 4.0 * shift.vertical_standard_error + 1e-9, "{t} {shift:?}");
+        assert!(
+            error.abs() < 4.0 * shift.vertical_standard_error + 1e-9,
+            "{t} {shift:?}"
+        );
     }
     assert!(with.with_rubber_elasticity(&densities[1..]).is_err());
 }
@@ -325,11 +328,18 @@ fn l6_shifts_cover_with_few_frequencies() {
                 let frequency = logarithmic(300.0, 10e3, lines);
                 let noise = Noise::circular(0.005);
                 let seed = 1000 * seed + u64::from(k);
-                (temperature, measured(|omega| law.at(omega * a), &frequency, noise, seed))
+                (
+                    temperature,
+                    measured(|omega| law.at(omega * a), &frequency, noise, seed),
+                )
             });
             let sweep = TemperatureSweep::new(steps.collect()).unwrap();
             let curve = MasterCurve::new(&sweep, 4, &options).unwrap();
-            for shift in curve.shifts.iter().filter(|shift| shift.standard_error > 0.0) {
+            for shift in curve
+                .shifts
+                .iter()
+                .filter(|shift| shift.standard_error > 0.0)
+            {
                 let truth = wlf(8.0, 180.0, shift.temperature);
                 let error = (shift.log_shift - truth).abs() / shift.standard_error;
                 one += f64::from(u8::from(error < 1.0));
@@ -355,7 +365,10 @@ fn l3_curves_without_overlap_are_not_shifted() {
         let a = wlf(8.0, 180.0, *temperature).exp();
         let frequency = logarithmic(400.0, 10e3, 16);
         let noise = Noise::circular(0.003);
-        (*temperature, measured(|omega| law.at(omega * a), &frequency, noise, k as u64))
+        (
+            *temperature,
+            measured(|omega| law.at(omega * a), &frequency, noise, k as u64),
+        )
     });
     let sweep = TemperatureSweep::new(steps.collect()).unwrap();
     let options = FitOptions::default().with_profiles(false);
@@ -363,7 +376,10 @@ fn l3_curves_without_overlap_are_not_shifted() {
     assert_eq!(curve.unconnected, [443.15, 453.15]);
     assert_eq!(curve.shifts.len(), 4);
     assert_eq!(curve.points.len(), 4 * 16);
-    assert!(curve.to_string().contains("443.15 K  not connected"), "{curve}");
+    assert!(
+        curve.to_string().contains("443.15 K  not connected"),
+        "{curve}"
+    );
 
     let stated = temperatures.map(|t| wlf(8.0, 180.0, t));
     let sweep = sweep.with_stated_shifts(&stated).unwrap();
@@ -396,7 +412,10 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
                 let frequency = logarithmic(300.0, 10e3, 13);
                 let noise = Noise::circular(0.005);
                 let seed = 1000 * seed + u64::from(k);
-                (temperature, measured(|omega| b * law.at(omega * a), &frequency, noise, seed))
+                (
+                    temperature,
+                    measured(|omega| b * law.at(omega * a), &frequency, noise, seed),
+                )
             });
             let sweep = TemperatureSweep::new(steps.collect()).unwrap();
             let curve = MasterCurve::new(&sweep, 3, &options).unwrap();
@@ -406,13 +425,20 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
                 without += u32::from(curve.shifts.iter().all(one));
                 continue;
             }
-            for shift in curve.shifts.iter().filter(|shift| shift.standard_error > 0.0) {
+            for shift in curve
+                .shifts
+                .iter()
+                .filter(|shift| shift.standard_error > 0.0)
+            {
                 let truth = wlf(8.0, 180.0, shift.temperature);
                 covered += u32::from(shift.interval.contains(truth));
                 all += 1;
                 let factor = slope * (shift.temperature - REFERENCE);
                 let error = shift.vertical.ln() - factor;
-                assert!(error.abs() < 4.5 * shift.vertical_standard_error, "{shift:?}");
+                assert!(
+                    error.abs() < 4.5 * shift.vertical_standard_error,
+                    "{shift:?}"
+                );
             }
         }
     }
@@ -430,7 +456,11 @@ fn l4_shift_laws_use_identified_shifts_only() {
     for seed in 0..5 {
         let sweep = sweep(&|omega| law.at(omega), &|t| wlf(8.0, 180.0, t), 0.01, seed);
         let mut curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
-        let identified = curve.shifts.iter().filter(|s| s.verdict.is_identified()).count();
+        let identified = curve
+            .shifts
+            .iter()
+            .filter(|s| s.verdict.is_identified())
+            .count();
         left_out += curve.shifts.len() - identified;
         let laws = curve.shift_laws().unwrap();
         // less the reference, and two parameters

@@ -223,7 +223,11 @@ fn l9_identified_parameters_of_weak_data_cover() {
     let symmetric = FractionalZener::new(1.0e9, 3.0e9, 1e-4, 0.5).unwrap();
     // E₀, ΔE, τ and the exponents, αβ that of Havriliak and Negami
     let cases: [(&dyn ComplexModulus, Law, &[f64]); 2] = [
-        (&skew, Law::HavriliakNegami, &[1.0e9, 2.0e9, 1e-4, 0.7, 0.35]),
+        (
+            &skew,
+            Law::HavriliakNegami,
+            &[1.0e9, 2.0e9, 1e-4, 0.7, 0.35],
+        ),
         (&symmetric, Law::FractionalZener, &[1.0e9, 2.0e9, 1e-4, 0.5]),
     ];
     let seeds: u64 = std::env::var("SEEDS").map_or(20, |text| text.parse().unwrap());

@@ -80,9 +80,30 @@ impl ComplexModulus for HavriliakNegami {
 
 impl LaplaceModulus for HavriliakNegami {
     fn at_s(&self, s: Complex64) -> Complex64 {
-        let decay = (1.0 + self.power(s)).powf(-self.skewness_exponent);
-        self.step.relaxed + self.step.increment() * (1.0 - decay)
+        let relaxed_share = share(self.power(s), self.skewness_exponent);
+        self.step.relaxed + self.step.increment() * relaxed_share
     }
+}
+
+/// 1 - (1 + p)^{-β}, with its digits also where p or β is small.
+fn share(power: Complex64, exponent: f64) -> Complex64 {
+    let plain = 1.0 - (1.0 + power).powf(-exponent);
+    if plain.norm_sqr() > 0.01 {
+        return plain;
+    }
+    let logarithm = if power.norm_sqr() < 0.25 {
+        let size = power.re * (2.0 + power.re) + power.im * power.im;
+        Complex64::new(0.5 * size.ln_1p(), power.im.atan2(1.0 + power.re))
+    } else {
+        (1.0 + power).ln()
+    };
+    // 1 - e^{-z} by parts
+    let Complex64 { re, im } = exponent * logarithm;
+    let half = (0.5 * im).sin();
+    Complex64::new(
+        2.0 * half * half - (-re).exp_m1() * im.cos(),
+        (-re).exp() * im.sin(),
+    )
 }
 
 /// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`, `breadth_exponent`,

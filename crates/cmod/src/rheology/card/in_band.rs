@@ -31,7 +31,11 @@ pub(super) fn in_band(
 ) -> Result<RheologicalFit, CmodError> {
     let (lowest, highest) = data.band();
     let ends = (highest.recip(), lowest.recip());
-    let mut times: Vec<f64> = series.branches().iter().map(|b| b.relaxation_time).collect();
+    let mut times: Vec<f64> = series
+        .branches()
+        .iter()
+        .map(|b| b.relaxation_time)
+        .collect();
     times.extend([ends.0, ends.1]);
     loop {
         let found = refined(data, times, ends)?;
@@ -88,7 +92,11 @@ fn not_solid(value: f64) -> CmodError {
 
 /// The free coordinates of a series: all but the times at the ends of the band.
 fn free(at: &[f64], ends: (f64, f64)) -> Vec<usize> {
-    let at_end = |time: f64| [ends.0, ends.1].iter().any(|end| (time - end.ln()).abs() < 1e-9);
+    let at_end = |time: f64| {
+        [ends.0, ends.1]
+            .iter()
+            .any(|end| (time - end.ln()).abs() < 1e-9)
+    };
     (0..at.len())
         .filter(|index| {
             let is_time = *index > 0 && index % 2 == 0;
@@ -98,11 +106,7 @@ fn free(at: &[f64], ends: (f64, f64)) -> Vec<usize> {
 }
 
 /// Moduli and times at the minimum of χ², a time that would leave the band at its end.
-fn refined(
-    data: &ModulusData,
-    mut times: Vec<f64>,
-    ends: (f64, f64),
-) -> Result<Series, CmodError> {
+fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<Series, CmodError> {
     loop {
         for time in &mut times {
             *time = time.clamp(ends.0, ends.1);
@@ -131,7 +135,10 @@ fn refined(
         let model = Prony::new(true, start.branches.len());
         let at = Prony::coordinates(start.equilibrium, &start.branches);
         let free = free(&at, ends);
-        let first: Vec<f64> = free.iter().filter_map(|index| at.get(*index).copied()).collect();
+        let first: Vec<f64> = free
+            .iter()
+            .filter_map(|index| at.get(*index).copied())
+            .collect();
         let partial = Partial::new(&model, at, free);
         let minimum = minimise(&partial, data, &first, None, Effort::Full).ok_or_else(no_law)?;
         let mut series = Series::of_coordinates(&partial.whole_at(&minimum.at), true);
@@ -154,7 +161,10 @@ fn judged(
     let model = Prony::new(true, found.branches.len());
     let at = found.coordinates();
     let free = free(&at, ends);
-    let start: Vec<f64> = free.iter().filter_map(|index| at.get(*index).copied()).collect();
+    let start: Vec<f64> = free
+        .iter()
+        .filter_map(|index| at.get(*index).copied())
+        .collect();
     let partial = Partial::new(&model, at, free);
     let sequence = 0..data.len();
     let scene = Scene {
@@ -166,6 +176,10 @@ fn judged(
         elsewhere: Vec::new(),
     };
     let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;
-    let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(&partial.whole_at(at))?));
+    let wrap = |at: &[f64]| {
+        Ok(FittedLaw::GeneralisedMaxwell(
+            model.law_at(&partial.whole_at(at))?,
+        ))
+    };
     scene.judge(minimum, Law::GeneralisedMaxwell, wrap)
 }

@@ -20,7 +20,10 @@ pub(super) fn attach(
 ) -> Result<(), RodlabError> {
     let refused = |error| RodlabError::step("laws.cards", error);
     let fits = comparison.rows.iter().map(|row| &row.fit);
-    let Some(fit) = fits.into_iter().find(|fit| fit.law.prony_series().is_some()) else {
+    let Some(fit) = fits
+        .into_iter()
+        .find(|fit| fit.law.prony_series().is_some())
+    else {
         // it is in the log why it could not be fitted
         return Ok(());
     };
