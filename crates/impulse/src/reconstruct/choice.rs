@@ -12,6 +12,8 @@ const POINTS: usize = 81;
 const BEYOND: f64 = 10.0;
 /// And so far below the weakest: such a regularisation takes off less than a part in a million, and is as good as none.
 const AS_NONE: f64 = 1e-6;
+/// Relative difference of scores that are the same.
+const FLAT: f64 = 1e-9;
 /// Golden section: relative accuracy of a parameter in so many steps, 0.618^30 of two intervals of the curve.
 const STEPS: usize = 30;
 
@@ -121,7 +123,14 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
         .iter()
         .enumerate()
         .filter(|(_, p)| p.score.is_finite());
-    let best = scored.min_by(|(_, a), (_, b)| a.score.total_cmp(&b.score));
+    let least = scored
+        .clone()
+        .map(|(_, p)| p.score)
+        .fold(f64::INFINITY, f64::min);
+    // of scores that differ by rounding the weakest regularisation
+    let best = scored
+        .clone()
+        .find(|(_, p)| p.score <= least + FLAT * least.abs());
     let Some((index, point)) = best else {
         let first = curve.first().map_or(f64::NAN, |p| p.parameter);
         return (first, ChoiceVerdict::NoCorner);
