@@ -4,11 +4,13 @@
 
 mod bias;
 mod coherence;
+mod departure;
 mod given;
 
 pub use bias::Bias;
 pub use coherence::Coherence;
 pub(crate) use coherence::chance_level;
+pub use departure::Departure;
 
 use num_complex::Complex64;
 
@@ -288,12 +290,15 @@ impl AveragedSpectra {
         let averaged = self.can_have_coherence();
         let freedom = 2.0 * (averages - 1.0);
         let least_coherence = self.transform_rounding().powi(2);
-        let lines = pulp::Arch::new().dispatch(EstimatesOf {
+        let mut lines = pulp::Arch::new().dispatch(EstimatesOf {
             pair,
             estimator,
             averages,
             least_coherence,
         });
+        if !(self.has_first_line(input)? && self.has_first_line(output)?) {
+            lines.leave_out_first();
+        }
         let mut response = FrequencyResponse {
             estimator,
             input: input_channel.clone(),
@@ -367,6 +372,19 @@ struct Estimates {
     coherence: Vec<f64>,
     variance: Vec<f64>,
     validity: Vec<LineValidity>,
+}
+
+impl Estimates {
+    /// Flags the line at 0 Hz as one that does not exist.
+    fn leave_out_first(&mut self) {
+        let nothing = Complex64::new(f64::NAN, f64::NAN);
+        self.values.iter_mut().take(1).for_each(|x| *x = nothing);
+        for lines in [&mut self.coherence, &mut self.variance] {
+            lines.iter_mut().take(1).for_each(|x| *x = f64::NAN);
+        }
+        let first = self.validity.iter_mut().take(1);
+        first.for_each(|x| *x = LineValidity::NotDefined);
+    }
 }
 
 /// [`Pair::estimates`] as a task that can be run with the vector instructions of the processor at hand.

@@ -91,7 +91,9 @@ pub use calibration::{
 pub use channel::{Channel, Quantity};
 pub use convert::ResponseKind;
 pub use error::{LabioError, Place};
-pub use frf::{Bias, Coherence, Estimator, FrequencyResponse, LineValidity, RandomError};
+pub use frf::{
+    Bias, Coherence, Departure, Estimator, FrequencyResponse, LineValidity, RandomError,
+};
 pub use impulse_response::ImpulseResponse;
 pub use integrate::{LowFrequency, differentiate, integrate};
 pub use merge::{Agreement, MergedResponse};
@@ -101,7 +103,7 @@ pub use provenance::{ContentHash, Provenance};
 pub use record::Record;
 pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
-pub use spectra::{AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch};
+pub use spectra::{AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch, completed_motion};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};

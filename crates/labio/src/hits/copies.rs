@@ -4,17 +4,13 @@ use std::f64::consts::LN_2;
 
 use num_complex::Complex64;
 
-use super::judgement::{PASSAGE_OVER_PEAK, onset_of};
+use super::rest::samples_at_rest;
 use crate::spectra::RestNoise;
 use crate::{LabioError, Record, dft};
 
 /// Difference of equal samples over the largest: the rounding of single precision, twice.
 const ROUNDING: f64 = 1.0 / 4_194_304.0;
 
-/// Part of the samples before the onset that is taken for silence.
-const SILENT_PART: f64 = 0.75;
-/// Fewest silent samples that tell the noise.
-const FEWEST_SILENT: usize = 16;
 /// Lines below this part of the sampling rate take no part: hum and drift are no noise of a line.
 const LOWEST: f64 = 1.0 / 16.0;
 /// Lines above this part of the sampling rate take no part: a recorder passes nothing there.
@@ -198,17 +194,12 @@ pub fn find_near_copies(
 ) -> Result<Vec<NearCopy>, LabioError> {
     let mut all = Vec::with_capacity(hits.len());
     for hit in hits {
-        let mut onset = hit.n_samples();
-        for channel in channels {
-            onset = onset.min(onset_of(&hit.channel(channel)?.to_vec(), PASSAGE_OVER_PEAK));
-        }
-        let silent = share(onset, SILENT_PART);
+        let silent = samples_at_rest(&[hit], channels)?;
         let mut of_hit = Vec::with_capacity(channels.len());
         for channel in channels {
-            of_hit.push(if silent < FEWEST_SILENT {
-                None
-            } else {
-                Lines::of(hit, channel, silent)?
+            of_hit.push(match silent {
+                None => None,
+                Some(silent) => Lines::of(hit, channel, silent)?,
             });
         }
         all.push(of_hit);

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::LabioError;
 use crate::error::check_positive;
+use crate::{AddedDamping, LabioError};
 
 /// Limits of the checks, each with a default and the reason for it. `None` leaves a check out.
 ///
@@ -19,9 +19,12 @@ use crate::error::check_positive;
 /// | drop-out: equal samples in a row | 8 | shorter ones the resolution of a slow signal can make |
 /// | static offset over peak | 0.25 | more means that the range was spent on something else than the hit |
 /// | level shift over peak | 0.02 | integrated once, it would outgrow the hit after 50 times its duration |
-/// | remainder at the end over peak | 0.01 | what is cut off spreads over the spectrum at -40 dB of the peak |
+/// | remainder at the end over peak | 0.01 | what is cut off spreads over the spectrum at -40 dB of the peak; what passes is stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
 ///
-/// Level shift and remainder are not asked of velocities and displacements: a free body that is struck goes on moving.
+/// A level shift is not asked of velocities and displacements: a free body that is struck goes on moving. Their remainder is what is left
+/// of the constant velocity, or of the straight line of the displacement, of the last quarter
+/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); of bars it is not asked. The remainder is that under the
+/// exponential window, if one will be used ([`Self::with_end_weight`], [`Self::with_decay_rate`]).
 /// The range of the recorder ([`Self::with_full_scale`]) has no default.
 ///
 /// What [`Self::bar`] judges otherwise than [`Self::hammer`]:
@@ -48,6 +51,26 @@ pub struct Criteria {
     pub(super) static_offset: Option<f64>,
     pub(super) level_shift: Option<f64>,
     pub(super) remainder: Option<f64>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) window: Option<Decay>,
+}
+
+/// An exponential window on hits whose length is not known yet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Decay {
+    /// By the weight at the end of a hit.
+    EndWeight(f64),
+    /// By the decay rate \[1/s\].
+    Rate(AddedDamping),
+}
+
+impl Decay {
+    pub(super) fn window(self, duration: f64) -> Result<AddedDamping, LabioError> {
+        match self {
+            Self::EndWeight(weight) => AddedDamping::to_end_weight(weight, duration),
+            Self::Rate(window) => Ok(window),
+        }
+    }
 }
 
 impl Default for Criteria {
@@ -71,6 +94,7 @@ impl Criteria {
             static_offset: Some(0.25),
             level_shift: Some(0.02),
             remainder: Some(0.01),
+            window: None,
         }
     }
 
@@ -202,6 +226,24 @@ impl Criteria {
     pub fn with_remainder(self, limit: Option<f64>) -> Result<Self, LabioError> {
         let remainder = checked("remainder over peak", limit)?;
         Ok(Self { remainder, ..self })
+    }
+
+    /// Judges the remainder under the exponential window that falls to `weight` at the end of a hit.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] for a weight that is not between 0 and 1.
+    pub fn with_end_weight(self, weight: f64) -> Result<Self, LabioError> {
+        AddedDamping::to_end_weight(weight, 1.0)?;
+        let window = Some(Decay::EndWeight(weight));
+        Ok(Self { window, ..self })
+    }
+
+    /// Judges the remainder under this exponential window.
+    #[must_use]
+    pub fn with_decay_rate(self, window: AddedDamping) -> Self {
+        let window = Some(Decay::Rate(window));
+        Self { window, ..self }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::double_hit::second_contact;
 use super::rest::{Rest, smallest_step};
 use super::{Criteria, Reason};
+use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 
 /// Samples that a rest level needs: with fewer, one odd sample in three moves its median.
@@ -13,8 +14,10 @@ const BEYOND_NOISE: f64 = 10.0;
 const LEVELS_APART: f64 = 5.0;
 /// Part of a hit, at its end, in which it should be over.
 const TAIL: usize = 10;
+/// Part of a hit, at its end, that tells the motion behind it.
+const QUARTER: usize = 4;
 /// Part of the largest excursion that the first passage of a hammer hit exceeds: the signal is then in the contact.
-const HIT_OVER_PEAK: f64 = 0.1;
+pub(super) const HIT_OVER_PEAK: f64 = 0.1;
 /// Part of the largest excursion that the first passage of a wave exceeds: it may be smaller than one that follows, but not than what
 /// filters leave before it.
 pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
@@ -60,6 +63,13 @@ impl Criteria {
             }
             Some(onset) => onset,
             None => onset_of(&trigger_samples, part_of_peak),
+        };
+        let weights = match self.window {
+            None => Vec::new(),
+            Some(decay) => {
+                let window = decay.window(hit.duration())?;
+                window.weights(hit.n_samples(), hit.sampling_rate_hz())?
+            }
         };
         let mut reasons = Vec::new();
         if onset < LEAST_REST {
@@ -113,12 +123,12 @@ impl Criteria {
             if is_force {
                 self.check_contacts(&signal, hit.sampling_rate_hz(), &mut reasons);
             }
-            let goes_on = matches!(
-                channel.quantity(),
-                Quantity::Velocity | Quantity::Displacement
-            );
-            if !goes_on {
-                self.check_levels(&signal, &mut reasons);
+            let ending = Ending::of(channel.quantity());
+            if ending == Ending::Rest {
+                self.check_shift(&signal, &mut reasons);
+            }
+            if ending == Ending::Rest || !self.several_passages {
+                self.check_remainder(&signal, ending, &weights, &mut reasons);
             }
         }
         Ok(reasons)
@@ -242,14 +252,9 @@ impl Criteria {
         true
     }
 
-    fn check_levels(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) {
+    fn check_shift(&self, signal: &Signal<'_>, reasons: &mut Vec<Reason>) {
         let (rest, peak) = (signal.rest, signal.peak);
-        let after_onset = signal.samples.len() - signal.onset;
-        let n_tail = (signal.samples.len() / TAIL)
-            .max(LEAST_REST)
-            .min(after_onset / 2);
-        let (_, tail) = signal.samples.split_at(signal.samples.len() - n_tail);
-        let Some(end) = Rest::of(tail) else {
+        let Some(end) = Rest::of(signal.end_of(TAIL)) else {
             return;
         };
         if let Some(limit) = self.level_shift {
@@ -265,20 +270,58 @@ impl Criteria {
                 });
             }
         }
-        if let Some(limit) = self.remainder {
-            let squares: f64 = tail.iter().map(|x| (x - end.level).powi(2)).sum();
-            let remainder = (squares / n_tail as f64 - rest.noise.powi(2))
-                .max(0.0)
-                .sqrt();
-            // noise itself is no movement, and its own estimate from few samples errs by a good part of it
-            if remainder > limit * peak && remainder > 3.0 * rest.noise {
-                reasons.push(Reason::NotDecayed {
-                    channel: signal.channel.to_owned(),
-                    remainder,
-                    peak,
-                    limit,
-                });
-            }
+    }
+
+    /// What is left at the end of the level, or of the motion that goes on behind it, under the exponential window.
+    fn check_remainder(
+        &self,
+        signal: &Signal<'_>,
+        ending: Ending,
+        weights: &[f64],
+        reasons: &mut Vec<Reason>,
+    ) {
+        let tail = signal.end_of(TAIL);
+        let (Some(limit), Some(end)) = (self.remainder, Rest::of(tail)) else {
+            return;
+        };
+        let line = match ending {
+            Ending::Rest => End {
+                level: end.level,
+                slope: 0.0,
+            },
+            goes_on => goes_on.fit(signal.end_of(QUARTER)),
+        };
+        let weight_from = |begin: usize| {
+            let weights = weights.iter().skip(begin).copied();
+            weights.chain(std::iter::repeat(1.0))
+        };
+        let begin = signal.samples.len() - tail.len();
+        let n_tail = tail.len() as f64;
+        let (mut squares, mut noise) = (0.0, 0.0);
+        let places = (1..=tail.len()).rev();
+        for ((x, before), weight) in tail.iter().zip(places).zip(weight_from(begin)) {
+            squares += (weight * (x - line.at(before))).powi(2);
+            noise += (weight * signal.rest.noise).powi(2);
+        }
+        let (squares, noise) = (squares / n_tail, noise / n_tail);
+        let peak = if weights.is_empty() {
+            signal.peak
+        } else {
+            let after = signal.samples.iter().skip(signal.onset);
+            let weighed = after.zip(weight_from(signal.onset));
+            weighed
+                .map(|(x, weight)| weight * (x - signal.rest.level).abs())
+                .fold(0.0, f64::max)
+        };
+        let remainder = (squares - noise).max(0.0).sqrt();
+        // noise itself is no movement, and its own estimate from few samples errs by a good part of it
+        if remainder > limit * peak && remainder > 3.0 * noise.sqrt() {
+            reasons.push(Reason::NotDecayed {
+                channel: signal.channel.to_owned(),
+                remainder,
+                peak,
+                limit,
+            });
         }
     }
 }
@@ -324,6 +367,16 @@ impl<'a> Signal<'a> {
             least,
             greatest,
         })
+    }
+
+    /// The last of `parts` equal parts of the hit: eight samples or more, but at most half of those after the onset.
+    fn end_of(&self, parts: usize) -> &'a [f64] {
+        let after_onset = self.samples.len() - self.onset;
+        let n_tail = (self.samples.len() / parts)
+            .max(LEAST_REST)
+            .min(after_onset / 2);
+        let (_, tail) = self.samples.split_at(self.samples.len() - n_tail);
+        tail
     }
 }
 

@@ -183,6 +183,16 @@ impl HitLog {
         Ok(())
     }
 
+    /// Adds what a comparison with other hits has against hit `number` to what the checks have.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if there is none of that number.
+    pub fn object(&mut self, number: usize, reason: Reason) -> Result<(), LabioError> {
+        self.hit_mut(number)?.reasons.push(reason);
+        Ok(())
+    }
+
     /// Leaves hit `number` to the checks again.
     ///
     /// # Errors

@@ -116,6 +116,21 @@ pub enum Reason {
         /// Largest shift over peak that is accepted.
         limit: f64,
     },
+    /// A channel departs from the response of the other hits.
+    Departs {
+        /// The channel.
+        channel: String,
+        /// Root of the energy of the departure over that of what the other hits say of it.
+        departure: f64,
+        /// Largest such departure among the other hits.
+        others: f64,
+        /// Gain over what the other hits say of it.
+        scale: f64,
+        /// Time by which it is later than the other hits say \[s\], to a sample.
+        delay: f64,
+        /// Sample at which it departs most, if it departs there by more than elsewhere.
+        index: Option<usize>,
+    },
     /// The signal still moves at the end.
     NotDecayed {
         /// The channel.
@@ -147,6 +162,7 @@ impl Reason {
             Self::StaticOffset { .. } => "static offset",
             Self::LevelShift { .. } => "level shift",
             Self::NotDecayed { .. } => "not decayed",
+            Self::Departs { .. } => "departs from the others",
         }
     }
 }
@@ -284,6 +300,27 @@ impl fmt::Display for Reason {
                 Short(*limit),
                 Short(*peak)
             ),
+            Self::Departs {
+                channel,
+                departure,
+                others,
+                scale,
+                delay,
+                index,
+            } => {
+                write!(
+                    f,
+                    "`{channel}` departs by {} of what the other hits say of it, these by {} at most; it is {} times as large and {} ms later",
+                    Short(*departure),
+                    Short(*others),
+                    Short(*scale),
+                    Short(1e3 * delay)
+                )?;
+                match index {
+                    Some(index) => write!(f, ", and departs most at sample {index}"),
+                    None => Ok(()),
+                }
+            }
         }
     }
 }

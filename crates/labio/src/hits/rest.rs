@@ -1,5 +1,36 @@
 //! Rest level and noise, by figures that a few odd samples cannot move.
 
+use super::judgement::{PASSAGE_OVER_PEAK, onset_of};
+use crate::{LabioError, Record};
+
+/// Part of the samples before the onset that is taken for rest.
+const PART_AT_REST: f64 = 0.75;
+/// Fewest samples at rest that tell a level and its noise.
+const FEWEST_AT_REST: usize = 16;
+
+/// Number of samples before the blow in which `channels` are at rest in each of `hits`: three quarters of those before the first of them
+/// leaves its level. None for fewer than 16.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usize>, LabioError> {
+    let mut least: Option<usize> = None;
+    for hit in hits {
+        for channel in channels {
+            let onset = onset_of(&hit.channel(channel)?.to_vec(), PASSAGE_OVER_PEAK);
+            least = Some(least.map_or(onset, |least| least.min(onset)));
+        }
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a part of a number of samples"
+    )]
+    let part = |onset: usize| (PART_AT_REST * onset as f64) as usize;
+    Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
+}
+
 /// A stretch of samples at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rest {

@@ -2,7 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::{AveragedSpectra, Detrend};
+use super::ending::{Completion, Ending, tail_length};
+use super::{AveragedSpectra, AveragedTails, Detrend};
 use crate::channel::{self, Channel};
 use crate::dft::Dft;
 use crate::error::check_positive;
@@ -53,7 +54,22 @@ pub struct SpectrumAverager {
     auto_sums: Vec<Vec<f64>>,
     /// Sums of conj(X) Y over the pairs in the order of `pair_index`.
     cross_sums: Vec<Vec<Complex64>>,
+    tails: Option<Tails>,
     n_averages: usize,
+}
+
+/// What is known of the ends of the hits.
+#[derive(Debug)]
+struct Tails {
+    completion: Completion,
+    /// One a channel.
+    endings: Vec<Ending>,
+    /// End of the channel at hand that the leakage is measured on.
+    tail: Vec<f64>,
+    /// Transforms of those ends, one a channel.
+    lines: Vec<Vec<Complex64>>,
+    /// Sums of conj(X) T of the lines X of a channel and the end T of a channel, in rows of the first.
+    sums: Vec<Vec<Complex64>>,
 }
 
 /// The sums of one hit as a task that can be run with the vector instructions of the processor at hand.
@@ -108,6 +124,7 @@ impl SpectrumAverager {
             lines: vec![vec![Complex64::ZERO; n_lines]; n_channels],
             auto_sums: vec![vec![0.0; n_lines]; n_channels],
             cross_sums: vec![vec![Complex64::ZERO; n_lines]; n_pairs],
+            tails: None,
             n_averages: 0,
         })
     }
@@ -130,6 +147,46 @@ impl SpectrumAverager {
     #[must_use]
     pub fn with_detrend(self, detrend: Detrend) -> Self {
         Self { detrend, ..self }
+    }
+
+    /// Takes every hit for a transient that goes on behind its record: a velocity at constant speed, a displacement in a straight line,
+    /// every other quantity at rest.
+    ///
+    /// Constant and line are those of least squares in the last quarter of the hit, weighed by a Hann window; the part behind the
+    /// end is added in closed form. The line at 0 Hz of a body that moves on does not exist, unless there is an exponential window. What the
+    /// last quarter holds besides is measured and gives [`AveragedSpectra::leakage`].
+    ///
+    /// # Validity
+    ///
+    /// The level before the hit is zero, as [`Detrend::Rest`] makes it. The blow lies before the last quarter.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window; [`LabioError::TooManyAverages`] if hits
+    /// have been added without it.
+    pub fn with_completion(mut self) -> Result<Self, LabioError> {
+        self.check_no_other_window("completion of the motion")?;
+        let n_channels = self.channels.len();
+        let n_lines = self.n_samples / 2 + 1;
+        self.tails = Some(Tails {
+            completion: self.completion(),
+            endings: self
+                .channels
+                .iter()
+                .map(|channel| Ending::of(channel.quantity()))
+                .collect(),
+            tail: vec![0.0; tail_length(self.n_samples)],
+            lines: vec![vec![Complex64::ZERO; n_lines]; n_channels],
+            sums: vec![vec![Complex64::ZERO; n_lines]; n_channels * n_channels],
+        });
+        Ok(self)
+    }
+
+    fn completion(&self) -> Completion {
+        let decay = self.added_damping.map_or(1.0, |window| {
+            (-window.decay_rate() / self.sampling_rate_hz).exp()
+        });
+        Completion::new(self.n_samples, decay)
     }
 
     /// Puts a force window on one channel.
@@ -174,6 +231,10 @@ impl SpectrumAverager {
             multiply(weights, &decay);
         }
         self.added_damping = Some(window);
+        let completion = self.completion();
+        if let Some(tails) = &mut self.tails {
+            tails.completion = completion;
+        }
         Ok(self)
     }
 
@@ -217,14 +278,51 @@ impl SpectrumAverager {
     fn transform(&mut self, channel: usize) {
         let input = self.dft.input();
         self.detrend.apply(input);
-        for (sample, weight) in input.iter_mut().zip(&self.weights[channel]) {
+        let weights = &self.weights[channel];
+        let Some(tails) = &mut self.tails else {
+            for (sample, weight) in input.iter_mut().zip(weights) {
+                *sample *= weight;
+            }
+            self.dft.transform(&mut self.lines[channel]);
+            return;
+        };
+        let n_tail = tails.tail.len();
+        let begin = input.len() - n_tail;
+        let ending = tails.endings[channel];
+        let end = ending.fit(&input[begin..]);
+        let at_end = input[begin..].iter().zip(&tails.completion.cut);
+        for (index, (slot, (sample, cut))) in tails.tail.iter_mut().zip(at_end).enumerate() {
+            *slot = cut * (sample - end.at(n_tail - index));
+        }
+        for (sample, weight) in input.iter_mut().zip(weights) {
+            *sample *= weight;
+        }
+        for (sample, weight) in tails.tail.iter_mut().zip(weights.iter().skip(begin)) {
             *sample *= weight;
         }
         self.dft.transform(&mut self.lines[channel]);
+        tails
+            .completion
+            .complete(ending, end, &mut self.lines[channel]);
+        let input = self.dft.input();
+        input[..begin].fill(0.0);
+        input[begin..].copy_from_slice(&tails.tail);
+        self.dft.transform(&mut tails.lines[channel]);
     }
 
     fn accumulate(&mut self) {
         pulp::Arch::new().dispatch(Accumulation(self));
+        if let Some(tails) = &mut self.tails {
+            let pairs = self
+                .lines
+                .iter()
+                .flat_map(|x| tails.lines.iter().map(move |tail| (x, tail)));
+            for ((x, tail), sums) in pairs.zip(&mut tails.sums) {
+                for ((sum, x), tail) in sums.iter_mut().zip(x).zip(tail) {
+                    *sum += x.conj() * tail;
+                }
+            }
+        }
         self.n_averages += 1;
     }
 
@@ -279,6 +377,7 @@ impl SpectrumAverager {
             window: self.window,
             gains: self.gains,
             added_damping: self.added_damping,
+            tails: self.tails.as_ref(),
             n_averages: self.n_averages,
         };
         about.spectra(
@@ -307,6 +406,7 @@ impl SpectrumAverager {
             window: self.window,
             gains: self.gains,
             added_damping: self.added_damping,
+            tails: self.tails.as_ref(),
             n_averages: self.n_averages,
         };
         about.spectra(sums.0, sums.1, effective_averages)
@@ -403,6 +503,7 @@ struct Averaged<'a> {
     window: Window,
     gains: Gains,
     added_damping: Option<AddedDamping>,
+    tails: Option<&'a Tails>,
     n_averages: usize,
 }
 
@@ -463,6 +564,17 @@ impl Averaged<'_> {
             };
             squares * time_step / self.gains.power
         };
+        let tails = self.tails.map(|tails| {
+            let scaled = |sums: &Vec<Complex64>| {
+                let lines = sums.iter().enumerate();
+                lines.map(|(line, sum)| sum * scale(line)).collect()
+            };
+            let lacks_first = |ending: &Ending| !tails.completion.has_first_line(*ending);
+            AveragedTails {
+                sums: tails.sums.iter().map(scaled).collect(),
+                lacks_first: tails.endings.iter().map(lacks_first).collect(),
+            }
+        });
         Ok(AveragedSpectra {
             noise_durations: self.weights.iter().map(noise_duration).collect(),
             rest_energy: vec![None; self.channels.len()],
@@ -479,6 +591,7 @@ impl Averaged<'_> {
                 .collect(),
             auto,
             cross,
+            tails,
         })
     }
 }

@@ -2,7 +2,8 @@
 
 /// A trend that is removed from every hit or segment, channel by channel, before the window is applied.
 ///
-/// Nothing is removed unless it is asked for: the mean of a force pulse is its impulse, and belongs to the measurement.
+/// Nothing is removed unless it is asked for. Of a hit only the level before the blow may be taken off ([`Detrend::Rest`]): the mean of a
+/// force pulse is its impulse, and mean and line of a ringing body are motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Detrend {
@@ -13,6 +14,12 @@ pub enum Detrend {
     Mean,
     /// The straight line of least squares is removed: for records of noise that drift.
     Linear,
+    /// The mean of the first samples is removed: for hits with an offset, at rest in those samples
+    /// ([`samples_at_rest`](crate::hits::samples_at_rest)).
+    Rest {
+        /// Number of samples at rest.
+        n_samples: usize,
+    },
 }
 
 impl Detrend {
@@ -22,6 +29,13 @@ impl Detrend {
             Self::None => {}
             Self::Mean => {
                 let mean = sum(samples, |_, x| x) / n;
+                for sample in samples {
+                    *sample -= mean;
+                }
+            }
+            Self::Rest { n_samples } => {
+                let rest = samples.get(..n_samples).unwrap_or(samples);
+                let mean = sum(rest, |_, x| x) / rest.len().max(1) as f64;
                 for sample in samples {
                     *sample -= mean;
                 }
@@ -81,5 +95,12 @@ mod tests {
                 assert!((sample - (parabola(i) - 10.0)).abs() < 1e-13, "{detrend:?}");
             }
         }
+    }
+
+    #[test]
+    fn s8_the_level_of_the_first_samples_is_removed() {
+        let mut samples = [3.0, 1.0, 2.0, 9.0, 2.0];
+        Detrend::Rest { n_samples: 3 }.apply(&mut samples);
+        assert_eq!(samples, [1.0, -1.0, 0.0, 7.0, 0.0]);
     }
 }

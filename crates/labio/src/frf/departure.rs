@@ -1,0 +1,106 @@
+//! Difference of two estimates of one response, as with and without a window.
+
+use super::{FrequencyResponse, LineValidity};
+use crate::LabioError;
+
+/// Coherence above which lines are compared: below, noise in the input makes a bias of its own.
+const LEAST_COHERENCE: f64 = 0.9;
+/// Fewest lines that are compared.
+const FEWEST_LINES: usize = 8;
+/// Stated errors by which the median difference of two estimates of one response does not differ.
+const APART: f64 = 2.0;
+/// Stated errors by which no more than a tenth of the lines differ, with a stated error from few hits: 3 of two hits, 2 of three.
+const TENTH_APART: f64 = 4.0;
+
+/// Relative difference of two estimates of one response, over the lines; medians where nothing else is said.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Difference.
+    pub median: f64,
+    /// Difference that a tenth of the lines exceeds.
+    pub of_a_tenth: f64,
+    /// Difference over stated error that a tenth of the lines exceeds.
+    pub errors_of_a_tenth: f64,
+    /// Standard error of the complex line that the two state together.
+    pub stated: f64,
+    /// Standard error of the complex line that the estimate at hand states.
+    pub own: f64,
+}
+
+impl Departure {
+    /// Whether the difference is greater than twice the stated error in the median, or than four times the stated error on a tenth of the lines.
+    #[must_use]
+    pub fn is_beyond_errors(&self) -> bool {
+        self.median > APART * self.stated || self.errors_of_a_tenth > TENTH_APART
+    }
+}
+
+impl FrequencyResponse {
+    /// Difference from another estimate on the same lines, of which those count that have a coherence above 0.9 in either. None without
+    /// variances, or with fewer than eight such lines.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`] for another number of lines.
+    pub fn departure_from(&self, other: &Self) -> Result<Option<Departure>, LabioError> {
+        self.check_lengths()?;
+        other.check_lengths()?;
+        if self.values.len() != other.values.len() {
+            return Err(LabioError::CountMismatch {
+                what: "lines of a response to compare",
+                found: other.values.len(),
+                expected: self.values.len(),
+            });
+        }
+        let mut figures: [Vec<f64>; 4] = Default::default();
+        for (one, two) in self.known_lines().zip(other.known_lines()) {
+            let (Some((value, variance)), Some((reference, other))) = (one, two) else {
+                continue;
+            };
+            let scale = reference.norm();
+            let (difference, error) = ((value - reference).norm(), (variance + other).sqrt());
+            let line = [
+                difference / scale,
+                error / scale,
+                variance.sqrt() / scale,
+                difference / error,
+            ];
+            for (figures, figure) in figures.iter_mut().zip(line) {
+                figures.push(figure);
+            }
+        }
+        for figures in &mut figures {
+            figures.sort_by(f64::total_cmp);
+        }
+        let [difference, stated, own, errors] = figures;
+        if difference.len() < FEWEST_LINES {
+            return Ok(None);
+        }
+        let median = |values: &[f64]| values.get(values.len() / 2).copied();
+        let tenth = |values: &[f64]| values.get(values.len() - 1 - values.len() / 10).copied();
+        let figures = median(&difference).zip(tenth(&difference));
+        let of_errors = median(&stated).zip(median(&own)).zip(tenth(&errors));
+        Ok(figures.zip(of_errors).map(
+            |((median, of_a_tenth), ((stated, own), errors_of_a_tenth))| Departure {
+                median,
+                of_a_tenth,
+                errors_of_a_tenth,
+                stated,
+                own,
+            },
+        ))
+    }
+
+    /// Value and variance of each line; none of those without information or of low coherence.
+    fn known_lines(&self) -> impl Iterator<Item = Option<(num_complex::Complex64, f64)>> + '_ {
+        let none = || std::iter::repeat(&f64::NAN);
+        let lines = self.values.iter().zip(&self.validity);
+        lines
+            .zip(self.variance.iter().flatten().chain(none()))
+            .zip(self.coherence.iter().flatten().chain(none()))
+            .map(|(((value, validity), variance), coherence)| {
+                let known = *validity == LineValidity::Valid && *coherence > LEAST_COHERENCE;
+                known.then_some((*value, *variance))
+            })
+    }
+}

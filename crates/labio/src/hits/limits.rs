@@ -1,0 +1,134 @@
+//! Clipping of peaks that are too short for a run: the same extreme value again and again.
+
+use super::judgement::{HIT_OVER_PEAK, onset_of};
+use super::rest::{Rest, smallest_step};
+use super::{Criteria, Reason};
+use crate::{LabioError, Record};
+
+/// Numbers of the converter below the extreme in which an unclipped signal has more samples than at it: the samples of a round peak within
+/// a depth grow as its root, those in eight numbers below are twice those in the uppermost.
+const NUMBERS_BELOW: f64 = 8.0;
+/// Standard deviations of the noise that an extreme is from rest, at least.
+const BEYOND_NOISE: f64 = 10.0;
+/// Part of the largest excursion that an extreme is from rest, at least.
+const LEAST_PART: f64 = 0.1;
+
+/// A channel of a hit about its extreme in one direction.
+struct Side {
+    samples: Vec<f64>,
+    rest: Rest,
+    peak: f64,
+    step: f64,
+    /// Whether there is noise: a signal without it repeats its extremes as it likes.
+    is_live: bool,
+}
+
+impl Side {
+    /// The samples times `sign`.
+    fn of(recorded: &[f64], sign: f64) -> Option<Self> {
+        let onset = onset_of(recorded, HIT_OVER_PEAK);
+        let samples: Vec<f64> = recorded.iter().map(|x| sign * x).collect();
+        let (before, _) = samples.split_at_checked(onset)?;
+        let rest = Rest::of(before)?;
+        let excursions = samples.iter().map(|x| (x - rest.level).abs());
+        Some(Self {
+            peak: excursions.fold(0.0, f64::max),
+            step: smallest_step(&samples),
+            is_live: smallest_step(before) > 0.0,
+            rest,
+            samples,
+        })
+    }
+
+    fn greatest(&self) -> f64 {
+        let samples = self.samples.iter().copied();
+        samples.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Number of samples at `limit`, of runs that they stand in, and the first of them.
+    fn at(&self, limit: f64) -> (usize, usize, usize) {
+        let is_at = |x: &f64| (x - limit).abs() <= 0.0;
+        let chunks = self.samples.chunk_by(|a, b| is_at(a) == is_at(b));
+        let runs = chunks.filter(|run| run.first().is_some_and(is_at)).count();
+        let count = self.samples.iter().filter(|x| is_at(x)).count();
+        (
+            count,
+            runs,
+            self.samples.iter().position(is_at).unwrap_or(0),
+        )
+    }
+}
+
+impl Criteria {
+    /// Clipping that shows in the extreme values of `hits` together, each with its place in `hits`: a channel reaches the same extreme in two
+    /// peaks or more, with as many samples as make a clipped run, and with more samples than lie in the eight numbers of the converter below it.
+    /// Peaks of two samples, and of several hits, count together. Nothing is said of waves in bars, nor of a channel whose rest is without
+    /// noise.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`] for a hit without a channel of the first.
+    pub fn judge_extremes(&self, hits: &[&Record]) -> Result<Vec<(usize, Reason)>, LabioError> {
+        let mut found = Vec::new();
+        let (Some(least), false, Some(first)) =
+            (self.clipped_run, self.several_passages, hits.first())
+        else {
+            return Ok(found);
+        };
+        for channel in first.channels() {
+            let name = channel.name();
+            for sign in [1.0, -1.0] {
+                let mut sides = Vec::with_capacity(hits.len());
+                for (place, hit) in hits.iter().enumerate() {
+                    let recorded = hit.recorded(name)?.to_vec();
+                    sides.extend(Side::of(&recorded, sign).map(|side| (place, side)));
+                }
+                found.extend(clipped(&sides, least).map(|(place, limit, n, index)| {
+                    (
+                        place,
+                        Reason::Clipped {
+                            channel: name.to_owned(),
+                            value: sign * limit,
+                            run: n,
+                            index,
+                        },
+                    )
+                }));
+            }
+        }
+        found.sort_by_key(|(place, _)| *place);
+        Ok(found)
+    }
+}
+
+/// Hits whose greatest samples are clipped, each with the limit, the samples at it and the first of them.
+fn clipped(
+    sides: &[(usize, Side)],
+    least: usize,
+) -> impl Iterator<Item = (usize, f64, usize, usize)> {
+    let limit = sides
+        .iter()
+        .map(|(_, side)| side.greatest())
+        .fold(f64::NEG_INFINITY, f64::max);
+    let steps = sides.iter().map(|(_, side)| side.step);
+    let step = steps.filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    let (mut n_at, mut n_runs, mut n_below) = (0, 0, 0);
+    let mut places = Vec::new();
+    for (place, side) in sides {
+        let below = |x: &&f64| {
+            let depth = limit - **x;
+            depth > 0.0 && depth <= NUMBERS_BELOW * step
+        };
+        n_below += side.samples.iter().filter(below).count();
+        let (count, runs, index) = side.at(limit);
+        let from_rest = limit - side.rest.level;
+        let least = (BEYOND_NOISE * side.rest.noise).max(LEAST_PART * side.peak);
+        if count > 0 && side.is_live && from_rest > least {
+            n_at += count;
+            n_runs += runs;
+            places.push((*place, limit, count, index));
+        }
+    }
+    let is_limit = n_at >= least && n_runs >= 2 && n_at > n_below + 1;
+    places.into_iter().filter(move |_| is_limit)
+}

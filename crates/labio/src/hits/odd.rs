@@ -1,0 +1,347 @@
+//! The hit that departs from the others: each is compared with the response of all others.
+
+use num_complex::Complex64;
+
+use super::Reason;
+use crate::spectra::ending::{Completion, Ending, tail_length};
+use crate::{LabioError, Record, channel, dft};
+
+/// Fewest hits of which one can be told from the others.
+const FEWEST_HITS: usize = 4;
+/// Probability that one of the hits of a test departs by chance.
+const LEVEL: f64 = 1e-3;
+/// Energy of a departure over the greatest among the others: what scatters in a single way, as the place of the blow, reaches less.
+const ENERGY_OVER_OTHERS: f64 = 9.0;
+/// Largest sample of a departure over the greatest among the others.
+const PEAK_OVER_OTHERS: f64 = 2.0;
+/// Correlation from which on a delay is told.
+const LEAST_LIKENESS: f64 = 0.5;
+/// Hits that are examined for each channel: those of the largest departures.
+const MOST_EXAMINED: usize = 12;
+
+/// Lines of one channel of a hit.
+type Lines = Vec<Complex64>;
+
+/// Departure of one hit from the response of the others.
+#[derive(Debug, Clone, Copy)]
+struct Departure {
+    /// Energy of what the others say of the output.
+    expected: f64,
+    /// Gain of the output over that.
+    scale: f64,
+    /// Energy of the whole departure.
+    energy: f64,
+    /// Energy of the departure without that of the gain.
+    rest: f64,
+    /// Largest sample of that rest, and its place.
+    peak: (f64, usize),
+    /// Samples by which the output is later than expected, as the peak of their correlation says.
+    lag: i64,
+}
+
+/// Hits whose output departs from the response of all other hits by more than those depart from each other, each with its reason
+/// ([`Reason::Departs`]).
+///
+/// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is what the others say of its output $`Y_j`$. Three figures are
+/// compared with those of the other hits, of which each is told from those that remain: the gain
+/// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all
+/// hits; the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; the largest sample of it, likewise and
+/// by twice. An energy grows with the square of the blow at most. Hits that were found are left out when the next is sought.
+///
+/// # Validity
+///
+/// Four hits or more, most of them right; with fewer nothing is found. A scatter that is common to the hits, as of the place of the blow, widens
+/// the limits. A fault of the input shows in all outputs.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits of other lengths than the first.
+pub fn find_odd_hits(
+    hits: &[&Record],
+    input: &str,
+    outputs: &[&str],
+    n_rest: Option<usize>,
+) -> Result<Vec<(usize, Reason)>, LabioError> {
+    let Some(first) = hits.first().filter(|_| hits.len() >= FEWEST_HITS) else {
+        return Ok(Vec::new());
+    };
+    let n_samples = first.n_samples();
+    let completion = Completion::new(n_samples, 1.0);
+    let lines = |name: &str| -> Result<Vec<Lines>, LabioError> {
+        hits.iter()
+            .map(|hit| lines_of(hit, name, n_samples, n_rest, &completion))
+            .collect()
+    };
+    let inputs = lines(input)?;
+    let mut found: Vec<(usize, Reason)> = Vec::new();
+    for output in outputs {
+        let of_output = lines(output)?;
+        let mut left: Vec<usize> = (0..hits.len()).collect();
+        while left.len() >= FEWEST_HITS {
+            let Some((hit, reason)) = oddest(&left, &inputs, &of_output, n_samples) else {
+                break;
+            };
+            left.retain(|index| *index != hit);
+            found.push((
+                hit,
+                Reason::Departs {
+                    channel: (*output).to_owned(),
+                    departure: reason.0,
+                    others: reason.1,
+                    scale: reason.2.scale,
+                    delay: reason.2.lag as f64 / first.sampling_rate_hz(),
+                    index: reason.3,
+                },
+            ));
+        }
+    }
+    found.sort_by_key(|(hit, _)| *hit);
+    Ok(found)
+}
+
+/// Transform of a channel about its level at rest, completed by what follows behind the record; without the line at 0 Hz.
+fn lines_of(
+    hit: &Record,
+    name: &str,
+    n_samples: usize,
+    n_rest: Option<usize>,
+    completion: &Completion,
+) -> Result<Lines, LabioError> {
+    if hit.n_samples() != n_samples {
+        return Err(LabioError::CountMismatch {
+            what: "samples of a hit",
+            found: hit.n_samples(),
+            expected: n_samples,
+        });
+    }
+    let mut samples = hit.channel(name)?.to_vec();
+    let n_rest = n_rest.unwrap_or(0).min(n_samples);
+    let level = samples.iter().take(n_rest).sum::<f64>() / n_rest.max(1) as f64;
+    samples.iter_mut().for_each(|x| *x -= level);
+    let (_, known) = channel::find(hit.channels(), name)?;
+    let ending = Ending::of(known.quantity());
+    let (_, tail) = samples.split_at(n_samples - tail_length(n_samples));
+    let end = ending.fit(tail);
+    let mut lines = dft::forward(&samples);
+    completion.complete(ending, end, &mut lines);
+    lines.iter_mut().take(1).for_each(|x| *x = Complex64::ZERO);
+    Ok(lines)
+}
+
+/// The hit of `left` that departs most, if it departs beyond its limits: its relative departure, the largest of the others, its figures
+/// and the sample of a spike.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`left` are hits, each of which has lines of the input and of the output"
+)]
+fn oddest(
+    left: &[usize],
+    inputs: &[Lines],
+    outputs: &[Lines],
+    n_samples: usize,
+) -> Option<(usize, (f64, f64, Departure, Option<usize>))> {
+    let departures = |hits: &[usize]| -> Vec<Departure> {
+        let sums = Sums::of(hits, inputs, outputs);
+        hits.iter()
+            .map(|hit| sums.departure(&inputs[*hit], &outputs[*hit], n_samples))
+            .collect()
+    };
+    let all = departures(left);
+    let mut order: Vec<usize> = (0..left.len()).collect();
+    order.sort_by(|a, b| all[*b].energy.total_cmp(&all[*a].energy));
+    let mut candidates: Vec<usize> = order.iter().copied().take(MOST_EXAMINED).collect();
+    let relative = |place: &usize| all[*place].energy / all[*place].expected;
+    order.sort_by(|a, b| relative(b).total_cmp(&relative(a)));
+    candidates.extend(order.iter().copied().take(MOST_EXAMINED));
+    candidates.sort_unstable();
+    candidates.dedup();
+    let n_others = left.len() - 1;
+    let limit = deviations(LEVEL / left.len() as f64, n_others);
+    let mut worst: Option<(f64, usize, f64, Option<usize>)> = None;
+    for place in candidates {
+        let one = all[place];
+        let others: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|hit| *hit != left[place])
+            .collect();
+        let others = departures(&others);
+        let of = |figure: &dyn Fn(&Departure) -> f64| -> Vec<f64> {
+            others.iter().map(figure).collect()
+        };
+        // a departure that grows with the blow is not held against the harder one
+        let growth = |other: &Departure| (one.expected / other.expected).max(1.0);
+        let beyond = |value: f64, of_others: &[f64], over: f64| -> f64 {
+            let (mean, deviation) = scatter(of_others);
+            let largest = of_others.iter().copied().fold(0.0, f64::max);
+            value / (mean + limit * deviation).max(over * largest)
+        };
+        let energy = beyond(
+            one.rest,
+            &of(&|other| other.rest * growth(other)),
+            ENERGY_OVER_OTHERS,
+        );
+        let spike = beyond(
+            one.peak.0,
+            &of(&|other| other.peak.0 * growth(other).sqrt()),
+            PEAK_OVER_OTHERS,
+        );
+        let (_, deviation) = scatter(&of(&|other| other.scale));
+        let gain = (one.scale - 1.0).abs() / (limit * deviation);
+        let excess = energy.max(spike).max(gain);
+        if excess > 1.0 && worst.is_none_or(|(most, ..)| excess > most) {
+            let largest = of(&|other| other.energy / other.expected)
+                .into_iter()
+                .fold(0.0, f64::max);
+            let at = (spike > 1.0 && spike >= gain).then_some(one.peak.1);
+            worst = Some((excess, place, largest.sqrt(), at));
+        }
+    }
+    worst.map(|(_, place, others, at)| {
+        let one = all[place];
+        let departure = (one.energy / one.expected).sqrt();
+        (left[place], (departure, others, one, at))
+    })
+}
+
+/// Mean and standard deviation.
+fn scatter(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+    (mean, (squares / (n - 1.0)).sqrt())
+}
+
+/// Standard deviations of `n` values by which one more departs from their mean with this probability.
+fn deviations(probability: f64, n: usize) -> f64 {
+    let (mut low, mut high) = (0.0, 1e6);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if beyond_student(middle, n - 1) > probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high * (1.0 + 1.0 / n as f64).sqrt()
+}
+
+/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number of degrees of freedom (M. Abramowitz
+/// and I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.3 and 26.7.4). To 1e-15 absolutely.
+fn beyond_student(t: f64, degrees: usize) -> f64 {
+    let angle = (t / (degrees as f64).sqrt()).atan();
+    let (sine, cosine) = angle.sin_cos();
+    let odd = degrees % 2 == 1;
+    // the powers of the cosine from 0 or 1 on, below the number of degrees
+    let first = usize::from(odd);
+    let (mut sum, mut term) = (0.0, if odd { cosine } else { 1.0 });
+    for power in (first..degrees.max(1) - first).step_by(2) {
+        sum += term;
+        term *= (power + 1) as f64 / (power + 2) as f64 * cosine * cosine;
+    }
+    let within = if odd {
+        std::f64::consts::FRAC_2_PI * (angle + sine * sum)
+    } else {
+        sine * sum
+    };
+    1.0 - within
+}
+
+/// Sums of the spectra of several hits.
+struct Sums {
+    inputs: Vec<f64>,
+    crosses: Lines,
+}
+
+impl Sums {
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`hits` are hits, each of which has lines of the input and of the output"
+    )]
+    fn of(hits: &[usize], inputs: &[Lines], outputs: &[Lines]) -> Self {
+        let n_lines = inputs.first().map_or(0, Vec::len);
+        let mut sums = Self {
+            inputs: vec![0.0; n_lines],
+            crosses: vec![Complex64::ZERO; n_lines],
+        };
+        for hit in hits {
+            let lines = inputs[*hit].iter().zip(&outputs[*hit]);
+            let slots = sums.inputs.iter_mut().zip(&mut sums.crosses);
+            for ((input, cross), (x, y)) in slots.zip(lines) {
+                *input += x.norm_sqr();
+                *cross += x.conj() * y;
+            }
+        }
+        sums
+    }
+
+    /// Departure of a hit that is in the sums from the response of all others.
+    fn departure(&self, x: &Lines, y: &Lines, n_samples: usize) -> Departure {
+        let sums = self.inputs.iter().zip(&self.crosses);
+        let expected: Lines = sums
+            .zip(x.iter().zip(y))
+            .map(|((input, cross), (x, y))| {
+                let others = input - x.norm_sqr();
+                if others > 0.0 {
+                    (cross - x.conj() * y) / others * x
+                } else {
+                    Complex64::ZERO
+                }
+            })
+            .collect();
+        let energy: f64 = expected.iter().map(Complex64::norm_sqr).sum();
+        let products: Lines = expected.iter().zip(y).map(|(p, y)| p.conj() * y).collect();
+        let scale = products.iter().map(|product| product.re).sum::<f64>() / energy;
+        let departure = |scale: f64| -> Lines {
+            let pairs = y.iter().zip(&expected);
+            pairs.map(|(y, p)| y - p * scale).collect()
+        };
+        let square = |lines: &Lines| -> f64 { lines.iter().map(Complex64::norm_sqr).sum() };
+        let rest = departure(scale);
+        Departure {
+            expected: energy,
+            scale,
+            energy: square(&departure(1.0)),
+            rest: square(&rest),
+            peak: largest(&dft::inverse(&rest, n_samples)),
+            lag: {
+                let (top, at) = largest(&dft::inverse(&products, n_samples));
+                // two sides of the lines over the number of samples; an output of nothing but noise is like no other at any time
+                let most = (energy * square(y)).sqrt() * 2.0 / n_samples as f64;
+                let at = if top > LEAST_LIKENESS * most { at } else { 0 };
+                let at = i64::try_from(at).unwrap_or(0);
+                let n = i64::try_from(n_samples).unwrap_or(i64::MAX);
+                if 2 * at > n { at - n } else { at }
+            },
+        }
+    }
+}
+
+/// Largest magnitude, and its place.
+fn largest(samples: &[f64]) -> (f64, usize) {
+    let places = samples.iter().map(|x| x.abs()).zip(0..);
+    places.fold((0.0, 0), |top, one| if one.0 > top.0 { one } else { top })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_of_student_are_those_of_tables() {
+        // the two-sided 1 % points of 1 to 5 degrees of freedom
+        for (degrees, t) in [
+            (1, 63.6567),
+            (2, 9.92484),
+            (3, 5.84091),
+            (4, 4.60409),
+            (5, 4.03214),
+        ] {
+            let tail = beyond_student(t, degrees);
+            // six digits of t
+            assert!((tail - 0.01).abs() < 1e-6, "{degrees}: {tail}");
+        }
+        // 10 others: 4.781 is the 0.1 % point of 9 degrees of freedom
+        assert!((deviations(1e-3, 10) - 4.78091 * 1.1_f64.sqrt()).abs() < 1e-4);
+    }
+}

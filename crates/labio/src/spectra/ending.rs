@@ -1,0 +1,280 @@
+//! Motion behind the end of a record, and what a transform loses of it.
+
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+use super::Detrend;
+use crate::channel;
+use crate::{LabioError, Quantity, Record};
+
+/// Part of a hit, at its end, from which the motion behind it is told.
+const TAIL: usize = 4;
+/// Fewest samples of that part.
+const LEAST_TAIL: usize = 8;
+
+/// Motion of a body behind the end of its record.
+///
+/// The transform of a record that stops at sample $`N`$ leaves out all that follows. What follows is known for a free body: after the blow
+/// its velocity is $`u`$ for ever, its displacement $`u + v(n - N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay
+/// $`q = e^{-\sigma\Delta t}`$ of an exponential window, the part behind the end is
+///
+/// ```math
+/// \sum_{n\ge N}\bigl(u + v(n-N)\bigr)(qw)^n = (qw)^N\left(\frac{u}{1-qw} + \frac{v\,qw}{(1-qw)^2}\right),
+/// ```
+///
+/// exact on every line but that at 0 Hz of a step without window, which does not exist. It equals the transform of the differences of the
+/// samples divided by $`1 - w`$.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// At rest.
+    Rest,
+    /// At constant speed: a velocity that stays.
+    Constant,
+    /// A straight line: a displacement that goes on.
+    Ramp,
+}
+
+/// Straight line at the end of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct End {
+    /// Value one sample behind the last.
+    pub(crate) level: f64,
+    /// Change from sample to sample.
+    pub(crate) slope: f64,
+}
+
+impl End {
+    /// Value `before` samples before the end.
+    pub(crate) fn at(self, before: usize) -> f64 {
+        self.level - self.slope * before as f64
+    }
+}
+
+/// Number of samples, of `n_samples`, from which the motion behind the record is told.
+pub(crate) fn tail_length(n_samples: usize) -> usize {
+    (n_samples / TAIL).max(LEAST_TAIL).min(n_samples)
+}
+
+impl Ending {
+    /// Ending of a free or held body by the quantity that was measured.
+    pub(crate) fn of(quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::Velocity => Self::Constant,
+            Quantity::Displacement => Self::Ramp,
+            _ => Self::Rest,
+        }
+    }
+
+    /// The line of least squares through `tail`, weighed by a Hann window, to which what rings a few times in the tail is orthogonal.
+    pub(crate) fn fit(self, tail: &[f64]) -> End {
+        if self == Self::Rest || tail.is_empty() {
+            return End::default();
+        }
+        let n = tail.len() as f64;
+        let middle = (n - 1.0) / 2.0;
+        let (mut weights, mut squares, mut level, mut moment) = (0.0, 0.0, 0.0, 0.0);
+        for (index, x) in tail.iter().enumerate() {
+            let weight = (PI * (index as f64 + 0.5) / n).sin().powi(2);
+            let place = index as f64 - middle;
+            weights += weight;
+            squares += weight * place * place;
+            level += weight * x;
+            moment += weight * place * x;
+        }
+        let mean = level / weights;
+        if self == Self::Constant || squares <= 0.0 {
+            return End {
+                level: mean,
+                slope: 0.0,
+            };
+        }
+        let slope = moment / squares;
+        End {
+            level: mean + slope * (n - middle),
+            slope,
+        }
+    }
+}
+
+/// Samples whose transform, but for the line at 0 Hz, is that of the hit with its motion behind the end
+/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)): what is left of a velocity or a displacement without its
+/// mean in the first `n_rest` samples, the ramp from 0 to the constant at the end, and the parabola of the slope there,
+///
+/// ```math
+/// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
+/// ```
+///
+/// Other quantities stay as they are.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn completed_motion(
+    hit: &Record,
+    channel: &str,
+    n_rest: Option<usize>,
+) -> Result<Vec<f64>, LabioError> {
+    let (_, known) = channel::find(hit.channels(), channel)?;
+    let ending = Ending::of(known.quantity());
+    let mut samples = hit.channel(channel)?.to_vec();
+    if ending == Ending::Rest {
+        return Ok(samples);
+    }
+    let n_samples = samples.len();
+    Detrend::Rest {
+        n_samples: n_rest.unwrap_or(0),
+    }
+    .apply(&mut samples);
+    let (_, tail) = samples.split_at(n_samples - tail_length(n_samples));
+    let end = ending.fit(tail);
+    let n = n_samples as f64;
+    for (index, x) in samples.iter_mut().enumerate() {
+        let at = index as f64;
+        *x -= end.level * at / n - end.slope * at * (n - at) / (2.0 * n);
+    }
+    Ok(samples)
+}
+
+/// Sums of a step and of a ramp behind the end of a record, line by line.
+#[derive(Debug, Clone)]
+pub(crate) struct Completion {
+    steps: Vec<Complex64>,
+    ramps: Vec<Complex64>,
+    /// Weights of the tail in the leakage: 1 less a half cosine that falls to 0 at the end.
+    pub(crate) cut: Vec<f64>,
+    is_damped: bool,
+}
+
+impl Completion {
+    /// For `n_samples` samples under an exponential window that falls to `decay` within a sample, 1 for none.
+    pub(crate) fn new(n_samples: usize, decay: f64) -> Self {
+        let n = n_samples as f64;
+        let end = decay.powf(n);
+        let is_damped = decay < 1.0;
+        let steps: Vec<Complex64> = (0..=n_samples / 2)
+            .map(|line| {
+                if line == 0 && !is_damped {
+                    return Complex64::ZERO;
+                }
+                // on a line of the transform w to the power N is 1
+                end / (1.0 - Complex64::from_polar(decay, -TAU * line as f64 / n))
+            })
+            .collect();
+        let ramps = steps
+            .iter()
+            .enumerate()
+            .map(|(line, step)| {
+                let turn = Complex64::from_polar(decay, -TAU * line as f64 / n);
+                step * step * turn / end.max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        let n_tail = tail_length(n_samples);
+        let cut = (0..n_tail)
+            .map(|index| 0.5 - 0.5 * (PI * (index as f64 + 0.5) / n_tail as f64).cos())
+            .collect();
+        Self {
+            steps,
+            ramps,
+            cut,
+            is_damped,
+        }
+    }
+
+    /// Adds the motion behind the end to `lines`. The line at 0 Hz of a motion that never comes to rest becomes zero.
+    pub(crate) fn complete(&self, ending: Ending, end: End, lines: &mut [Complex64]) {
+        if ending == Ending::Rest {
+            return;
+        }
+        for ((line, step), ramp) in lines.iter_mut().zip(&self.steps).zip(&self.ramps) {
+            *line += step * end.level + ramp * end.slope;
+        }
+        if let (false, Some(first)) = (self.is_damped, lines.first_mut()) {
+            *first = Complex64::ZERO;
+        }
+    }
+
+    /// Whether the line at 0 Hz of a motion with this ending exists.
+    pub(crate) fn has_first_line(&self, ending: Ending) -> bool {
+        self.is_damped || ending == Ending::Rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dft::forward;
+
+    /// A step and a ramp behind a record, added up far behind their end under a slow decay, which takes the place of the limit.
+    #[test]
+    fn s1_what_follows_is_added_as_if_the_record_were_longer() {
+        let (n, decay): (usize, f64) = (32, 0.98);
+        let motion = |k: usize| {
+            if k < 10 {
+                0.0
+            } else {
+                0.3 * (k - 10) as f64 + 2.0
+            }
+        };
+        let whole = |samples: usize| -> Vec<f64> {
+            let weighed = (0..samples).map(|k| motion(k) * decay.powf(k as f64));
+            weighed.collect()
+        };
+        let mut lines = forward(&whole(n));
+        let samples: Vec<f64> = (n - 8..n).map(motion).collect();
+        let end = Ending::Ramp.fit(&samples);
+        // the sums of a straight line: rounding
+        assert!((end.level - motion(n)).abs() < 1e-12 && (end.slope - 0.3).abs() < 1e-13);
+        Completion::new(n, decay).complete(Ending::Ramp, end, &mut lines);
+        // 64 times as long: 0.98^2048 is 1e-18
+        let long = forward(&whole(64 * n));
+        for (line, value) in lines.iter().enumerate() {
+            let exact = long[64 * line];
+            assert!((value - exact).norm() < 1e-11 * exact.norm(), "{line}");
+        }
+    }
+
+    #[test]
+    fn s1_completed_samples_have_the_completed_lines() {
+        let samples = ndarray::Array2::from_shape_fn((1, 48), |(_, n)| {
+            let t = n as f64 - 12.0;
+            if t < 0.0 {
+                2.0
+            } else {
+                2.0 + 0.3 * t + (0.7 * t).sin()
+            }
+        });
+        let channels = vec![crate::Channel::new("end", Quantity::Displacement).unwrap()];
+        let from = crate::Provenance::computed("ramp");
+        let hit = Record::new(samples, 1.0, 0.0, channels, from).unwrap();
+        let plain: Vec<f64> = hit
+            .channel("end")
+            .unwrap()
+            .iter()
+            .map(|x| x - 2.0)
+            .collect();
+        let mut lines = forward(&plain);
+        let end = Ending::Ramp.fit(&plain[36..]);
+        Completion::new(48, 1.0).complete(Ending::Ramp, end, &mut lines);
+        let found = forward(&completed_motion(&hit, "end", Some(12)).unwrap());
+        for (a, b) in found.iter().zip(&lines).skip(1) {
+            // sums of numbers of some tens
+            assert!((a - b).norm() < 1e-11, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn s1_ringing_does_not_tilt_the_line_at_the_end() {
+        let tail: Vec<f64> = (0..100)
+            .map(|k| 1.0 + (TAU * 5.3 * k as f64 / 100.0 + 0.4).sin())
+            .collect();
+        let Completion { cut, .. } = Completion::new(400, 1.0);
+        assert_eq!(cut.len(), tail.len());
+        // the transform of Hann's window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3 cycles
+        let end = Ending::Constant.fit(&tail);
+        assert!((end.level - 1.0).abs() < 0.004, "{end:?}");
+        assert_eq!(
+            Ending::of(Quantity::Acceleration).fit(&tail),
+            End::default()
+        );
+    }
+}
