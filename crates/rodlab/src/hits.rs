@@ -12,6 +12,7 @@ mod criteria;
 mod cut;
 mod found;
 mod independent;
+mod odd;
 mod reading;
 mod silence;
 
@@ -19,6 +20,7 @@ pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
 pub use found::{FoundHit, FoundHits};
 pub use independent::{expect_independent, expect_noise};
+pub use odd::{OddSheet, level_at_rest};
 pub use reading::{Reading, Stretch};
 pub(crate) use silence::{silent_samples, trigger_of};
 
@@ -52,6 +54,10 @@ pub struct HitsSheet {
     /// Hits that are accepted whatever the criteria say.
     #[serde(default)]
     pub accept: Vec<RulingSheet>,
+    /// A hit that departs from the response of the others is kept, and the result in doubt (`InDoubt`, the default), or left out
+    /// (`LeaveOut`). It takes four hits to tell one, in frequency responses and mobilities.
+    #[serde(default)]
+    pub odd: OddSheet,
 }
 
 /// A decision by hand.
@@ -84,6 +90,21 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
+    /// Finds and judges the hits of a hammer that will be weighed by an exponential window, which `weigh` puts into the criteria.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::find`], and for the window.
+    pub fn find_weighed(
+        &self,
+        weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
+        records: Vec<NamedRecord>,
+        reference: &str,
+        field: &str,
+    ) -> Result<FoundHits, RodlabError> {
+        self.find_with(HitKind::Hammer, weigh, records, reference, field)
+    }
+
     /// Finds and judges hits as [`Self::find`] does, which are of the kind `usual` if the sheet does not state another.
     ///
     /// # Errors
@@ -92,6 +113,17 @@ impl HitsSheet {
     pub fn find_of(
         &self,
         usual: HitKind,
+        records: Vec<NamedRecord>,
+        reference: &str,
+        field: &str,
+    ) -> Result<FoundHits, RodlabError> {
+        self.find_with(usual, Ok, records, reference, field)
+    }
+
+    fn find_with(
+        &self,
+        usual: HitKind,
+        weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
         records: Vec<NamedRecord>,
         reference: &str,
         field: &str,
@@ -107,6 +139,7 @@ impl HitsSheet {
         let criteria = self
             .criteria
             .limits(usual, &channels, &format!("{field}.criteria"))?;
+        let criteria = weigh(criteria)?;
         let mut settings = self.settings(channel, field);
         settings.extend(
             self.criteria
@@ -129,8 +162,10 @@ impl HitsSheet {
             logs.push((name, log));
         }
         self.rule(&mut logs, field)?;
-        let found = FoundHits::new(logs, settings, self.cut.as_ref().is_some_and(Cut::triggers));
+        let by_trigger = self.cut.as_ref().is_some_and(Cut::triggers);
+        let mut found = FoundHits::new(logs, settings, by_trigger, self.odd);
         found.check_alike(field)?;
+        found.compare_extremes(&criteria)?;
         Ok(found)
     }
 
@@ -212,6 +247,14 @@ impl HitsSheet {
                 .as_ref()
                 .map_or_else(|| Cut::EachRecord.to_string(), Cut::to_string),
             by_default: self.cut.is_none(),
+        });
+        settings.push(Setting {
+            name: format!("{field}.odd"),
+            value: match self.odd {
+                OddSheet::InDoubt => "in doubt".to_owned(),
+                OddSheet::LeaveOut => "left out".to_owned(),
+            },
+            by_default: self.odd == OddSheet::default(),
         });
         for (list, rulings) in [("reject", &self.reject), ("accept", &self.accept)] {
             for ruling in rulings {

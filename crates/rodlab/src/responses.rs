@@ -18,9 +18,13 @@ pub use kind::KindSheet;
 pub use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 
-use labio::{FrequencyResponse, LineValidity};
+use labio::hits::samples_at_rest;
+use labio::{
+    AveragedSpectra, FrequencyResponse, LabioError, LineValidity, Record, completed_motion,
+};
 
 use crate::RodlabError;
+use crate::rounded::short;
 use crate::sheet::{Exact, Frequency};
 
 /// Degrees of freedom that are written where a variance is known: of these Student's law is the normal one.
@@ -47,6 +51,69 @@ pub fn in_words(validity: LineValidity) -> &'static str {
         LineValidity::DependentInputs => "dependent inputs",
         _ => "no information",
     }
+}
+
+/// Refuses a response under an exponential window: its lines are those of the response at a decay rate beside the frequency axis, and no line
+/// of it tells that on the axis. `field` is its place in the sheet.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`].
+pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), RodlabError> {
+    match response.added_damping {
+        None => Ok(()),
+        Some(window) => Err(RodlabError::request(
+            field,
+            format!(
+                "a response under an exponential window of {} 1/s",
+                short(window.decay_rate())
+            ),
+            "a response without one: of records in which the body comes to rest",
+        )),
+    }
+}
+
+/// Samples of a channel with the motion behind the end of the hit, as its transform is divided by a response of [`HitsSource`].
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn completed(hit: &Record, channel: &str) -> Result<Vec<f64>, LabioError> {
+    let rest = samples_at_rest(&[hit], &[channel])?;
+    completed_motion(hit, channel, rest)
+}
+
+/// Relative systematic error of the lines of the response of `output` over `input` by the end of the records; of two tests, by the share of the
+/// first in each line. None where it is not measured.
+///
+/// # Errors
+///
+/// [`LabioError::UnknownChannel`].
+pub fn leakage_of<'a>(
+    tests: impl IntoIterator<Item = &'a AveragedSpectra>,
+    input: &str,
+    output: &str,
+    shares: Option<&[f64]>,
+) -> Result<Option<Vec<f64>>, LabioError> {
+    let mut sums: Option<Vec<f64>> = None;
+    for (number, test) in tests.into_iter().enumerate() {
+        let Some(of_test) = test.leakage(input, output)? else {
+            continue;
+        };
+        let share = |line: usize| match shares.and_then(|shares| shares.get(line)) {
+            Some(first) if number == 0 => *first,
+            Some(first) => 1.0 - first,
+            None => 1.0,
+        };
+        let sums = sums.get_or_insert_with(|| vec![0.0; of_test.len()]);
+        for (line, (sum, one)) in sums.iter_mut().zip(of_test).enumerate() {
+            // a test without share may have no lines there
+            if share(line) > 0.0 {
+                *sum += share(line) * one;
+            }
+        }
+    }
+    Ok(sums)
 }
 
 /// Leaves out the lines of `response` above the frequency `up_to`; `field` is its place in the sheet.

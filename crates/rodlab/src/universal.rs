@@ -2,7 +2,7 @@
 
 use labio::format::Writer;
 use labio::format::uff58::{Encoding, Precision, Uff58Writer};
-use labio::{Contents, SeriesAxis};
+use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 
 use crate::RodlabError;
 use crate::outcome::Attachment;
@@ -43,4 +43,50 @@ pub(crate) fn property(field: &str, text: &str) -> (String, String) {
         .take(LINE)
         .collect();
     (format!("uff58.{field}"), one_line.trim().to_owned())
+}
+
+/// Column of the decay rate of an exponential window.
+pub(crate) const DECAY_RATE: &str = "decay rate of the exponential window";
+
+/// The same as label of the z-axis of a data set, which holds 20 characters.
+const Z_LABEL: &str = "decay of exp. window";
+
+/// The z-axis of a response under an exponential window; nothing for one without.
+pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
+    window.map_or_else(Vec::new, |window| {
+        vec![
+            property("z_value", &format!("{:?}", window.decay_rate())),
+            property("z_label", Z_LABEL),
+            property("z_unit", "1/s"),
+        ]
+    })
+}
+
+/// The exponential window that a response was made with, as the z-axis of `series` has it or a column of `contents`.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for a rate that is not positive; `place` is the place of the file in the sheet.
+pub(crate) fn damping_of(
+    contents: &Contents,
+    series: &Series,
+    place: &str,
+) -> Result<Option<AddedDamping>, RodlabError> {
+    let text = |field: &str| {
+        let name = format!("uff58.{field}");
+        let mut all = series.properties.iter();
+        all.find(|(known, _)| *known == name)
+            .map(|(_, text)| text.trim())
+    };
+    let of_axis = text("z_value").filter(|_| text("z_label") == Some(Z_LABEL));
+    let mut columns = contents.series.iter();
+    let column = columns.find(|series| series.name.trim().starts_with(DECAY_RATE));
+    let rate = match (of_axis, column.map(|column| &column.ordinate)) {
+        (Some(text), _) => text.parse().unwrap_or(f64::NAN),
+        (None, Some(Ordinate::Real(values))) => values.first().copied().unwrap_or(f64::NAN),
+        (None, _) => return Ok(None),
+    };
+    let window = AddedDamping::new(rate)
+        .map_err(|error| RodlabError::step(format!("{place}, {DECAY_RATE}"), error))?;
+    Ok(Some(window))
 }

@@ -65,6 +65,7 @@ fn what_is_not_stated_has_its_default_and_the_report_says_so() {
     insta::assert_snapshot!(settings(&by_default), @r"
     hits.channel = hammer (default)
     hits.cut = each record is a hit (default)
+    hits.odd = in doubt (default)
     hits.criteria.kind = one short contact (default)
     hits.criteria.peak_over_noise = 10.0 (default)
     hits.criteria.double_hit = 0.05 (default)

@@ -3,7 +3,7 @@
 use labio::Record;
 use labio::hits::{Hit, HitLog, Reason, Ruling};
 
-use super::SAMPLING_RATE_TOLERANCE;
+use super::{OddSheet, SAMPLING_RATE_TOLERANCE};
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Setting};
 
@@ -15,6 +15,8 @@ pub struct FoundHits {
     /// Whether hits were cut out of longer records, and their times tell them apart.
     by_trigger: bool,
     settings: Vec<Setting>,
+    /// What becomes of a hit that departs from the others.
+    pub(super) odd: OddSheet,
 }
 
 /// One hit of [`FoundHits`].
@@ -85,11 +87,13 @@ impl FoundHits {
         logs: Vec<(String, HitLog)>,
         settings: Vec<Setting>,
         by_trigger: bool,
+        odd: OddSheet,
     ) -> Self {
         Self {
             logs,
             by_trigger,
             settings,
+            odd,
         }
     }
 
@@ -114,6 +118,19 @@ impl FoundHits {
             .iter()
             .flat_map(|(_, log)| log.accepted())
             .collect()
+    }
+
+    /// The accepted hits with their numbers.
+    pub(super) fn numbered(&self) -> (Vec<usize>, Vec<&Record>) {
+        self.hits()
+            .filter(|found| found.hit.is_accepted())
+            .filter_map(|found| Some((found.number, found.hit.record()?)))
+            .unzip()
+    }
+
+    /// The log that has hit `number` of all, and its number there.
+    pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {
+        super::within(&mut self.logs, number)
     }
 
     /// Number of hits that were found, accepted or not.

@@ -21,7 +21,8 @@ pub use sheet::{
     SecondHammerSheet, WeighedMassSheet, WindowSheet,
 };
 
-use labio::{AveragedSpectra, Record};
+use labio::hits::Criteria;
+use labio::{AddedDamping, AveragedSpectra, Departure, Record};
 
 use self::estimate::Estimated;
 use self::scope::{Band, band_of, outputs_of, outside_of};
@@ -54,7 +55,14 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     for (place, records, hits) in std::iter::once(first).chain(second) {
         around.go_on()?;
         outputs = outputs_of(sheet, records, place)?;
-        let found = find(sheet, records, hits, place, around, &mut outcome)?;
+        let found = find(
+            sheet,
+            (records, hits),
+            &outputs,
+            place,
+            around,
+            &mut outcome,
+        )?;
         describe(sheet, &found, &outputs, place, &mut outcome)?;
         sets.push(found);
     }
@@ -112,14 +120,20 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
             .push(capital(&format!("{}.", found.in_words())));
     }
     warn(sheet, &spectra, &estimated, &mut outcome);
+    for (hits, spectra) in accepted.iter().zip(&spectra) {
+        for output in &outputs {
+            let departure = estimate::departure(sheet, hits, spectra, output, around)?;
+            warn_of_windows(sheet, output, departure, &mut outcome);
+        }
+    }
     Ok(outcome)
 }
 
 /// Reads the records of one hammer and finds the hits in them.
 fn find(
     sheet: &FrfSheet,
-    records: &Records,
-    hits: &HitsSheet,
+    (records, hits): (&Records, &HitsSheet),
+    outputs: &[String],
     place: &str,
     around: &Surroundings<'_>,
     outcome: &mut Outcome,
@@ -132,7 +146,24 @@ fn find(
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
     around.progress.begins("judging hits", 0);
-    let found = hits.find(loaded.records, &sheet.input, &format!("{place}hits"))?;
+    let weigh = |criteria: Criteria| {
+        let weighed = match &sheet.exponential_window {
+            None => Ok(criteria),
+            Some(ExponentialWindowSheet::EndWeight { weight }) => {
+                criteria.with_end_weight(weight.si())
+            }
+            Some(ExponentialWindowSheet::TimeConstant { time }) => {
+                AddedDamping::new(1.0 / time.si()).map(|window| criteria.with_decay_rate(window))
+            }
+        };
+        weighed.map_err(|error| RodlabError::step("exponential_window", error))
+    };
+    let field = format!("{place}hits");
+    let mut found = hits.find_weighed(weigh, loaded.records, &sheet.input, &field)?;
+    let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
+    for doubt in found.compare(&sheet.input, &outputs)? {
+        outcome.doubt(doubt);
+    }
     outcome.settings.extend_from_slice(found.settings());
     outcome.log.extend(found.log());
     Ok(found)
@@ -304,7 +335,45 @@ fn report(
         outcome
             .summary
             .insert(0, format!("No frequency response: {reason}."));
+        // what was doubtful of the hits may be why
+        if let Verdict::InDoubt { reasons } = &outcome.verdict {
+            let doubts = reasons.iter().map(|doubt| format!("{}.", capital(doubt)));
+            outcome.warnings.extend(doubts);
+        }
         outcome.verdict = Verdict::NotAllowed { reason };
+    }
+}
+
+/// Says what windows, and a trend that is not the level at rest, do to the response of `output`.
+fn warn_of_windows(
+    sheet: &FrfSheet,
+    output: &str,
+    departure: Option<Departure>,
+    outcome: &mut Outcome,
+) {
+    let trend = match sheet.detrend {
+        Some(DetrendSheet::Mean) => Some("mean"),
+        Some(DetrendSheet::Line) => Some("line of least squares"),
+        _ => None,
+    };
+    if let Some(trend) = trend {
+        outcome.warnings.push(format!(
+            "The {trend} of a hit holds part of its motion: taken off, it biases the response of `{output}`. Take off the level at rest (`detrend: Rest`)."
+        ));
+    }
+    let Some(departure) = departure else {
+        return;
+    };
+    let said = format!(
+        "windows and trend change the response of `{output}` by {} % in the median and by {} % or more on a tenth of the lines, and {} % are stated",
+        short(100.0 * departure.median),
+        short(100.0 * departure.of_a_tenth),
+        short(100.0 * departure.own)
+    );
+    if departure.is_beyond_errors() {
+        outcome.doubt(format!(
+            "{said}: they cut off part of the hits, or an offset is in them"
+        ));
     }
 }
 
@@ -335,6 +404,15 @@ fn warn(
             .flat_map(|merged| disagreements(merged, "the second hammer", output))
         {
             outcome.doubt(said);
+        }
+        if let Some((leakage, random)) = one.median_leakage()
+            && leakage > random
+        {
+            outcome.warnings.push(format!(
+                "`{output}` still moves at the end of the records: what they cut off is {} % of a line in the median, beside a random error of {} %. Record longer, or state an exponential window.",
+                short(100.0 * leakage),
+                short(100.0 * random)
+            ));
         }
         let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
             continue;

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use super::kind::{KindSheet, dimension, quantities};
 use crate::outcome::InputFile;
 use crate::records::Selector;
-use crate::{Outcome, RodlabError, cut_short, input};
+use crate::{Outcome, RodlabError, cut_short, input, universal};
 
 /// Part of the spacing by which a line may be off its place: what a rounded frequency is off by.
 const OFF_GRID: f64 = 1e-3;
@@ -122,6 +122,7 @@ impl ResponseFile {
             (field == "uff58.id3").then(|| number.trim().parse().ok()).flatten()
         });
         response.n_averages = said.unwrap_or(response.n_averages);
+        response.added_damping = universal::damping_of(&contents, series, field)?;
         self.with_errors(response, &contents, (&series.name, &lines), scale, field)
     }
 

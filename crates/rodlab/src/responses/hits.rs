@@ -1,18 +1,22 @@
 //! A frequency response from hits.
 
+use labio::hits::Criteria;
 use labio::{
     AddedDamping, AveragedSpectra, Estimator, ForceWindow, FrequencyResponse, LabioError,
     MergedResponse, Quantity, Record, RestNoise, SpectrumAverager, Window,
 };
 use serde::Deserialize;
 
+use super::leakage_of;
 use crate::chosen::Chosen;
-use crate::hits::{FoundHits, HitsSheet, expect_independent, expect_noise, silent_samples};
+use crate::hits::{
+    FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
+};
 use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_quantity};
-use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::rounded::short;
+use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.
@@ -227,9 +231,19 @@ impl HitsSource {
         outcome.settings.extend(loaded.settings);
         outcome.warnings.extend(loaded.warnings);
         outcome.log.extend(loaded.left_out);
-        let found = self
+        let weigh = |criteria: Criteria| match &self.exponential_window {
+            None => Ok(criteria),
+            Some(weight) => criteria
+                .with_end_weight(weight.si())
+                .map_err(|error| RodlabError::step(format!("{field}.exponential_window"), error)),
+        };
+        let place = format!("{field}.hits");
+        let mut found = self
             .hits
-            .find(loaded.records, &self.force, &format!("{field}.hits"))?;
+            .find_weighed(weigh, loaded.records, &self.force, &place)?;
+        for doubt in found.compare(&self.force, &[&self.response])? {
+            outcome.doubt(doubt);
+        }
         outcome.settings.extend(found.settings().iter().cloned());
         outcome.settings.extend(self.settings(field));
         outcome.log.extend(found.log());
@@ -275,7 +289,8 @@ impl HitsSource {
         ]
     }
 
-    /// The averaged spectra of `hits`, of which there is at least one.
+    /// The averaged spectra of `hits`, of which there is at least one, without their level at rest before the blow and completed by the motion
+    /// behind their end.
     ///
     /// # Errors
     ///
@@ -287,13 +302,15 @@ impl HitsSource {
         field: &str,
     ) -> Result<AveragedSpectra, RodlabError> {
         let averaging = |error| RodlabError::step(format!("{field}, averaging hits"), error);
-        let mut hits = hits.into_iter().peekable();
-        let Some(first) = hits.peek() else {
+        let hits: Vec<&Record> = hits.into_iter().collect();
+        let Some(first) = hits.first() else {
             return AveragedSpectra::of([], Window::Rectangular).map_err(averaging);
         };
         let duration = first.duration();
-        let mut averager =
-            SpectrumAverager::for_records_like(first, Window::Rectangular).map_err(averaging)?;
+        let mut averager = SpectrumAverager::for_records_like(first, Window::Rectangular)
+            .and_then(SpectrumAverager::with_completion)
+            .map_err(averaging)?
+            .with_detrend(level_at_rest(&hits, field)?);
         if let Some(window) = &self.force_window {
             let place = |error| RodlabError::step(format!("{field}.force_window"), error);
             let gate = ForceWindow::new(window.start.si(), window.end.si(), window.taper.si())
@@ -332,6 +349,91 @@ impl HitsSource {
         let silent = silent_samples(found, self.silent.as_ref(), &place, &mut chosen)?;
         outcome.settings.extend(chosen.into_settings());
         Ok(silent)
+    }
+
+    /// Says what the force window does to the response of `hits`: a doubt where that is more than the stated errors.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::spectra`].
+    pub fn judge_window(
+        &self,
+        hits: &[&Record],
+        spectra: &AveragedSpectra,
+        around: &Surroundings<'_>,
+        field: &str,
+        outcome: &mut Outcome,
+    ) -> Result<(), RodlabError> {
+        if self.force_window.is_none() {
+            return Ok(());
+        }
+        let place = |error| RodlabError::step(format!("{field}.force_window"), error);
+        let plain = Self {
+            force_window: None,
+            ..self.clone()
+        };
+        let plain = plain.spectra(hits.iter().copied(), around, field)?;
+        let h1 = |spectra: &AveragedSpectra| spectra.h1(&self.force, &self.response);
+        let departure = h1(spectra)
+            .and_then(|with| with.departure_from(&h1(&plain)?))
+            .map_err(place)?;
+        if let Some(departure) = departure.filter(labio::Departure::is_beyond_errors) {
+            outcome.doubt(format!(
+                "{field}: the force window changes the response by {} % in the median and by {} % or more on a tenth of the lines, and {} % are stated: it cuts off part of the hits",
+                short(100.0 * departure.median),
+                short(100.0 * departure.of_a_tenth),
+                short(100.0 * departure.own)
+            ));
+        }
+        Ok(())
+    }
+
+    /// Adds the error by the end of the records to the variance of `response`, and says how great it is. `shares` are those of the first
+    /// of two tests.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a channel that is not there.
+    pub fn add_leakage(
+        &self,
+        response: FrequencyResponse,
+        tests: &[(AveragedSpectra, f64)],
+        shares: Option<&[f64]>,
+        field: &str,
+        outcome: &mut Outcome,
+    ) -> Result<FrequencyResponse, RodlabError> {
+        let refused = |error| RodlabError::step(field, error);
+        let leakage = leakage_of(tests.iter().map(|(test, _)| test), &self.force, &self.response, shares).map_err(refused)?;
+        let (Some(leakage), Some(variance)) = (leakage, &response.variance) else {
+            return Ok(response);
+        };
+        let lines = response.values.iter().zip(variance).zip(&leakage);
+        let (with, mut figures): (Vec<f64>, Vec<[f64; 2]>) = lines
+            .map(|((value, variance), leak)| {
+                let systematic = (leak * value.norm()).powi(2);
+                (
+                    variance + systematic,
+                    [*leak, variance.sqrt() / value.norm()],
+                )
+            })
+            .unzip();
+        figures.retain(|figures| figures.iter().all(|figure| figure.is_finite()));
+        let median = |which: fn(&[f64; 2]) -> f64| {
+            let mut values: Vec<f64> = figures.iter().map(which).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied()
+        };
+        let of_leakage = median(|[leak, _]| *leak);
+        if let (Some(leak), Some(random)) = (of_leakage, median(|[_, random]| *random))
+            && leak > random
+        {
+            outcome.warnings.push(format!(
+                "{field}: the body still moves at the end of the records. What they cut off is {} % of a line in the median, beside a random error of {} %; the stated errors hold both. Record longer.",
+                short(100.0 * leak),
+                short(100.0 * random)
+            ));
+        }
+        response.with_variance(with).map_err(refused)
     }
 
     /// Relative standard uncertainty that the sensor chains of `hit` give to the whole response.

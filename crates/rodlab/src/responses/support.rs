@@ -5,7 +5,7 @@ use labio::{FrequencyResponse, ResponseKind, RigidBand, RigidBody};
 use num_complex::Complex64;
 use serde::Deserialize;
 
-use super::line_spacing_hz;
+use super::{expect_undamped, line_spacing_hz};
 use crate::RodlabError;
 use crate::sheet::{Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated};
 
@@ -107,13 +107,15 @@ impl CompletionSheet {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] with what `labio` says of the kind, or `impulse` of the lines: one without information among them.
+/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with what `labio` says of the kind, or `impulse`
+/// of the lines: one without information among them.
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,
     front_impedance: Option<&NotFollowed<SpecificImpedance>>,
     field: &str,
 ) -> Result<MeasuredBody, RodlabError> {
+    expect_undamped(response, field)?;
     let mobility = response
         .to_kind(ResponseKind::Mobility)
         .map_err(|error| RodlabError::step(field, error))?;

@@ -10,7 +10,7 @@ use crate::hits::{FoundHits, Stretch};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_quantity;
-use crate::responses::{HitsSource, line_spacing_hz};
+use crate::responses::{HitsSource, completed, expect_undamped, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
 /// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
@@ -74,7 +74,11 @@ pub(super) fn run(
             .refuse_uncertain_calibrations("problem.path.records", why)?;
     }
     let file = match &sheet.path {
-        PathSheet::File(file) => Some(file.read(around.folder, "problem.path", outcome)?),
+        PathSheet::File(file) => {
+            let path = file.read(around.folder, "problem.path", outcome)?;
+            expect_undamped(&path, "problem.path.file")?;
+            Some(path)
+        }
         PathSheet::Hits(_) => None,
     };
     let calibration = match &sheet.path {
@@ -355,7 +359,7 @@ fn problem<'a>(
     Ok(Problem {
         sheet,
         path,
-        samples,
+        samples: completed(record, &sheet.response).map_err(step)?,
         sampling_rate_hz: record.sampling_rate_hz(),
         noise,
         rest: None,

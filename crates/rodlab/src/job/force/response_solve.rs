@@ -14,7 +14,7 @@ use super::response::{Noise, Problem, kind_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
 use crate::job::Surroundings;
-use crate::responses::HitsSource;
+use crate::responses::{HitsSource, completed};
 use crate::{Outcome, RodlabError};
 
 /// Fewest calibration hits of which each can be reconstructed from the others.
@@ -346,10 +346,8 @@ pub(super) fn scatter(
         let path = path_of(hits, others.iter().copied(), around)?;
         let mut path = on_lines_of(path, hit, &hits.response)?;
         let lines = lines_of_hits(hits, &others, &mut path)?;
-        let response = hit
-            .channel(&hits.response)
-            .map_err(|error| RodlabError::step("problem.path", error))?
-            .to_vec();
+        let response = completed(hit, &hits.response)
+            .map_err(|error| RodlabError::step("problem.path", error))?;
         let measured = hit
             .channel(&hits.force)
             .map_err(|error| RodlabError::step("problem.path", error))?

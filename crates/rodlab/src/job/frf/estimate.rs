@@ -1,14 +1,16 @@
 //! From accepted hits to responses: averaged, merged, completed, converted.
 
 use labio::{
-    AddedDamping, AveragedSpectra, Coherence, CompletedResponse, FrequencyResponse, LabioError,
-    LineValidity, MergedResponse, Record, ResponseKind, RigidBand, RigidBody, SpectrumAverager,
+    AddedDamping, AveragedSpectra, Coherence, CompletedResponse, Departure, Detrend, Estimator,
+    FrequencyResponse, LabioError, LineValidity, MergedResponse, Record, ResponseKind, RigidBand,
+    RigidBody, SpectrumAverager, Window,
 };
 
-use super::sheet::{ExponentialWindowSheet, FrfSheet};
+use super::sheet::{DetrendSheet, ExponentialWindowSheet, FrfSheet, WindowSheet};
 use crate::RodlabError;
-use crate::hits::expect_noise;
+use crate::hits::{expect_noise, level_at_rest};
 use crate::job::Surroundings;
+use crate::responses::leakage_of;
 
 /// A response and all that says how good it is.
 #[derive(Debug)]
@@ -25,6 +27,8 @@ pub(super) struct Estimated {
     pub(super) completed: Option<CompletedResponse>,
     /// Largest relative standard uncertainty that lines share: of the sensor chains, and of two hammers that disagree.
     pub(super) calibration: f64,
+    /// Relative systematic error of each line by what the body still does at the end of the record; none where it is not measured.
+    pub(super) leakage: Option<Vec<f64>>,
 }
 
 /// What speaks against the lines of a test with a single hit.
@@ -32,6 +36,12 @@ const ONE_HIT: &str = "error not known from one hit";
 
 /// What speaks against lines that the noise of the channels bends by more than it scatters them.
 const BIASED: &str = "bias by noise at rest above the random error";
+
+/// What speaks against a line of which the end of the record cuts off as much as it has left.
+const RINGS_ON: &str = "rings on behind the record";
+
+/// Relative error by leakage of such a line.
+const MOST_LEAKAGE: f64 = 0.5;
 
 /// Standard deviations of the number of lines that chance passes, by which more must hold.
 const BEYOND_CHANCE: f64 = 4.0;
@@ -53,6 +63,22 @@ impl Estimated {
     pub(super) fn is_measured(&self, line: usize) -> bool {
         let objection = self.objections.get(line).copied();
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
+    }
+
+    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative and in the median; none where one of them
+    /// is not known.
+    pub(super) fn median_leakage(&self) -> Option<(f64, f64)> {
+        let errors = self.response.random_error()?;
+        let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
+        let known = lines.filter(|(line, (leak, _))| self.is_valid(*line) && leak.is_finite());
+        let (mut leaks, mut errors): (Vec<f64>, Vec<f64>) = known
+            .map(|(_, (leak, error))| (*leak, std::f64::consts::SQRT_2 * error.magnitude))
+            .unzip();
+        for values in [&mut leaks, &mut errors] {
+            values.sort_by(f64::total_cmp);
+        }
+        let middle = leaks.len() / 2;
+        leaks.get(middle).copied().zip(errors.get(middle).copied())
     }
 
     /// Whether the line may be believed.
@@ -78,13 +104,36 @@ pub(super) fn added_damping(
         .map_err(|error| RodlabError::step("exponential_window", error))
 }
 
-/// An averager for hits like `first`, with the windows of the sheet.
-pub(super) fn averager(sheet: &FrfSheet, first: &Record) -> Result<SpectrumAverager, RodlabError> {
+/// What is taken off `hits` before the windows.
+fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
+    match sheet.detrend {
+        Some(DetrendSheet::Nothing) => Ok(Detrend::None),
+        Some(DetrendSheet::Mean) => Ok(Detrend::Mean),
+        Some(DetrendSheet::Line) => Ok(Detrend::Linear),
+        Some(DetrendSheet::Rest) => match level_at_rest(hits, "detrend")? {
+            Detrend::None => Err(RodlabError::request(
+                "detrend",
+                "Rest",
+                "16 samples of rest or more before the blow in every accepted hit",
+            )),
+            rest => Ok(rest),
+        },
+        None => level_at_rest(hits, "detrend"),
+    }
+}
+
+/// An averager for `hits`, of which there is at least one, with the windows of the sheet.
+pub(super) fn averager(
+    sheet: &FrfSheet,
+    hits: &[&Record],
+) -> Result<SpectrumAverager, RodlabError> {
+    let Some(first) = hits.first() else {
+        return Err(RodlabError::step("averaging hits", no_hit()));
+    };
     let window = sheet.window.clone().unwrap_or_default().window();
-    let detrend = sheet.detrend.unwrap_or_default().detrend();
     let mut averager = SpectrumAverager::for_records_like(first, window)
         .map_err(|error| RodlabError::step("window", error))?
-        .with_detrend(detrend);
+        .with_detrend(detrend(sheet, hits)?);
     if let Some(force_window) = &sheet.force_window {
         averager = averager
             .with_force_window(&sheet.input, force_window.window()?)
@@ -95,7 +144,50 @@ pub(super) fn averager(sheet: &FrfSheet, first: &Record) -> Result<SpectrumAvera
             .with_exponential_window(damping)
             .map_err(|error| RodlabError::step("exponential_window", error))?;
     }
+    if window == Window::Rectangular {
+        averager = averager
+            .with_completion()
+            .map_err(|error| RodlabError::step("averaging hits", error))?;
+    }
     Ok(averager)
+}
+
+fn no_hit() -> LabioError {
+    LabioError::TooFewAverages {
+        estimate: "an averaged spectrum",
+        found: 0,
+        expected: 1,
+    }
+}
+
+/// What the windows of the sheet, and a trend that is not the level at rest, do to the response of `output`: its departure from the response
+/// without them. None if there are none.
+pub(super) fn departure(
+    sheet: &FrfSheet,
+    hits: &[&Record],
+    spectra: &AveragedSpectra,
+    output: &str,
+    around: &Surroundings<'_>,
+) -> Result<Option<Departure>, RodlabError> {
+    let plain = FrfSheet {
+        window: None,
+        force_window: None,
+        detrend: None,
+        ..sheet.clone()
+    };
+    let rectangular = matches!(sheet.window, None | Some(WindowSheet::Rectangular));
+    let at_rest = matches!(sheet.detrend, None | Some(DetrendSheet::Rest));
+    if rectangular && at_rest && sheet.force_window.is_none() {
+        return Ok(None);
+    }
+    let place = |error| RodlabError::step("response without windows", error);
+    let response = |spectra: &AveragedSpectra| {
+        spectra
+            .response(Estimator::H1, &sheet.input, output)
+            .map_err(place)
+    };
+    let without = response(&self::spectra(&plain, hits, around)?)?;
+    response(spectra)?.departure_from(&without).map_err(place)
 }
 
 /// The averaged spectra of `hits`, of which there is at least one.
@@ -105,14 +197,7 @@ pub(super) fn spectra(
     around: &Surroundings<'_>,
 ) -> Result<AveragedSpectra, RodlabError> {
     let averaging = |error| RodlabError::step("averaging hits", error);
-    let Some(first) = hits.first() else {
-        return Err(averaging(LabioError::TooFewAverages {
-            estimate: "an averaged spectrum",
-            found: 0,
-            expected: 1,
-        }));
-    };
-    let mut averager = averager(sheet, first)?;
+    let mut averager = averager(sheet, hits)?;
     around.progress.begins("averaging hits", hits.len());
     for hit in hits {
         around.go_on()?;
@@ -158,6 +243,8 @@ pub(super) fn estimate(
         };
         (response.map_err(refused)?, None)
     };
+    let shares = merged.as_ref().map(|merged| merged.shares.row(0).to_vec());
+    let mut leakage = leakage_of(tests, input, output, shares.as_deref()).map_err(refused)?;
     let mut coherences = Vec::new();
     let mut of_one_hit = Vec::with_capacity(tests.len());
     for test in tests {
@@ -186,6 +273,12 @@ pub(super) fn estimate(
             *objection = Some(ONE_HIT);
         }
     }
+    let leaks = leakage.iter().flatten();
+    for (objection, leak) in objections.iter_mut().zip(leaks) {
+        if objection.is_none() && *leak > MOST_LEAKAGE {
+            *objection = Some(RINGS_ON);
+        }
+    }
     let completed = match &sheet.weighed_mass {
         None => None,
         Some(weighed) => {
@@ -199,6 +292,12 @@ pub(super) fn estimate(
             let completed = body.complete(&response, band).map_err(place)?;
             for objection in objections.iter_mut().take(completed.first_measured) {
                 *objection = None;
+            }
+            if let Some(leaks) = &mut leakage {
+                leaks
+                    .iter_mut()
+                    .take(completed.first_measured)
+                    .for_each(|leak| *leak = 0.0);
             }
             Some(completed)
         }
@@ -226,6 +325,7 @@ pub(super) fn estimate(
         merged,
         completed,
         calibration,
+        leakage,
     })
 }
 

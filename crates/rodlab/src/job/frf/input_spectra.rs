@@ -40,7 +40,7 @@ pub(super) fn figure(
     let mut unit = "";
     for (index, hit) in hits.iter().take(MOST_HITS).enumerate() {
         let alone = only(hit, &sheet.input).map_err(refused)?;
-        let mut averager: SpectrumAverager = estimate::averager(sheet, &alone)?;
+        let mut averager: SpectrumAverager = estimate::averager(sheet, &[&alone])?;
         averager.add(&alone).map_err(refused)?;
         let lines = averager
             .spectra()

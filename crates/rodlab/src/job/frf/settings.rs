@@ -49,12 +49,11 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
         exponential,
         sheet.exponential_window.is_none(),
     );
-    let detrend = sheet.detrend.unwrap_or_default();
-    say(
-        "detrend",
-        format!("{detrend:?}").to_lowercase(),
-        sheet.detrend.is_none(),
+    let detrend = sheet.detrend.map_or(
+        "rest before the blow, where there is some".to_owned(),
+        |detrend| format!("{detrend:?}").to_lowercase(),
     );
+    say("detrend", detrend, sheet.detrend.is_none());
     let band = sheet
         .band
         .as_ref()

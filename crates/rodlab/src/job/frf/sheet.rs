@@ -1,6 +1,6 @@
 //! The sheet of the job.
 
-use labio::{Detrend, ForceWindow, ResponseKind, Window};
+use labio::{ForceWindow, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
@@ -43,7 +43,8 @@ pub struct FrfSheet {
     /// Lets all channels fall exponentially, for bodies that ring longer than the record.
     #[serde(default)]
     pub exponential_window: Option<ExponentialWindowSheet>,
-    /// What is taken off every hit before the windows: `Nothing` (default), `Mean` or `Line`.
+    /// What is taken off every hit before the windows: `Rest` (default where the hits have 16 samples of rest before the blow), `Nothing`,
+    /// `Mean` or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
     /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
@@ -136,25 +137,16 @@ pub enum ExponentialWindowSheet {
 }
 
 /// What is taken off every hit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum DetrendSheet {
+    /// The mean of the samples at rest before the blow.
+    Rest,
     /// Nothing.
-    #[default]
     Nothing,
-    /// The mean of the hit.
+    /// The mean of the hit: it takes part of the motion with it.
     Mean,
-    /// The straight line of least squares.
+    /// The straight line of least squares: it takes part of the motion with it.
     Line,
-}
-
-impl DetrendSheet {
-    pub(super) fn detrend(self) -> Detrend {
-        match self {
-            Self::Nothing => Detrend::None,
-            Self::Mean => Detrend::Mean,
-            Self::Line => Detrend::Linear,
-        }
-    }
 }
 
 /// A band of frequencies.

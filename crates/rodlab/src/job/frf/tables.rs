@@ -6,6 +6,7 @@ use super::words::{capital, name_of, unit_of};
 use crate::outcome::{Column, Quantity, Table};
 use crate::responses::MOST_FREEDOM;
 use crate::rounded::{hertz, short};
+use crate::universal::DECAY_RATE;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
@@ -88,6 +89,20 @@ pub(super) fn table(
         if let Some(list) = list {
             columns.push(Column::numbers(name, "%", each(&|line| 100.0 * list[line])));
         }
+    }
+    if let Some(leakage) = &estimated.leakage {
+        columns.push(Column::numbers(
+            "systematic error by the end of the record",
+            "%",
+            each(&|line| 100.0 * leakage[line]),
+        ));
+    }
+    if let Some(damping) = response.added_damping {
+        columns.push(Column::numbers(
+            DECAY_RATE,
+            "1/s",
+            each(&|_| damping.decay_rate()),
+        ));
     }
     if let Some(merged) = &estimated.merged {
         columns.push(Column::numbers(
@@ -217,6 +232,16 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
                 hertz(response.frequency_hz[line])
             );
         }
+    }
+    if let Some((leakage, _)) = estimated.median_leakage() {
+        quantities.push(Quantity {
+            name: format!("median error by the end of the record, {output}"),
+            unit: "%".to_owned(),
+            value: Some(100.0 * leakage),
+            standard_error: None,
+            valid: true,
+            verdict: "systematic, of the complex line, beside the random error".to_owned(),
+        });
     }
     quantities.push(Quantity {
         name: format!("uncertainty of the calibration, {output}"),

@@ -27,6 +27,11 @@ pub(super) fn attachment(
         };
         let (input_quantity, output_quantity) =
             (response.input.quantity(), response.output.quantity());
+        let damped = if response.added_damping.is_some() {
+            ", under an exponential window"
+        } else {
+            ""
+        };
         contents.series.push(Series {
             name: output.clone(),
             kind: if input_quantity == output_quantity {
@@ -38,17 +43,20 @@ pub(super) fn attachment(
             ordinate: Ordinate::Complex(response.values.iter().skip(first).copied().collect()),
             abscissa_axis: axis("Frequency", "Hz"),
             ordinate_axis: axis(output_quantity.name(), unit(output_quantity)),
-            properties: vec![
+            properties: [
                 property("id2", title),
                 property("id3", &format!("{AVERAGES}{}", response.n_averages)),
-                property("id4", &format!("response of {output} over {input}")),
+                property("id4", &format!("response of {output} over {input}{damped}")),
                 property("response_node", "2"),
                 property("response_direction", "1"),
                 property("reference_node", "1"),
                 property("reference_direction", "1"),
                 property("denominator_label", input_quantity.name()),
                 property("denominator_unit", unit(input_quantity)),
-            ],
+            ]
+            .into_iter()
+            .chain(universal::damping(response.added_damping))
+            .collect(),
         });
         let roots = response.variance.as_ref();
         let roots = roots.map(|variance| variance.iter().map(|v| v.sqrt()).collect());

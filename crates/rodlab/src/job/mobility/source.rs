@@ -183,6 +183,7 @@ fn of_tests(
         };
         counts.push(test.found.in_words());
         let averaged = source.spectra(accepted.iter().copied(), around, test.field)?;
+        source.judge_window(&accepted, &averaged, around, test.field, outcome)?;
         let n_silent = source.silent_samples(&test.found, test.field, outcome)?;
         let channels = [source.force.as_str(), source.response.as_str()];
         let field = format!("{}.silent", test.field);
@@ -209,6 +210,9 @@ fn of_tests(
             .map_err(refused)?;
         (response, None)
     };
+    let of_first = merged.as_ref().map(|merged| merged.shares.row(0).to_vec());
+    let response =
+        source.add_leakage(response, &spectra, of_first.as_deref(), "source", outcome)?;
     let coherences = spectra
         .iter()
         .map(|(test, _)| test.coherence(names.0, names.1))

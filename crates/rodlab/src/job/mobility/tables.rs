@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::known::Known;
 use crate::outcome::{Column, Table};
 use crate::responses::MOST_FREEDOM;
+use crate::universal::DECAY_RATE;
 
 pub(super) fn mobility(known: &Known) -> Table {
     let response = &known.mobility;
@@ -49,6 +50,10 @@ pub(super) fn mobility(known: &Known) -> Table {
             let percent = list.iter().map(|value| 100.0 * value).collect();
             columns.push(Column::numbers(name, "%", percent));
         }
+    }
+    if let Some(window) = response.added_damping {
+        let rates = vec![window.decay_rate(); response.values.len()];
+        columns.push(Column::numbers(DECAY_RATE, "1/s", rates));
     }
     match known.coherences.as_slice() {
         [low, high] => {

@@ -60,6 +60,7 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
             if !unit.is_empty() {
                 said.push(property("denominator_label", "force"));
                 said.push(property("denominator_unit", "N"));
+                said.extend(universal::damping(response.added_damping));
             }
             said
         },

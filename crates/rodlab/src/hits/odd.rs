@@ -1,0 +1,92 @@
+//! Hits against each other: extremes that they share, and the one that departs from the others.
+
+use labio::hits::{Criteria, Reason, find_odd_hits, samples_at_rest};
+use labio::{Detrend, LabioError, Record};
+use serde::Deserialize;
+
+use super::FoundHits;
+use crate::RodlabError;
+
+/// What becomes of a hit that departs from the response of the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum OddSheet {
+    /// It is averaged, and the result is in doubt.
+    #[default]
+    InDoubt,
+    /// It is left out.
+    LeaveOut,
+}
+
+/// The level at rest of `hits` as what is taken off them; nothing where they have no rest before the blow. `field` is the place of the
+/// choice in the sheet.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for hits of unlike channels.
+pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabError> {
+    let channels: Vec<&str> = hits
+        .first()
+        .map(|hit| hit.channels().iter().map(labio::Channel::name).collect())
+        .unwrap_or_default();
+    let rest = samples_at_rest(hits, &channels).map_err(|error| RodlabError::step(field, error))?;
+    Ok(rest.map_or(Detrend::None, |n_samples| Detrend::Rest { n_samples }))
+}
+
+impl FoundHits {
+    /// Compares the accepted hits: each is told from the response of `outputs` over `input` of all others. Returns a reason for doubt for each hit
+    /// that departs, or leaves it out, as the sheet says.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a channel that is not there.
+    pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
+        let comparing = |error| RodlabError::step("comparing hits", error);
+        let (numbers, hits) = self.numbered();
+        let channels: Vec<&str> = std::iter::once(input)
+            .chain(outputs.iter().copied())
+            .collect();
+        let rest = samples_at_rest(&hits, &channels).map_err(comparing)?;
+        let odd = find_odd_hits(&hits, input, outputs, rest).map_err(comparing)?;
+        let odd: Vec<(usize, Reason)> = odd
+            .into_iter()
+            .filter_map(|(hit, reason)| Some((*numbers.get(hit)?, reason)))
+            .collect();
+        match self.odd {
+            OddSheet::LeaveOut => {
+                for (number, reason) in odd {
+                    self.object(number, reason).map_err(comparing)?;
+                }
+                Ok(Vec::new())
+            }
+            OddSheet::InDoubt => Ok(odd
+                .into_iter()
+                .map(|(number, reason)| {
+                    let found = self.hits().find(|found| found.number == number);
+                    let name = found.map(|found| found.name()).unwrap_or_default();
+                    format!(
+                        "{name} {reason}: reject it, state `odd: LeaveOut` among the hits, or find out why"
+                    )
+                })
+                .collect()),
+        }
+    }
+
+    /// Rejects hits that share an extreme value as only a limit makes it.
+    pub(super) fn compare_extremes(&mut self, criteria: &Criteria) -> Result<(), RodlabError> {
+        let comparing = |error| RodlabError::step("comparing hits", error);
+        let (numbers, hits) = self.numbered();
+        for (hit, reason) in criteria.judge_extremes(&hits).map_err(comparing)? {
+            if let Some(number) = numbers.get(hit) {
+                self.object(*number, reason).map_err(comparing)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn object(&mut self, number: usize, reason: Reason) -> Result<(), LabioError> {
+        match self.log_of(number) {
+            Some((log, place)) => log.object(place, reason),
+            None => Ok(()),
+        }
+    }
+}
