@@ -1,33 +1,25 @@
 //! One curve from moduli at several temperatures.
 
+mod joint;
+mod links;
+
 use std::fmt;
-use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use self::joint::{Joint, Settled, shifted};
+use self::links::{Starts, connected, links};
 use super::data::ModulusData;
-use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
+use super::fit::{FitOptions, RheologicalFit, enough};
 use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Effort, Minimum, count, minimise};
-use super::order::{Order, Refined, Series, choose, weighted};
-use super::overlap::{self, Overlap};
+use super::order::Order;
 use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
-use super::prony::Prony;
 use super::shift_law::ShiftLaws;
 use super::sweep::TemperatureSweep;
 use crate::error::CmodError;
-
-/// Rounds of choosing an order and fitting it with the shifts; two are the rule.
-const MOST_ROUNDS: usize = 5;
-
-/// Between neighbouring temperatures a factor of the modulus is not looked for beyond e^±0.2.
-const MOST_LOG_FACTOR: f64 = 0.2;
-/// Nor where the curves have fewer points in common: shift and factor together fit a few by chance.
-const FEWEST_FOR_FACTOR: usize = 8;
 
 /// A master curve: one Prony series for all temperatures, with a shift factor for each.
 ///
@@ -390,280 +382,6 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         }
     }
     (mean, sum)
-}
-
-/// How a temperature is connected with the one before.
-#[derive(Debug, Clone, Copy)]
-struct Link {
-    /// ln of the ratio of the shifts where the curves overlap.
-    overlap: Option<f64>,
-    /// ln of the ratio of the factors there.
-    log_factor: f64,
-}
-
-/// The links of each temperature to the one before; `None` where there is none, as of the first.
-fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
-    let reduced: Vec<ModulusData> = sweep
-        .data
-        .iter()
-        .zip(factors)
-        .map(|(data, factor)| ModulusData::joined(std::iter::once((data, *factor))))
-        .collect();
-    let between = |pair: &[ModulusData]| {
-        let [colder, warmer] = pair else {
-            return None;
-        };
-        let plain = overlap::best(colder, warmer, false).filter(Overlap::agrees);
-        let found = plain.or_else(|| {
-            let free = (!sweep.vertical_is_stated).then(|| overlap::best(colder, warmer, true));
-            let plausible = |found: &Overlap| {
-                found.log_factor.abs() <= MOST_LOG_FACTOR && found.points >= FEWEST_FOR_FACTOR
-            };
-            free.flatten().filter(Overlap::agrees).filter(plausible)
-        });
-        let of_overlap = found.map(|found| Link {
-            overlap: Some(found.log_shift),
-            log_factor: found.log_factor,
-        });
-        of_overlap.or_else(|| {
-            sweep.stated_shifts.is_some().then_some(Link {
-                overlap: None,
-                log_factor: 0.0,
-            })
-        })
-    };
-    std::iter::once(None)
-        .chain(reduced.windows(2).map(between))
-        .collect()
-}
-
-/// The temperatures that links connect with the reference.
-fn connected(links: &[Option<Link>], reference: usize) -> RangeInclusive<usize> {
-    let is_linked = |step: &usize| links.get(*step).is_some_and(Option::is_some);
-    let below = (1..=reference).rev().take_while(is_linked).count();
-    let above = (reference + 1..links.len()).take_while(is_linked).count();
-    reference - below..=reference + above
-}
-
-/// Shifts and factors to begin with.
-struct Starts {
-    /// ln a_T, 0 at the reference.
-    log_shifts: Vec<f64>,
-    log_factors: Vec<f64>,
-    /// Whether ln a_T is the stated one.
-    is_stated: Vec<bool>,
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "there is one entry for each temperature, and `reference` is below their number"
-)]
-impl Starts {
-    /// From the reference to both sides.
-    fn of(sweep: &TemperatureSweep, links: &[Option<Link>], reference: usize) -> Self {
-        let count = links.len();
-        let mut starts = Self {
-            log_shifts: vec![0.0; count],
-            log_factors: vec![0.0; count],
-            is_stated: vec![false; count],
-        };
-        let mut go = |from: usize, to: usize, link: Option<Link>, sign: f64| {
-            let Some(link) = link else {
-                return;
-            };
-            starts.log_factors[to] = starts.log_factors[from] + sign * link.log_factor;
-            match (link.overlap, &sweep.stated_shifts) {
-                (Some(relative), _) => {
-                    starts.log_shifts[to] = starts.log_shifts[from] + sign * relative;
-                }
-                (None, Some(stated)) => {
-                    starts.log_shifts[to] = stated[to] - stated[reference];
-                    starts.is_stated[to] = true;
-                }
-                (None, None) => {}
-            }
-        };
-        for to in reference + 1..count {
-            go(to - 1, to, links[to], 1.0);
-        }
-        for to in (0..reference).rev() {
-            go(to + 1, to, links[to + 1], -1.0);
-        }
-        starts
-    }
-
-    fn demand_factors(&self) -> bool {
-        self.log_factors.iter().any(|factor| *factor != 0.0)
-    }
-}
-
-/// Series, shifts and factors fitted together to all lines.
-struct Joint<'a> {
-    sweep: &'a TemperatureSweep,
-    joined: &'a ModulusData,
-    options: FitOptions,
-    shift_of_line: Vec<Option<usize>>,
-    factor_of_line: Vec<Option<usize>>,
-    /// Steps whose shifts, and whose factors, are found, with their temperatures.
-    others: Vec<usize>,
-    scaled: Vec<usize>,
-    temperatures: Vec<f64>,
-    scaled_temperatures: Vec<f64>,
-}
-
-/// The minimum of an order that the next round does not change.
-struct Settled {
-    model: Prony,
-    minimum: Minimum,
-    orders: Vec<Order>,
-    alternatives: Vec<Alternative>,
-    /// By which the frequencies of each step are still to be multiplied.
-    log_shifts: Vec<f64>,
-    log_factors: Option<Vec<f64>>,
-}
-
-impl Settled {
-    fn bic(&self, joint: &Joint<'_>) -> f64 {
-        joint.scores(&self.minimum).bic
-    }
-
-    /// Whether χ² is too large by chance.
-    fn is_refused(&self, joint: &Joint<'_>) -> bool {
-        const LEVEL: f64 = 0.01;
-        let freedom = (2 * joint.joined.len()).saturating_sub(self.minimum.at.len());
-        let dispersion = joint.joined.scatter.of_chi_squared;
-        joint.options.error_scale == ErrorScale::FromResidual
-            || ChiSquared::new(count(freedom) / dispersion)
-                .is_ok_and(|chi| chi.sf(self.minimum.chi_squared / dispersion) < LEVEL)
-    }
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "all lists of steps count the temperatures, of which `log_shifts` and `log_factors` have one element each, and the last               coordinates are factors and shifts of these"
-)]
-impl Joint<'_> {
-    fn scores(&self, minimum: &Minimum) -> Scores {
-        let values = 2 * self.joined.len();
-        let scale = self.options.error_scale;
-        Scores::of(scale, minimum.chi_squared, values, minimum.at.len())
-    }
-
-    fn model(&self, series: &Series, with_factors: bool) -> Prony {
-        let model = Prony::shifted(
-            series.equilibrium > 0.0,
-            series.branches.len(),
-            self.shift_of_line.clone(),
-            &self.temperatures,
-        );
-        if with_factors {
-            model.with_factors(self.factor_of_line.clone(), &self.scaled_temperatures)
-        } else {
-            model
-        }
-    }
-
-    fn settle(&self, starts: &Starts, with_factors: bool) -> Result<Settled, CmodError> {
-        let no_law = || CmodError::NoLaw {
-            law: Law::GeneralisedMaxwell.to_string(),
-        };
-        let mut log_shifts = starts.log_shifts.clone();
-        for (shift, is_stated) in log_shifts.iter_mut().zip(&starts.is_stated) {
-            if *is_stated {
-                *shift = 0.0; // it is in the frequencies
-            }
-        }
-        let mut log_factors = vec![0.0; log_shifts.len()];
-        if with_factors {
-            log_factors.clone_from(&starts.log_factors);
-        }
-        let mut best: Option<((usize, bool), Settled)> = None;
-        for _ in 0..MOST_ROUNDS {
-            let shifted = shifted(self.sweep, self.joined, &log_shifts, &log_factors);
-            let chosen = choose(&shifted, &self.options)?;
-            let series = &chosen.best.series;
-            let model = self.model(series, with_factors);
-            let mut behind: Vec<f64> = Vec::new();
-            if with_factors {
-                behind.extend(self.scaled.iter().map(|step| log_factors[*step]));
-            }
-            behind.extend(self.others.iter().map(|step| log_shifts[*step]));
-            let start = [chosen.best.minimum.at.as_slice(), behind.as_slice()].concat();
-            let minimum =
-                minimise(&model, self.joined, &start, None, Effort::Full).ok_or_else(no_law)?;
-            let found = &minimum.at[minimum.at.len() - behind.len()..];
-            let (factors, shifts) = found.split_at(behind.len() - self.others.len());
-            for (step, factor) in self.scaled.iter().zip(factors) {
-                log_factors[*step] = *factor;
-            }
-            for (step, shift) in self.others.iter().zip(shifts) {
-                log_shifts[*step] = *shift;
-            }
-            let of_order = |(_, tried): (f64, &Refined)| {
-                let model = self.model(&tried.series, with_factors);
-                let start = [tried.minimum.at.as_slice(), found].concat();
-                let minimum = minimise(&model, self.joined, &start, None, Effort::Comparison)?;
-                let information = Information::of(&minimum.linearised, minimum.at.len())?;
-                let aicc = self.scores(&minimum).aicc;
-                let alternative = Alternative {
-                    weight: 0.0,
-                    model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
-                    coordinates: minimum.at,
-                    information,
-                };
-                Some((aicc, alternative))
-            };
-            let of_orders = chosen.candidates().into_iter().filter_map(of_order);
-            let alternatives = weighted(of_orders.collect());
-            let key = (series.branches.len(), series.equilibrium > 0.0);
-            let is_last = best.as_ref().is_some_and(|(before, _)| *before == key);
-            let settled = Settled {
-                model,
-                minimum,
-                orders: chosen.orders,
-                alternatives,
-                log_shifts: log_shifts.clone(),
-                log_factors: with_factors.then(|| log_factors.clone()),
-            };
-            best = Some((key, settled));
-            if is_last {
-                break;
-            }
-        }
-        best.map(|(_, settled)| settled).ok_or_else(no_law)
-    }
-}
-
-/// All lines at their reduced frequencies, with moduli divided by the factors.
-fn shifted(
-    sweep: &TemperatureSweep,
-    joined: &ModulusData,
-    log_shifts: &[f64],
-    log_factors: &[f64],
-) -> ModulusData {
-    let of_lines = |of_steps: &[f64]| -> Vec<f64> {
-        let steps = sweep.data.iter().zip(of_steps);
-        steps
-            .flat_map(|(data, log)| std::iter::repeat_n(log.exp(), data.len()))
-            .collect()
-    };
-    let (shifts, factors) = (of_lines(log_shifts), of_lines(log_factors));
-    let of = |line: usize| factors.get(line).copied().unwrap_or(1.0);
-    let moduli = joined.modulus.iter().enumerate();
-    let whitening = joined.whitening.iter().enumerate();
-    ModulusData {
-        omega: joined
-            .omega
-            .iter()
-            .zip(shifts)
-            .map(|(omega, a)| omega * a)
-            .collect(),
-        modulus: moduli.map(|(line, modulus)| modulus / of(line)).collect(),
-        whitening: whitening
-            .map(|(line, w)| w.scaled(of(line).recip()))
-            .collect(),
-        ..joined.clone()
-    }
 }
 
 impl fmt::Display for MasterCurve {
