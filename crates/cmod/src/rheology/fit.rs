@@ -123,6 +123,9 @@ impl FitOptions {
 pub(super) struct Scores {
     pub(super) aicc: f64,
     pub(super) bic: f64,
+    /// By which a prediction weighs: AIC, χ² + 2p, where the errors are known, and AICc, whose correction is that of a variance from the
+    /// residual, where they are not.
+    pub(super) prediction: f64,
 }
 
 impl Scores {
@@ -139,13 +142,18 @@ impl Scores {
             _ => (chi_squared, count(parameters)),
         };
         let left = n - p - 1.0;
+        let aicc = if left > 0.0 {
+            deviance + 2.0 * p + 2.0 * p * (p + 1.0) / left
+        } else {
+            f64::INFINITY
+        };
         Self {
-            aicc: if left > 0.0 {
-                deviance + 2.0 * p + 2.0 * p * (p + 1.0) / left
-            } else {
-                f64::INFINITY
-            },
+            aicc,
             bic: deviance + p * n.ln(),
+            prediction: match scale {
+                ErrorScale::FromResidual => aicc,
+                _ => deviance + 2.0 * p,
+            },
         }
     }
 }
@@ -367,7 +375,7 @@ impl RheologicalFit {
     /// Modulus at `omega` > 0 [rad/s] with its covariance by the errors of the parameters, random and common.
     ///
     /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders by their weights w
-    /// (exp(-AICc/2), normalised), and the scatter between them counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the
+    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and the scatter between them counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the
     /// difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
     ///
     /// # Errors

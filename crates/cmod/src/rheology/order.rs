@@ -59,6 +59,8 @@ pub struct Order {
     pub aicc: f64,
     /// Bayesian information criterion.
     pub bic: f64,
+    /// That of predictions.
+    prediction: f64,
 }
 
 impl PronyFit {
@@ -157,13 +159,7 @@ pub(super) struct Chosen {
 impl Chosen {
     /// The series that may have a part in a prediction, each with the value of its criterion.
     pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
-        let score = |order: &Order| {
-            if order.aicc.is_finite() {
-                order.aicc
-            } else {
-                order.bic
-            }
-        };
+        let score = |order: &Order| order.prediction;
         let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
         let all = self.orders.iter().map(score).zip(&self.tried);
         all.filter(|(score, _)| 0.5 * (score - least) < -LEAST_WEIGHT.ln())
@@ -210,7 +206,7 @@ impl Chosen {
     }
 }
 
-/// The alternatives with their weights exp(-AICc/2), normalised, from their AICc.
+/// The alternatives with their weights exp(-A/2), normalised, from their criterion A of predictions.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
     let least = all
         .iter()
@@ -513,6 +509,7 @@ impl Refined {
             chi_squared: self.minimum.chi_squared,
             aicc: scores.aicc,
             bic: scores.bic,
+            prediction: scores.prediction,
         }
     }
 

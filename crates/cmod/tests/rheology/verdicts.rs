@@ -244,9 +244,6 @@ fn l9_identified_parameters_of_weak_data_cover() {
                     if parameter.verdict.is_identified() {
                         identified += 1.0;
                         covered += f64::from(u8::from(parameter.interval.contains(*truth)));
-                        if !parameter.interval.contains(*truth) {
-                            println!("{from} {seed} {parameter:?}");
-                        }
                     }
                 }
             }

@@ -123,14 +123,14 @@ impl Joint<'_> {
                 let start = [tried.minimum.at.as_slice(), found].concat();
                 let minimum = minimise(&model, self.joined, &start, None, Effort::Comparison)?;
                 let information = Information::of(&minimum.linearised, minimum.at.len())?;
-                let aicc = self.scores(&minimum).aicc;
+                let score = self.scores(&minimum).prediction;
                 let alternative = Alternative {
                     weight: 0.0,
                     model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
                     coordinates: minimum.at,
                     information,
                 };
-                Some((aicc, alternative))
+                Some((score, alternative))
             };
             let of_orders = chosen.candidates().into_iter().filter_map(of_order);
             let alternatives = weighted(of_orders.collect());
