@@ -9,8 +9,13 @@
 //! Waves R = s - v and L = s + v, s = σ/Z, travel one cell a step (Courant number 1) in every segment: a common time step, but
 //! a cell length of its own for each material, so that slow materials pay nothing for fast neighbours ([`Grid`]). Cells are known at
 //! their centres; ends and contacts lie half a cell from the nearest, and are solved half a step later with the waves that
-//! arrive there. Relaxation is split off symmetrically (Strang) and exact for each branch. Second order for smooth histories, exact for
-//! elastic lines, stable for any law; [`Ledger`] closes to rounding on any grid.
+//! arrive there. Relaxation is split off symmetrically (Strang) and exact for each branch. Stable for any law; [`Ledger`] closes to rounding on any grid.
+//!
+//! # Accuracy
+//! Second order for smooth histories of a line whose segments have whole numbers of cells, where elastic lines are exact; first order behind jumps. Other lines have
+//! wave speeds rounded by [`Grid::speed_change`], 1e-3 at most unless [`Line::with_speed_tolerance`] says otherwise: histories err by 2e-4 to 9e-4 of their largest
+//! value besides, which does not fall with the step unless the tolerance does. A smaller tolerance makes more cells, up to 64 times as many, or is refused. A contact opens at the end of a step:
+//! its duration is too long by half a step in the mean.
 //!
 //! This is not the grid of [`crate::characteristics`], which has nodes at the ends and one branch: the two check
 //! each other.

@@ -70,16 +70,22 @@ pub fn kramers_kronig_on(
         .collect();
     let modulus: Vec<Complex64> = lines.iter().map(|line| line.line.modulus).collect();
     let common = common_errors(&lines);
-    let nearest_by = |scale: &[f64]| {
-        KramersKronig::of_modulus_with_common_errors(&omega, &modulus, scale, &common)
-            .map_err(|_| CmodError::NoLines)
+    let known = lines.iter().all(|line| line.freedom.is_none());
+    let errors: Vec<f64> = lines.iter().map(|line| line.error).collect();
+    let nearest_by = |scale: &[f64], is_last: bool| {
+        if is_last {
+            KramersKronig::of_modulus_with_common_errors(&omega, &modulus, scale, &common)
+        } else {
+            KramersKronig::without_loss_error(&omega, &modulus, scale, &common)
+        }
+        .map_err(|_| CmodError::NoLines)
     };
-    let mut nearest = nearest_by(&lines.iter().map(|line| line.error).collect::<Vec<_>>())?;
+    let mut nearest = nearest_by(&errors, known)?;
     let mut squares = squares(&nearest, &lines);
-    if lines.iter().any(|line| line.freedom.is_some()) {
-        for _ in 1..MOST_ROUNDS {
+    if !known {
+        for round in 1..MOST_ROUNDS {
             let scale = lines.iter().zip(&squares).map(|(line, f)| line.scale(*f));
-            nearest = nearest_by(&scale.collect::<Vec<_>>())?;
+            nearest = nearest_by(&scale.collect::<Vec<_>>(), round + 1 == MOST_ROUNDS)?;
             squares = self::squares(&nearest, &lines);
         }
     }

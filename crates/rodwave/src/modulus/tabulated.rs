@@ -13,6 +13,10 @@ use crate::error::check_positive;
 /// [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held) makes it one, by a choice that stands in
 /// the caller's program. For ω < 0 the modulus is the complex conjugate.
 ///
+/// Lines belong where E'' bends: of a Zener material with its loss peak at 0.5 kHz, on lines evenly spaced from 0.5 to 10 kHz, E'' errs between the lines by
+/// up to 12 % of its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band by 18, 4, 0.5 and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %. The
+/// table cannot tell: a maximum between two lines is not in it.
+///
 /// Interpolated values are not causal beyond the accuracy of the interpolation, and a table is no
 /// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
 ///
