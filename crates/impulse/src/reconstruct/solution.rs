@@ -23,6 +23,10 @@ pub(super) struct Solved {
 }
 
 /// From the weighted cross sums of the lines to the force.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a solution"
+)]
 pub(super) enum Gain {
     Lines {
         gains: Vec<f64>,
