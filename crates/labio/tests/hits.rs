@@ -1020,7 +1020,6 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
             // |error|² over its estimate of ten hits is about F(2, 18), mean 1.25 to 1.4 with the estimate of n - 1 of n; a bias adds to it.
             // Beyond 6 lie (1 + 6/9)^-9 = 1 % of the lines; the completion is common to neighbouring lines, which doubles it at most
             let (mean, beyond) = (squares / n, beyond / n);
-            println!("{quantity:?} {window:?}: {mean:.3} {beyond:.4}");
             assert!(
                 mean < 1.6 && beyond < 0.025,
                 "{quantity:?}, {window:?}: {mean} {beyond}"
@@ -1112,13 +1111,6 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
                 n += 1.0;
             }
         }
-        println!(
-            "{quantity:?} {decay}: error {:.5}, leakage {:.5}, random {:.5}, within {:.4}",
-            (squares / n).sqrt(),
-            (stated / n).sqrt(),
-            (random / n).sqrt(),
-            within / n
-        );
         // the error is that of the end, and the end is stated to a third; with a slope at the end, which the tapered end tells worse than the
         // whole, to twice. 95 % of the lines are within twice both errors
         let ratio = (stated / squares).sqrt();
@@ -1194,7 +1186,11 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
     let mut accused = [0; 2];
     for seed in 0..30 {
         for (place, noise) in [1e-4, 5e-3].into_iter().enumerate() {
-            let n = [4, 6, 10][seed as usize % 3];
+            let n = match seed % 3 {
+                0 => 4,
+                1 => 6,
+                _ => 10,
+            };
             let body = Body {
                 decay: 35.0,
                 noise,
@@ -1203,7 +1199,6 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             accused[place] += find(&body.hits(n, seed)).len();
         }
     }
-    println!("{accused:?}");
     assert_eq!(
         accused,
         [0, 0],
@@ -1226,7 +1221,7 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             ("inverted", |x| x.iter_mut().for_each(|x| *x = -*x)),
             ("gain", |x| x.iter_mut().for_each(|x| *x *= 1.1)),
             ("spike", |x| {
-                x[2000] += 0.3 * x.iter().fold(0.0_f64, |p, x| p.max(x.abs()))
+                x[2000] += 0.3 * x.iter().fold(0.0_f64, |p, x| p.max(x.abs()));
             }),
             ("shift", |x| x.rotate_right(3)),
         ];
@@ -1252,7 +1247,6 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             else {
                 panic!("{quantity:?} {name}: {found:?}")
             };
-            println!("{quantity:?} {name}: {}", found[0].1);
             match name {
                 "dead" => assert!(scale.abs() < 0.05),
                 // another 1.1 by noise of 1e-3 over the ten: below a thousandth

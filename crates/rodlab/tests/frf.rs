@@ -1058,7 +1058,6 @@ fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
     let outcome = run(folder.path(), &text).unwrap();
     // a squared sine has half its peak in the mean of its millisecond
     let (impulse, error) = quantity(&outcome, "impulse");
-    println!("{impulse} {error:?}");
     // a truncated step on one side only, of 0.45 s in 0.5 s, would leave a tenth out
     assert!((impulse / 0.115 - 1.0).abs() < 0.02, "{impulse} {error:?}");
 }

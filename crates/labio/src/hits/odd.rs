@@ -14,6 +14,8 @@ const LEVEL: f64 = 1e-3;
 const ENERGY_OVER_OTHERS: f64 = 9.0;
 /// Largest sample of a departure over the greatest among the others.
 const PEAK_OVER_OTHERS: f64 = 2.0;
+/// Departure that is worth a word: of ten hits, one of them moves the mean by a twentieth of a per cent.
+const LEAST_DEPARTURE: f64 = 0.005;
 /// Correlation from which on a delay is told.
 const LEAST_LIKENESS: f64 = 0.5;
 /// Hits that are examined for each channel: those of the largest departures.
@@ -39,6 +41,18 @@ struct Departure {
     lag: i64,
 }
 
+/// The hit that departs most.
+struct Odd {
+    hit: usize,
+    /// Root of the energy of its departure over that of what the others say.
+    departure: f64,
+    /// Largest such departure of the others.
+    others: f64,
+    figures: Departure,
+    /// Sample of a spike.
+    index: Option<usize>,
+}
+
 /// Hits whose output departs from the response of all other hits by more than those depart from each other, each with its reason
 /// ([`Reason::Departs`]).
 ///
@@ -46,7 +60,7 @@ struct Departure {
 /// compared with those of the other hits, of which each is told from those that remain: the gain
 /// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all
 /// hits; the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; the largest sample of it, likewise and
-/// by twice. An energy grows with the square of the blow at most. Hits that were found are left out when the next is sought.
+/// by twice. A departure below half a per cent is none. An energy grows with the square of the blow at most. Hits that were found are left out when the next is sought.
 ///
 /// # Validity
 ///
@@ -78,19 +92,19 @@ pub fn find_odd_hits(
         let of_output = lines(output)?;
         let mut left: Vec<usize> = (0..hits.len()).collect();
         while left.len() >= FEWEST_HITS {
-            let Some((hit, reason)) = oddest(&left, &inputs, &of_output, n_samples) else {
+            let Some(odd) = oddest(&left, &inputs, &of_output, n_samples) else {
                 break;
             };
-            left.retain(|index| *index != hit);
+            left.retain(|index| *index != odd.hit);
             found.push((
-                hit,
+                odd.hit,
                 Reason::Departs {
                     channel: (*output).to_owned(),
-                    departure: reason.0,
-                    others: reason.1,
-                    scale: reason.2.scale,
-                    delay: reason.2.lag as f64 / first.sampling_rate_hz(),
-                    index: reason.3,
+                    departure: odd.departure,
+                    others: odd.others,
+                    scale: odd.figures.scale,
+                    delay: odd.figures.lag as f64 / first.sampling_rate_hz(),
+                    index: odd.index,
                 },
             ));
         }
@@ -128,18 +142,12 @@ fn lines_of(
     Ok(lines)
 }
 
-/// The hit of `left` that departs most, if it departs beyond its limits: its relative departure, the largest of the others, its figures
-/// and the sample of a spike.
+/// The hit of `left` that departs most, if it departs beyond its limits.
 #[allow(
     clippy::indexing_slicing,
     reason = "`left` are hits, each of which has lines of the input and of the output"
 )]
-fn oddest(
-    left: &[usize],
-    inputs: &[Lines],
-    outputs: &[Lines],
-    n_samples: usize,
-) -> Option<(usize, (f64, f64, Departure, Option<usize>))> {
+fn oddest(left: &[usize], inputs: &[Lines], outputs: &[Lines], n_samples: usize) -> Option<Odd> {
     let departures = |hits: &[usize]| -> Vec<Departure> {
         let sums = Sums::of(hits, inputs, outputs);
         hits.iter()
@@ -160,6 +168,9 @@ fn oddest(
     let mut worst: Option<(f64, usize, f64, Option<usize>)> = None;
     for place in candidates {
         let one = all[place];
+        if one.energy < LEAST_DEPARTURE.powi(2) * one.expected {
+            continue;
+        }
         let others: Vec<usize> = left
             .iter()
             .copied()
@@ -197,10 +208,12 @@ fn oddest(
             worst = Some((excess, place, largest.sqrt(), at));
         }
     }
-    worst.map(|(_, place, others, at)| {
-        let one = all[place];
-        let departure = (one.energy / one.expected).sqrt();
-        (left[place], (departure, others, one, at))
+    worst.map(|(_, place, others, index)| Odd {
+        hit: left[place],
+        departure: (all[place].energy / all[place].expected).sqrt(),
+        others,
+        figures: all[place],
+        index,
     })
 }
 
