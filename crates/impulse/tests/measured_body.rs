@@ -210,7 +210,7 @@ fn s12_right_bodies_are_accused_once_in_a_hundred() {
 #[test]
 fn s12_a_delay_of_5_us_is_found_where_it_is_said_that_it_would_be() {
     let exact = exact();
-    let right = struck(&exact, 5, 5e-4, 77).screen();
+    let right = struck(&exact, 5, 2e-4, 77).screen();
     assert_eq!(right.flags(), []);
     for (direction, sign) in [(0, 1.0), (1, -1.0)] {
         let by_energy = right.passivity.seen_delays[direction].unwrap_or(f64::INFINITY);
@@ -221,7 +221,7 @@ fn s12_a_delay_of_5_us_is_found_where_it_is_said_that_it_would_be() {
             .enumerate()
             .map(|(line, value)| value * Complex64::cis(sign * TAU * STEP_HZ * line as f64 * 5e-6))
             .collect();
-        let flags = struck(&moved, 5, 5e-4, 78).screen().flags();
+        let flags = struck(&moved, 5, 2e-4, 78).screen().flags();
         assert!(
             flags.iter().any(|flag| matches!(
                 flag,

@@ -110,7 +110,7 @@ const FEWEST_LINES: usize = 8;
 )]
 impl MergedResponse {
     /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for
-    /// inputs without noise).
+    /// inputs without noise), of those whose coherence chance reaches once in ten thousand, if there is one.
     ///
     /// # Examples
     ///
@@ -177,7 +177,11 @@ impl MergedResponse {
         let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
         for line in 0..n_lines {
             let Entering { tests, coherent } = Entering::of(responses, line);
-            let largest = tests.into_iter().max_by(|a, b| {
+            // a test that chance has made coherent has the power of its noise
+            let clear = |test: &usize| is_above(&responses[*test], line, CLEAR);
+            let any_clear = tests.iter().any(clear);
+            let candidates = tests.into_iter().filter(|test| !any_clear || clear(test));
+            let largest = candidates.max_by(|a, b| {
                 // of equals the first
                 level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
             });

@@ -204,7 +204,9 @@ mod tests {
         // of three hits, where two standard errors would flag 6 %: 20 tests of 129 lines, of which 1 % is 26, four standard errors are 20
         let flagged: usize = (0..20)
             .map(|seed| {
-                let response = damper_of(3, 0.0, 0, 1.0, seed).h1("force", "velocity").unwrap();
+                let response = damper_of(3, 0.0, 0, 1.0, seed)
+                    .h1("force", "velocity")
+                    .unwrap();
                 response.passivity(0.01).unwrap().active_lines().count()
             })
             .sum();

@@ -46,6 +46,9 @@ const BESIDE_TOLERANCE: f64 = 2.0;
 /// Terms of the law that is fitted to the real part of nearly rigid lines, and to their phase.
 const TERMS: usize = 3;
 
+/// Lines over which the first guess of where rigid lines end takes the mean.
+const SMOOTH: usize = 5;
+
 /// Fewest nearly rigid lines: one more than the fitted terms.
 const FEWEST_RIGID: usize = TERMS + 1;
 
@@ -60,7 +63,7 @@ const FEWEST_SPACINGS: usize = 3;
 const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;
 
-/// The lines that tell the mass end where the accelerance has fallen to this part of its start.
+/// The lines that tell the mass end where the accelerance has fallen to this part of its start, or risen as much.
 const NEARLY_RIGID: f64 = 0.85;
 
 /// Relative deviation of the front impedance that is never flagged: the impedance of a polymer grows by as much over the lines.
@@ -304,11 +307,12 @@ impl Screening {
         match self.mass {
             Some(mass) => {
                 let (weighed, weighed_error) = mass.weighed;
-                let error = mass.standard_error.hypot(weighed_error);
-                let freedom = mass.degrees_of_freedom * (error / mass.standard_error).powi(4);
+                let own = mass.standard_error * (weighed / mass.apparent).powi(2);
+                let error = own.hypot(weighed_error);
+                let freedom = mass.degrees_of_freedom * (error / own).powi(4);
                 let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
-                // a mass that is negative or infinite is wrong whatever its error
-                let difference = (mass.apparent - weighed).abs();
+                // a mass that is negative or infinite is wrong whatever its error; it is 1/M that the lines tell
+                let difference = (weighed / mass.apparent - 1.0).abs() * weighed;
                 if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
                     flags.push(ScreeningFlag::MassContradicted {
                         apparent: mass.apparent,
@@ -544,19 +548,20 @@ impl MeasuredBody {
         let Some((unit, _)) = accelerance.last().copied() else {
             return (None, None);
         };
-        let start = accelerance
+        let smooth: Vec<f64> = accelerance
+            .windows(SMOOTH)
+            .map(|near| near.iter().map(|(_, a)| a.re).sum::<f64>() / SMOOTH as f64)
+            .collect();
+        let Some(start) = smooth.first() else {
+            return (None, None);
+        };
+        let above = smooth
             .iter()
-            .take(FEWEST_RIGID)
-            .map(|(_, a)| a.re)
-            .sum::<f64>()
-            / FEWEST_RIGID as f64;
-        let mut n_lines = accelerance
-            .iter()
-            .take_while(|(_, a)| a.re / start > NEARLY_RIGID)
-            .count();
+            .take_while(|mean| *mean / start > NEARLY_RIGID);
+        let mut n_lines = above.count() + SMOOTH - 1;
         // where the lines end is said by what was fitted, not by the noise of one line
         let mut fitted = None;
-        for _ in 0..3 {
+        for _ in 0..5 {
             let rigid = accelerance.get(..n_lines).unwrap_or_default();
             let even = rigid.iter().map(|(omega, a)| {
                 let square = (omega / unit).powi(2);
@@ -570,9 +575,10 @@ impl MeasuredBody {
                 .iter()
                 .take_while(|(omega, _)| {
                     let square = (omega / unit).powi(2);
-                    (p + q * square + r * square * square) / p > NEARLY_RIGID
+                    ((q * square + r * square * square) / p).abs() < 1.0 - NEARLY_RIGID
                 })
-                .count();
+                .count()
+                .max(FEWEST_RIGID);
             fitted = Some((fit, rigid));
         }
         let Some((fit, rigid)) = fitted else {

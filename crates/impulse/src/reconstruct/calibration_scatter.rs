@@ -158,7 +158,7 @@ const NEIGHBOURS: usize = 8;
 /// With $`n`$ blows of the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
 ///
 /// ```math
-/// \mathrm E|\delta\hat x_k|^2 = \frac{n}{n-1}\,\mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2, \qquad \mathrm{var}\,\bar H_k = \frac{\mathrm E|\delta\hat x_k|^2}{\sum_i |\hat F_{ik}|^2},
+/// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 /// ```
 ///
 /// the first averaged over 17 lines: of few blows the scatter on a line is itself known to a factor of two, and weights by it would prefer the lines that seem
@@ -209,10 +209,8 @@ impl CalibrationLines {
             }
         }
         let n_blows = n_blows as f64;
-        // variance of one blow from that of the average
-        let of_one = n_blows / (n_blows - 1.0);
         let lines = variance.iter().zip(&energy);
-        let single: Vec<f64> = lines.map(|(v, energy)| of_one * v * energy).collect();
+        let single: Vec<f64> = lines.map(|(v, energy)| v * energy).collect();
         let noise: Vec<f64> = (0..single.len())
             .map(|line| {
                 let first = line.saturating_sub(NEIGHBOURS);
@@ -235,6 +233,7 @@ impl CalibrationLines {
             noise,
         })
     }
+/// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 }
 
 #[cfg(test)]
@@ -248,14 +247,14 @@ mod tests {
         let lines = CalibrationLines::of(&[0.5; 5], &[force; 4]).unwrap();
         for ((noise, variance), power) in lines.noise.iter().zip(&lines.variance).zip(&lines.power)
         {
-            // 16/3 · 0.5, a quarter of it, and 1
-            assert!((noise - 8.0 / 3.0).abs() < 1e-12, "{noise}");
-            assert!((variance - 2.0 / 3.0).abs() < 1e-12, "{variance}");
+            // 4 · 0.5, a quarter of it, and 1
+            assert!((noise - 2.0).abs() < 1e-12, "{noise}");
+            assert!((variance - 0.5).abs() < 1e-12, "{variance}");
             assert!((power - 1.0).abs() < 1e-12, "{power}");
         }
         // the mean of what is known, and nothing where the line is not
         let lines = CalibrationLines::of(&[0.2, 0.4, f64::NAN, 0.6, 0.8], &[force; 4]).unwrap();
-        assert!((lines.noise[0] - 8.0 / 3.0).abs() < 1e-12 && lines.noise[2].is_nan());
+        assert!((lines.noise[0] - 2.0).abs() < 1e-12 && lines.noise[2].is_nan());
         assert!(CalibrationLines::of(&[0.5; 5], &[force; 1]).is_err());
         assert!(CalibrationLines::of(&[0.5; 4], &[force; 2]).is_err());
     }

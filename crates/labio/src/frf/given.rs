@@ -434,7 +434,11 @@ mod tests {
         shorter.frequency_hz.truncate(4);
         shorter.values.truncate(4);
         shorter.validity.truncate(4);
-        for lines in [&mut shorter.coherence, &mut shorter.variance] {
+        for lines in [
+            &mut shorter.coherence,
+            &mut shorter.variance,
+            &mut shorter.degrees_of_freedom,
+        ] {
             lines.iter_mut().for_each(|lines| lines.truncate(4));
         }
         for tests in [[averaged(), shorter.clone()], [shorter, averaged()]] {

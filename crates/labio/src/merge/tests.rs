@@ -84,16 +84,17 @@ fn each_line_is_that_of_the_larger_force() {
             .unwrap();
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
-    // the coherent power, of tests that are above what chance reaches once in twenty: 1 - 0.05^(1/9)
+    // the coherent power, of tests that are above what chance reaches once in ten thousand, or else once in twenty
     let coherence = |test: usize, line: usize| responses[test].coherence.as_ref().unwrap()[line];
-    let level = 1.0 - 0.05_f64.powf(1.0 / 9.0);
     let force = |test: usize, line: usize| {
-        let c = coherence(test, line);
-        if c > level || coherence(1 - test, line) <= level {
-            c * forces[test][line]
-        } else {
-            0.0
-        }
+        let passes =
+            |test: usize, chance: f64| coherence(test, line) > 1.0 - chance.powf(1.0 / 9.0);
+        let stands = [1e-4, 0.05]
+            .into_iter()
+            .find(|chance| passes(0, *chance) || passes(1, *chance))
+            .is_none_or(|chance| passes(test, chance));
+        // a line without information has no coherence
+        f64::from(stands) * coherence(test, line).max(0.0) * forces[test][line]
     };
     let mut from = [0, 0];
     // at the Nyquist frequency neither half-sine has anything
@@ -137,7 +138,10 @@ fn inverse_variances_weigh_as_least_squares_does() {
         let cost = 1.0 + 8.0 * share * (1.0 - share) / 18.0;
         let variance = merged.response.variance.as_ref().unwrap()[line];
         let expected_variance = (share * share * own[0] + (1.0 - share).powi(2) * own[1]) * cost;
-        assert!((variance / expected_variance - 1.0).abs() < 1e-12);
+        assert!(merged.inflation[line] <= 1.0);
+        // 1 - c of the order of 1e-6 has lost six digits in the products here
+        let apart = variance / expected_variance - 1.0;
+        assert!(apart.abs() < 1e-9, "{line}: {apart}");
         let freedom = merged.response.degrees_of_freedom.as_ref().unwrap()[line];
         let of_both = 18.0 / (share * share + (1.0 - share) * (1.0 - share));
         assert!((freedom / of_both - 1.0).abs() < 1e-12);
@@ -318,14 +322,19 @@ fn s13_the_discrepancy_has_the_mean_one() {
             let tests = [test_of(hammer, 300 + seed), test_of(hammer, 400 + seed)];
             let responses = tests.map(|test| test.h1("force", "velocity").unwrap());
             let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
-            for value in &merged.discrepancy[1..400] {
+            // of two hits some lines are not clear enough to be compared
+            for value in merged.discrepancy[1..200].iter().filter(|d| d.is_finite()) {
                 sum += value;
                 count += 1.0;
             }
         }
-        // 3990 values of an exponential law: 1.6 %, and Welch's approximation, which leaves 9 % for two hits of each
+        // 1990 values of an exponential law: 2.2 %, and Welch's approximation, which leaves 9 % for two hits of each
         let mean: f64 = sum / count;
-        assert!((mean - 1.0).abs() < 0.13, "{n_hits}: {mean}");
+        println!("{n_hits} hits: mean discrepancy {mean:.3} of {count} lines");
+        assert!(
+            (mean - 1.0).abs() < 0.13 && count > 1500.0,
+            "{n_hits}: {mean}"
+        );
     }
 }
 

@@ -119,7 +119,9 @@ impl ResponseFile {
         .map_err(reading)?;
         let said = series.properties.iter().find_map(|(field, text)| {
             let number = text.strip_prefix(AVERAGES)?;
-            (field == "uff58.id3").then(|| number.trim().parse().ok()).flatten()
+            (field == "uff58.id3")
+                .then(|| number.trim().parse().ok())
+                .flatten()
         });
         response.n_averages = said.unwrap_or(response.n_averages);
         response.added_damping = universal::damping_of(&contents, series, field)?;

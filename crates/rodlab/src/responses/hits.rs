@@ -136,7 +136,11 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
             said.push(format!(
                 "`{output}`: {second} answers {} us {} than the other, ± {} us",
                 short(1e6 * agreement.delay.abs()),
-                if agreement.delay > 0.0 { "later" } else { "earlier" },
+                if agreement.delay > 0.0 {
+                    "later"
+                } else {
+                    "earlier"
+                },
                 short(1e6 * agreement.delay_error),
             ));
         }

@@ -147,7 +147,10 @@ pub fn measured_body(
         }
     }
     let common = mobility.common_error.iter().flatten();
-    let scale = common.copied().filter(|e| e.is_finite()).fold(0.0, f64::max);
+    let scale = common
+        .copied()
+        .filter(|e| e.is_finite())
+        .fold(0.0, f64::max);
     body = body.with_scale_error(scale).map_err(refused)?;
     if let Some(impedance) = front_impedance.map(NotFollowed::si).or(front) {
         body = body.with_front_impedance(impedance).map_err(refused)?;

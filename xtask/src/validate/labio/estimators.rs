@@ -218,7 +218,10 @@ fn random_errors(report: &mut Report) {
             BENDAT,
         )
         .expects(predicted, "1")
-        .within_part(0.075, "four standard errors over 2047 lines, and the second order"),
+        .within_part(
+            0.075,
+            "four standard errors over 2047 lines, and the second order",
+        ),
         || {
             let squares: Vec<f64> = inner(&response()?.values)
                 .iter()
@@ -233,7 +236,10 @@ fn random_errors(report: &mut Report) {
             BENDAT,
         )
         .expects(predicted, "rad")
-        .within_part(0.075, "four standard errors over 2047 lines, and the second order"),
+        .within_part(
+            0.075,
+            "four standard errors over 2047 lines, and the second order",
+        ),
         || {
             let squares: Vec<f64> = inner(&response()?.values)
                 .iter()

@@ -72,6 +72,13 @@ pub(super) fn run(
     if let PathSheet::Hits(hits) = &sheet.path {
         hits.records
             .refuse_uncertain_calibrations("problem.path.records", why)?;
+        if let Some(silent) = &hits.silent {
+            return Err(RodlabError::request(
+                "problem.path.silent",
+                silent.to_string(),
+                "no statement: a path is formed without the noise at rest",
+            ));
+        }
     }
     let file = match &sheet.path {
         PathSheet::File(file) => {

@@ -317,7 +317,10 @@ pub(super) fn estimate(
         }
     }
     let common = response.common_error.iter().flatten();
-    let calibration = common.copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
+    let calibration = common
+        .copied()
+        .filter(|error| error.is_finite())
+        .fold(0.0, f64::max);
     Ok(Estimated {
         response,
         coherences,

@@ -83,7 +83,10 @@ pub(super) fn table(
         ));
     }
     for (name, list) in [
-        ("bias of the magnitude by noise at rest", &response.noise_bias),
+        (
+            "bias of the magnitude by noise at rest",
+            &response.noise_bias,
+        ),
         ("error that lines share", &response.common_error),
     ] {
         if let Some(list) = list {

@@ -64,8 +64,18 @@ pub(super) fn attachment(
         let freedom = freedom.map(|freedom| freedom.iter().map(|f| f.min(MOST_FREEDOM)).collect());
         let units = (unit(output_quantity), unit(input_quantity));
         for (what, note, (over, under), values) in [
-            (STANDARD_ERROR, "root of the variance of the complex line", units, roots),
-            (FREEDOM, "degrees of freedom of the standard error", ("", ""), freedom),
+            (
+                STANDARD_ERROR,
+                "root of the variance of the complex line",
+                units,
+                roots,
+            ),
+            (
+                FREEDOM,
+                "degrees of freedom of the standard error",
+                ("", ""),
+                freedom,
+            ),
             (
                 COMMON_ERROR,
                 "relative standard uncertainty that lines share",

@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use impulse::ImpedanceHead;
-use labio::{
-    Coherence, FrequencyResponse, LineValidity, MergedResponse, Passivity, ResponseKind,
-};
+use labio::{Coherence, FrequencyResponse, LineValidity, MergedResponse, Passivity, ResponseKind};
 use num_complex::Complex64;
 
 use super::MobilitySheet;

@@ -8,9 +8,7 @@ use labio::{FrequencyResponse, LineValidity};
 use super::MobilitySheet;
 use super::known::Known;
 use crate::outcome::{Column, Quantity, Setting, Table};
-use crate::responses::{
-    SupportSheet, line_spacing_hz, measured_body, stretch_with_signal,
-};
+use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 

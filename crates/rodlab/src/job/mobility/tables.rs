@@ -43,7 +43,10 @@ pub(super) fn mobility(known: &Known) -> Table {
         ));
     }
     for (name, list) in [
-        ("bias of the magnitude by noise at rest", &response.noise_bias),
+        (
+            "bias of the magnitude by noise at rest",
+            &response.noise_bias,
+        ),
         ("error that lines share", &response.common_error),
     ] {
         if let Some(list) = list {

@@ -8,7 +8,9 @@ use labio::{AveragedSpectra, Record, Window};
 use super::{FirstHit, Measured, Ratio, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::hits::{HitKind, HitsSheet, expect_independent, expect_noise, silent_samples, trigger_of};
+use crate::hits::{
+    HitKind, HitsSheet, expect_independent, expect_noise, silent_samples, trigger_of,
+};
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
