@@ -8,7 +8,7 @@ use cmod::rheology::{FitOptions, PronyFit};
 use num_complex::Complex64;
 use rodwave::modulus::{ComplexModulus, ConstantQ, GeneralisedMaxwell, MaxwellBranch};
 
-use crate::measured::{Noise, logarithmic, measured};
+use super::measured::{Noise, logarithmic, measured};
 
 fn law() -> GeneralisedMaxwell {
     let branch = |modulus, relaxation_time| MaxwellBranch {

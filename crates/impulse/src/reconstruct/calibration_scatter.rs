@@ -233,7 +233,6 @@ impl CalibrationLines {
             noise,
         })
     }
-/// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 }
 
 #[cfg(test)]

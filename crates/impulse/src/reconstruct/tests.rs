@@ -623,12 +623,11 @@ impl HammerTest {
         let h1: Vec<Complex64> = (0..n_lines)
             .map(|k| sum(&|f, x| f.conj() * x, k) / sum(&|f, _| f.norm_sqr().into(), k))
             .collect();
-        // as a coherence gives it: 1/n, where the unbiased estimate has 1/(n - 1)
-        let n = self.n_blows as f64;
+        let freedom = self.n_blows as f64 - 1.0;
         let variance: Vec<f64> = (0..n_lines)
             .map(|k| {
                 let left = sum(&|f, x| (x - h1[k] * f).norm_sqr().into(), k).re;
-                left / n / sum(&|f, _| f.norm_sqr().into(), k).re
+                left / freedom / sum(&|f, _| f.norm_sqr().into(), k).re
             })
             .collect();
         let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
