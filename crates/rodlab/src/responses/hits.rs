@@ -407,7 +407,13 @@ impl HitsSource {
         outcome: &mut Outcome,
     ) -> Result<FrequencyResponse, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
-        let leakage = leakage_of(tests.iter().map(|(test, _)| test), &self.force, &self.response, shares).map_err(refused)?;
+        let leakage = leakage_of(
+            tests.iter().map(|(test, _)| test),
+            &self.force,
+            &self.response,
+            shares,
+        )
+        .map_err(refused)?;
         let (Some(leakage), Some(variance)) = (leakage, &response.variance) else {
             return Ok(response);
         };
