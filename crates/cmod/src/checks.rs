@@ -184,7 +184,10 @@ fn normal_tail_below(value: f64) -> f64 {
 fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
     degrees_of_freedom.map_or_else(
         || normal_tail_below(value),
-        |freedom| StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(value)),
+        |freedom| match StudentsT::new(0.0, 1.0, freedom) {
+            Ok(law) if !value.is_nan() => law.cdf(value),
+            _ => f64::NAN,
+        },
     )
 }
 

@@ -1,4 +1,12 @@
 //! Integration tests of cmod: one program, a module for each subject.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    reason = "a failing test should say so at once"
+)]
 
 mod branch;
 mod checks;

@@ -95,7 +95,7 @@ impl FrequencyResponse {
             .iter()
             .zip(real_part.iter().zip(&probability))
             .map(|(validity, (real, probability))| {
-                if *validity != LineValidity::Valid {
+                if *validity != LineValidity::Valid || probability.is_nan() {
                     Passivity::Unknown
                 } else if *real >= 0.0 {
                     Passivity::Passive
@@ -121,6 +121,8 @@ fn below_zero(value: f64, error: f64, freedom: f64) -> f64 {
     let distance = value / error;
     if value >= 0.0 {
         1.0
+    } else if distance.is_nan() {
+        f64::NAN
     } else if freedom < MANY {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(distance))
     } else {

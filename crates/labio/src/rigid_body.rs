@@ -134,10 +134,9 @@ impl RigidBody {
                 freedom[line] = f64::INFINITY;
             }
             // no sensor made these lines
-            for lines in [&mut accelerance.noise_bias, &mut accelerance.common_error] {
-                if let Some(lines) = lines {
-                    lines[line] = 0.0;
-                }
+            let of_sensors = [&mut accelerance.noise_bias, &mut accelerance.common_error];
+            for lines in of_sensors.into_iter().flatten() {
+                lines[line] = 0.0;
             }
         }
         let mut completed = accelerance.to_kind(kind)?;

@@ -49,7 +49,7 @@ const CYCLE_SKIPS: usize = 5;
 const MOST_STARTS: usize = 1_000_000;
 
 /// Alternations of parameters and excitation, and of the transfer about both.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
 
 /// Share of the sum of squares that a minimum may leave from which another stage goes on.
 const PRELIMINARY: f64 = 1e-4;
@@ -58,7 +58,7 @@ const PRELIMINARY: f64 = 1e-4;
 const WHITE: f64 = 1e-5;
 
 /// Movement of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
-const TRANSFER_HOLDS: f64 = 5.0;
+const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Movement of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
@@ -509,13 +509,15 @@ impl<M: RodModel> Fit<M> {
                     .iter()
                     .enumerate()
                     .map(|(index, test)| {
-                        let excitation = problem
+                        let measured = &test.excitation_samples;
+                        let (estimate, excitation) = problem
                             .weightings
                             .get(index)
-                            .map_or(&test.excitation_samples, |w| &w.excitation);
+                            .map_or((measured, measured), |w| (&w.estimate, &w.excitation));
                         let of_model = parameters.get(..of_model)?;
                         let transfer = Transfer::new(&self.model, of_model, test, excitation)?;
-                        Weighting::new(test, transfer, self.accuracy * test.impact_velocity)
+                        let floor = self.accuracy * test.impact_velocity;
+                        Weighting::new(test, transfer, floor, estimate.clone())
                     })
                     .collect();
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;

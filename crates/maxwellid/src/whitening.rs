@@ -14,7 +14,7 @@
 //!
 //! # Approximations
 //! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
-//! renewed when they move by more than five standard errors. The discretisation error of the solver counts as white noise of the requested
+//! renewed about the present û as long as they move by more than half a standard error: an estimate with the H of a start is one of that start. The discretisation error of the solver counts as white noise of the requested
 //! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
@@ -180,6 +180,8 @@ pub(crate) struct Weighting {
     factor: Vec<f64>,
     noise: TestNoise,
     /// û [m/s]
+    pub(crate) estimate: Vec<f64>,
+    /// û as the Wiener filter passes it [m/s]
     pub(crate) excitation: Vec<f64>,
     pub(crate) history: SampledHistory,
     /// H (v_e - û) [m/s]
@@ -187,9 +189,14 @@ pub(crate) struct Weighting {
 }
 
 impl Weighting {
-    /// `floor` [m/s]: standard deviation of white noise that counts for the error of the solver. `None` where the model cannot be
-    /// evaluated or the covariance is not positive definite.
-    pub(crate) fn new(test: &RodTest, transfer: Transfer, floor: f64) -> Option<Self> {
+    /// Weights about the excitation `estimate` [m/s]. `floor` [m/s]: standard deviation of white noise that counts for the error of the solver. `None` where
+    /// the model cannot be evaluated or the covariance is not positive definite.
+    pub(crate) fn new(
+        test: &RodTest,
+        transfer: Transfer,
+        floor: f64,
+        estimate: Vec<f64>,
+    ) -> Option<Self> {
         let noise = test.noise.clone()?;
         let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
         let through = match &noise.excitation {
@@ -217,18 +224,20 @@ impl Weighting {
             .collect();
         let weighting = Self {
             correction: Vec::new(),
+            estimate: Vec::new(),
             excitation: Vec::new(),
             history: test.excitation.clone(),
             factor: packed,
             transfer,
             noise,
         };
-        weighting.linearised_about(test, test.excitation_samples.clone())
+        weighting.linearised_about(test, estimate)
     }
 
     /// Linearises about `excitation` [m/s] as the Wiener filter passes it.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
+        self.estimate = excitation;
         // the rod is at rest before the record: without noise it would not jump to its first sample, which no grid resolves
         for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "some samples")]

@@ -149,7 +149,8 @@ fn said_at_once(job: &str, text: &str) -> String {
         .args([job, "sheet.ron", "--quiet"])
         .output()
         .unwrap();
-    assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
+    // a sheet that is not refused runs for minutes
+    assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
     assert_eq!(run.status.code(), Some(2));
     assert!(!folder.path().join("sheet-result").exists());
     String::from_utf8(run.stderr).unwrap()

@@ -201,7 +201,10 @@ impl MeasuredBody {
         if let Some(first) = freedom.first_mut() {
             *first = f64::INFINITY;
         }
-        if let Some(&wrong) = freedom.iter().find(|value| !(**value > 0.0)) {
+        if let Some(&wrong) = freedom
+            .iter()
+            .find(|value| value.is_nan() || **value <= 0.0)
+        {
             return Err(ImpulseError::NonPhysical {
                 quantity: "degrees of freedom of the mobility",
                 value: wrong,

@@ -672,7 +672,9 @@ impl Fit {
 
 /// Probability of Student's law below `value`.
 fn below(value: f64, freedom: f64) -> f64 {
-    if freedom < MANY {
+    if value.is_nan() {
+        f64::NAN
+    } else if freedom < MANY {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(value))
     } else {
         Normal::standard().cdf(value)

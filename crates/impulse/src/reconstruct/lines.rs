@@ -183,9 +183,9 @@ impl Transformed<'_> {
         })
     }
 
-    /// The same under white noise of standard deviation 1 on all responses.
+    /// The same under white noise of standard deviation 1 on all responses, over the number of samples.
     pub(super) fn white_cross_variance(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
-        self.cross_variance_of(weights_for, |_, _| self.grid.n_samples as f64)
+        self.cross_variance_of(weights_for, |_, _| 1.0)
     }
 
     fn cross_variance_of(

@@ -133,9 +133,10 @@ impl Solved {
             Gain::Lines { gains, .. } => {
                 let lines = gains.iter().zip(&variance).enumerate();
                 let square: f64 = lines
-                    .map(|(line, (g, v))| self.lines.grid.sides(line) * g * g * v)
+                    // the square of a small gain has no digits
+                    .map(|(line, (g, v))| self.lines.grid.sides(line) * (g * v.sqrt()).powi(2))
                     .sum();
-                square.sqrt() / n_samples as f64
+                (square / n_samples as f64).sqrt()
             }
             Gain::Support {
                 support,
@@ -153,7 +154,7 @@ impl Solved {
                     .flat_map(|i| (0..support.length).map(move |j| (i, j)))
                     .map(|at| spread[at] * gain[at])
                     .sum();
-                (square / support.length as f64).sqrt()
+                (n_samples as f64 * square / support.length as f64).sqrt()
             }
         }
     }

@@ -554,7 +554,7 @@ fn impossible_requests_are_refused() {
 struct HammerTest {
     n_samples: usize,
     /// Length of the blows in samples.
-    length: f64,
+    length: u32,
     /// Noise of the response over the largest response to the blow that is sought.
     level: f64,
     n_blows: usize,
@@ -571,7 +571,7 @@ struct Off {
 impl HammerTest {
     fn blow(&self, peak: f64) -> Vec<f64> {
         let force = |n: usize| {
-            let phase = (n as f64 - 200.3) / self.length;
+            let phase = (n as f64 - 200.3) / f64::from(self.length);
             if (0.0..1.0).contains(&phase) {
                 0.5 * peak * (1.0 - (TAU * phase).cos())
             } else {
@@ -584,7 +584,7 @@ impl HammerTest {
     fn support(&self) -> TimeInterval {
         TimeInterval {
             from: 195.5 / RATE,
-            to: (213.5 + self.length) / RATE,
+            to: (213.5 + f64::from(self.length)) / RATE,
         }
     }
 
@@ -680,7 +680,7 @@ impl HammerTest {
 fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
     let test = HammerTest {
         n_samples: N,
-        length: 10.0,
+        length: 10,
         level: 0.003,
         n_blows: 5,
     };
@@ -716,7 +716,7 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
 fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     let test = HammerTest {
         n_samples: N,
-        length: 10.0,
+        length: 10,
         level: 0.003,
         n_blows: 5,
     };
@@ -775,7 +775,7 @@ fn f4_a_choice_can_be_no_regularisation() {
 fn f3_an_impulse_is_told_by_what_the_band_holds() {
     let test = HammerTest {
         n_samples: N,
-        length: 30.0,
+        length: 30,
         level: 0.003,
         n_blows: 5,
     };

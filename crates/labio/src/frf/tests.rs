@@ -485,11 +485,11 @@ fn covered(n_hits: usize, noise: [f64; 2], estimator: Estimator, seeds: u64) -> 
             .unwrap();
         let response = spectra.response(estimator, "x", "y").unwrap();
         let errors = response.random_error().unwrap();
-        for line in 1..256 {
-            let off = (response.values[line] / 2.0).ln();
+        for (value, error) in response.values.iter().zip(&errors).take(256).skip(1) {
+            let off = (value / 2.0).ln();
             for (part, count) in [off.re, off.im].iter().zip(&mut counts) {
-                count[0] += f64::from(part.abs() < one * errors[line].magnitude);
-                count[1] += f64::from(part.abs() < two * errors[line].magnitude);
+                count[0] += f64::from(part.abs() < one * error.magnitude);
+                count[1] += f64::from(part.abs() < two * error.magnitude);
             }
             total += 1.0;
         }

@@ -28,7 +28,7 @@ const FEWEST_POINTS_LINEAR: usize = 1024;
 const MOST_POINTS: usize = 4096;
 
 /// Standard error of ln Z, as if the points were random, that is good enough. Points that are spread evenly err by a third of it and less.
-const GOOD_ENOUGH: f64 = 0.06;
+const GOOD_ENOUGH: f64 = 0.1;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];

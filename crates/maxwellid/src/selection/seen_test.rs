@@ -30,7 +30,7 @@ impl<'a> SeenTest<'a> {
         cell: f64,
     ) -> Option<Self> {
         let transfer = Transfer::new(model, parameters, test, &test.excitation_samples)?;
-        let weighting = Weighting::new(test, transfer, 0.0)?;
+        let weighting = Weighting::new(test, transfer, 0.0, test.excitation_samples.clone())?;
         let mut residual = response_of(model, &test.driven_rod(times, cell), parameters)?;
         for (value, measured) in residual.iter_mut().zip(test.response()) {
             *value -= measured;

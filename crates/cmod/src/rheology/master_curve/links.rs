@@ -102,8 +102,8 @@ impl Starts {
                 (None, None) => {}
             }
         };
-        for to in reference + 1..count {
-            go(to - 1, to, links[to], 1.0);
+        for (to, link) in links.iter().enumerate().take(count).skip(reference + 1) {
+            go(to - 1, to, *link, 1.0);
         }
         for to in (0..reference).rev() {
             go(to + 1, to, links[to + 1], -1.0);

@@ -376,7 +376,7 @@ fn objections(
             let biased = bias
                 .zip(error)
                 // one that is no number belongs to a line of noise
-                .is_some_and(|(bias, error)| !(bias.abs() <= error.magnitude));
+                .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
             match (coherent, merged) {
                 (true, _) => biased.then_some(BIASED),
                 (false, None) => Some("coherence as of chance"),

@@ -241,7 +241,7 @@ fn judge_coherence(
         } else if bias
             .zip(error)
             // one that is no number belongs to a line of noise
-            .is_some_and(|(bias, error)| !(bias.abs() <= error.magnitude))
+            .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude)
         {
             *objection = Some("bias by noise at rest above the random error".to_owned());
         }

@@ -50,7 +50,7 @@ pub enum SourceSheet {
 /// What was read.
 pub(super) enum Read<'a> {
     Tests(Vec<Test<'a>>),
-    Response(FrequencyResponse),
+    Response(Box<FrequencyResponse>),
     Computed(ComputedBody),
 }
 
@@ -106,7 +106,7 @@ pub(super) fn read<'a>(
         }
         SourceSheet::File(file) => file
             .read(around.folder, "source", outcome)
-            .map(Read::Response),
+            .map(|response| Read::Response(Box::new(response))),
         SourceSheet::Computed { body, up_to, lines } => {
             if sheet.head_mass.is_some() {
                 return Err(RodlabError::request(
@@ -141,7 +141,7 @@ pub(super) fn raw(
     match read {
         Read::Tests(tests) => of_tests(tests, sheet, around, outcome),
         Read::Response(response) => Ok(Some(Raw {
-            response: response.clone(),
+            response: (**response).clone(),
             coherences: Vec::new(),
             merged: None,
             body: None,

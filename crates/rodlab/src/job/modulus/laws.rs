@@ -90,7 +90,7 @@ pub struct CardsSheet {
     pub poisson_ratio_at: Option<Exact<Frequency>>,
     /// Temperature of the specimen, as `"23 degC"`: a comment of the card.
     #[serde(default)]
-    pub temperature: Option<Stated<Temperature>>,
+    pub temperature: Option<Exact<Temperature>>,
     /// The programs, as `[Abaqus, Ansys, LsDyna]`.
     pub programs: Vec<ProgramSheet>,
 }

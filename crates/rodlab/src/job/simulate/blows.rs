@@ -56,7 +56,13 @@ impl BlowsSheet {
         self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
-    pub(super) fn check(&self, field: &str) -> Result<(), RodlabError> {
+    /// Checks the blows and, before anything is computed, the size of their records of this many `channels`.
+    pub(super) fn check(
+        &self,
+        field: &str,
+        instrument: &InstrumentSheet,
+        channels: usize,
+    ) -> Result<(), RodlabError> {
         if !(1..=999).contains(&self.hits) {
             return Err(RodlabError::request(
                 format!("{field}.hits"),
@@ -71,7 +77,13 @@ impl BlowsSheet {
                 "below 1: a blow is no pull",
             ));
         }
-        Ok(())
+        let of_channel = instrument.samples_of_record()? as f64;
+        plausible::at_most(
+            (self.hits * channels) as f64 * of_channel,
+            MOST_SAMPLES,
+            "samples of all hits",
+            "instrument.length",
+        )
     }
 
     pub(super) fn pulse(&self, field: &str) -> Result<Box<dyn Pulse>, RodlabError> {
@@ -195,13 +207,6 @@ pub(super) fn record(
     around: &Surroundings<'_>,
 ) -> Result<Recorded, RodlabError> {
     let sampled = instrument.sampled(history)?;
-    let samples = blows.hits as f64 * sampled.samples().len() as f64;
-    plausible::at_most(
-        samples,
-        MOST_SAMPLES,
-        "samples of all hits",
-        "instrument.length",
-    )?;
     let peaks = peaks(&sampled);
     let mut recorded = Recorded::by(&history.generator);
     recorded.warnings.extend(cut_off(&sampled, &peaks));

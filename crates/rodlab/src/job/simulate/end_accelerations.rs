@@ -42,7 +42,7 @@ impl EndAccelerationsSheet {
         around: &Surroundings<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
-        self.blows.check(&format!("{FIELD}.blows"))?;
+        self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
         let mass = self.accelerometer_mass.as_ref().map_or(0.0, Exact::si);
         let specimen = Specimen {

@@ -99,7 +99,8 @@ impl StrainsInFrameSheet {
         around: &Surroundings<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
-        self.blows.check(&format!("{FIELD}.blows"))?;
+        self.blows
+            .check(&format!("{FIELD}.blows"), instrument, self.gauges.len())?;
         if self.gauges.len() < 3 {
             return Err(RodlabError::request(
                 format!("{FIELD}.gauges"),

@@ -39,7 +39,7 @@ impl HammerOnBodySheet {
         around: &Surroundings<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
-        self.blows.check(&format!("{FIELD}.blows"))?;
+        self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let place = format!("{FIELD}.body");
         let mut exact = WithoutUncertainty {
             why: "a virtual test has one truth",

@@ -174,10 +174,15 @@ impl InstrumentSheet {
         }
     }
 
+    /// Samples of a channel of a record.
+    pub(super) fn samples_of_record(&self) -> Result<usize, RodlabError> {
+        self.samples(self.length.si(), "instrument.length")
+    }
+
     /// Checks what goes together.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
         let before = self.samples(self.before(), "instrument.before")?;
-        let all = self.samples(self.length.si(), "instrument.length")?;
+        let all = self.samples_of_record()?;
         if all < before + LEAST_BEFORE {
             return Err(RodlabError::request(
                 "instrument.length",
@@ -203,7 +208,7 @@ impl InstrumentSheet {
     pub(super) fn sampled(&self, history: &History) -> Result<Record, RodlabError> {
         let refused = |error| RodlabError::step("instrument", error);
         let before = self.samples(self.before(), "instrument.before")?;
-        let all = self.samples(self.length.si(), "instrument.length")?;
+        let all = self.samples_of_record()?;
         let channels = history
             .channels
             .iter()
