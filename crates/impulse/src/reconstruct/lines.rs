@@ -183,9 +183,28 @@ impl Transformed<'_> {
         })
     }
 
-    /// The same under white noise of standard deviation 1 on all responses, over the number of samples.
-    pub(super) fn white_cross_variance(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
-        self.cross_variance_of(weights_for, |_, _| 1.0)
+    /// Root of the same under white noise of standard deviation 1 on all responses, over the number of samples. The squares of very large or very small weights
+    /// have no digits.
+    pub(super) fn white_cross_deviation(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
+        let of_line = |line: usize| {
+            let gains = self.sensors.iter().enumerate().map(|(index, sensor)| {
+                if self.uses(sensor, line) {
+                    self.cross_gain(index, line, weights_for)
+                } else {
+                    0.0
+                }
+            });
+            gains.fold(0.0, f64::hypot)
+        };
+        (0..self.grid.n_lines()).map(of_line).collect()
+    }
+
+    /// Magnitude of what a unit of the response of sensor `index` adds to the cross sum of a line.
+    fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[Complex64]>) -> f64 {
+        let sensor = &self.sensors[index];
+        let errors = self.errors.as_ref();
+        let share = errors.map_or(1.0, |errors| errors.shares[index][line]);
+        share * weight(sensor, line, weights_for) * sensor.frequency_response[line].norm()
     }
 
     fn cross_variance_of(
@@ -194,17 +213,10 @@ impl Transformed<'_> {
         variance: impl Fn(&Sensor<'_>, usize) -> f64,
     ) -> Vec<f64> {
         let of_line = |line: usize| -> f64 {
-            if self.is_outside_band(line) {
-                return 0.0;
-            }
             let used = self.sensors.iter().enumerate();
-            used.filter(|(_, sensor)| !sensor.is_left_out(line))
+            used.filter(|(_, sensor)| self.uses(sensor, line))
                 .map(|(index, sensor)| {
-                    let errors = self.errors.as_ref();
-                    let share = errors.map_or(1.0, |errors| errors.shares[index][line]);
-                    let gain = (share * weight(sensor, line, weights_for)).powi(2)
-                        * sensor.frequency_response[line].norm_sqr();
-                    gain * variance(sensor, line)
+                    self.cross_gain(index, line, weights_for).powi(2) * variance(sensor, line)
                 })
                 .sum()
         };

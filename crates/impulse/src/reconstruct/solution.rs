@@ -127,14 +127,13 @@ impl Solved {
         transformed: &Transformed<'_>,
         weights_for: Option<&[Complex64]>,
     ) -> f64 {
-        let variance = transformed.white_cross_variance(weights_for);
+        let deviation = transformed.white_cross_deviation(weights_for);
         let n_samples = self.samples.len();
         match &self.gain {
             Gain::Lines { gains, .. } => {
-                let lines = gains.iter().zip(&variance).enumerate();
+                let lines = gains.iter().zip(&deviation).enumerate();
                 let square: f64 = lines
-                    // the square of a small gain has no digits
-                    .map(|(line, (g, v))| self.lines.grid.sides(line) * (g * v.sqrt()).powi(2))
+                    .map(|(line, (g, d))| self.lines.grid.sides(line) * (g * d).powi(2))
                     .sum();
                 (square / n_samples as f64).sqrt()
             }
@@ -144,6 +143,7 @@ impl Solved {
                 informed,
                 ..
             } => {
+                let variance: Vec<f64> = deviation.iter().map(|d| d * d).collect();
                 let lags = support::lags(&variance, n_samples, support.length);
                 let gain = match informed {
                     Some(informed) => gain * &informed.weights,

@@ -156,19 +156,4 @@ fn merging(report: &mut Report) {
             Ok(square_error(&merged) / square_error(&tests[0]))
         },
     );
-    report.check(
-        Claim::new(
-            "two tests merged: minus the logarithm of the probability of their distance, in the mean",
-            "a probability is uniform",
-        )
-        .expects(1.0, "1")
-        .within(
-            0.15,
-            "four standard errors over 1025 lines, and the scatter of the variances",
-        ),
-        || {
-            let merged = MergedResponse::by_inverse_variance(&tests()?)?;
-            Ok(mean(&merged.discrepancy))
-        },
-    );
 }
