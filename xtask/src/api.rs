@@ -11,9 +11,9 @@ use std::process::{Command, ExitCode};
 
 use crate::Outcome;
 use crate::cargo::{Metadata, run as call, target_folder};
-use crate::generated::{ensure_file_contents, workspace_root};
 use crate::outside::{LIBRARIES, Program};
 use listing::Listing;
+use testbed::generated::{ensure_file_contents, workspace_root};
 
 /// Names the rustdoc that is to be called, where this program is called as rustdoc.
 const RUSTDOC: &str = "XTASK_RUSTDOC";

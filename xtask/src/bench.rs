@@ -18,7 +18,7 @@ mod target;
 use std::path::Path;
 
 use crate::Outcome;
-use crate::generated::{ensure_file_contents, workspace_root, write_whole};
+use testbed::generated::{ensure_file_contents, workspace_root, write_whole};
 
 use error::BenchError;
 use kernel::KERNELS;

@@ -22,7 +22,7 @@ pub(crate) use rustdoc::run as document;
 use check::{Book, GENERATED};
 
 use crate::Outcome;
-use crate::generated::workspace_root;
+use testbed::generated::workspace_root;
 
 /// Why there is no book.
 #[derive(Debug, thiserror::Error)]

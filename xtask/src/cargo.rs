@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use crate::generated::workspace_root;
+use testbed::generated::workspace_root;
 
 /// The cargo that runs this task.
 pub(crate) fn cargo() -> Command {

@@ -11,7 +11,7 @@ mod pulled_in;
 
 use crate::Outcome;
 use crate::cargo::Metadata;
-use crate::generated::{ensure_file_contents, workspace_root};
+use testbed::generated::{ensure_file_contents, workspace_root};
 
 pub(crate) use program::Program;
 use pulled_in::PulledIn;

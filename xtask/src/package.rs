@@ -10,7 +10,7 @@ use std::path::Path;
 
 use crate::Outcome;
 use crate::cargo::{Metadata, Package, cargo, run as call};
-use crate::generated::workspace_root;
+use testbed::generated::workspace_root;
 
 /// Files that every package has; cargo adds the first three itself.
 const FILES: [&str; 8] = [

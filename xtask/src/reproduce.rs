@@ -16,8 +16,8 @@ use std::time::Instant;
 use serde_json::Value;
 
 use crate::Outcome;
-use crate::generated::{workspace_root, write_whole};
 use crate::snapshot;
+use testbed::generated::{workspace_root, write_whole};
 
 pub(crate) use table::Table;
 

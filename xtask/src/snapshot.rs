@@ -9,7 +9,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::generated::{GeneratedError, write_whole};
+use testbed::generated::{GeneratedError, write_whole};
 
 /// Largest relative difference that is no drift: far below every printed digit, far above rounding.
 const RELATIVE: f64 = 1e-3;

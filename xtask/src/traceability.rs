@@ -16,7 +16,7 @@ mod workspace;
 use std::path::Path;
 
 use crate::Outcome;
-use crate::generated::{ensure_file_contents, workspace_root};
+use testbed::generated::{ensure_file_contents, workspace_root};
 
 use citation::Citation;
 use error::{Fault, Faults};

@@ -1,44 +1,44 @@
 //! `cargo xtask validate`: everything that the software claims, next to what is known of it otherwise.
 //!
-//! What is ours is computed by the libraries when the task runs. What is expected comes from somewhere else: the printed tables
-//! of the thesis, closed forms, conservation, the output of other software, measured records. The page is
-//! `docs/validation.md`; every digit is in `target/validate/validation.json`.
+//! The claims are assertions of the integration tests, which leave a row of each below the folder that `RODLAB_CLAIMS` names. What is
+//! expected comes from somewhere else than what is ours: the printed tables of the thesis, closed forms, conservation, the output of
+//! other software, measured records. This task runs these tests and puts the rows together to the page `docs/validation.md`; every digit
+//! is in `target/validate/claims`. Where `RODLAB_CLAIMS` is set already, its rows are those of tests that have run, and none is run again.
 //!
-//! A check whose record is not there is skipped, with the reason, and its row on the page stays as it was; a check that fails
+//! A claim whose record is not there is skipped, with the reason, and its row on the page stays as it was; a claim that fails
 //! makes the task fail. With `--check` the page is compared and not written. The counts of faults are not made here, but by the tests of
 //! the command.
 
-mod check;
-mod claims;
-mod cmod;
-mod difference;
 mod drift;
 mod faults;
-mod files;
-mod hammer;
-mod impulse;
-mod labio;
-mod maxwellid;
 mod page;
-mod rodwave;
-mod shock;
 
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::{fs, io};
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
 
-use rayon::prelude::*;
+use testbed::claim::{Claims, FOLDER, Verdict};
+use testbed::generated::{GeneratedError, workspace_root, write_whole};
+use testbed::papers::files;
 
-use check::{Report, Verdict};
 use page::Page;
 
 use crate::Outcome;
-use crate::generated::{GeneratedError, workspace_root, write_whole};
+use crate::cargo::{cargo, target_folder};
 
 /// What writes the page.
 const COMMAND: &str = "cargo xtask validate --data FOLDER";
 /// The page, from the root of the workspace.
 const PAGE: &str = "docs/validation.md";
+/// The sections of the page in their order: a crate each, and what is measured.
+const SECTIONS: [&str; 6] = [
+    "rodwave",
+    "labio",
+    "cmod",
+    "maxwellid",
+    "impulse",
+    "measured records",
+];
 
 /// Why the validation did not succeed.
 #[derive(Debug, thiserror::Error)]
@@ -52,53 +52,80 @@ enum ValidationError {
     },
     #[error("{PAGE} is not current in {rows} rows: run `{COMMAND}` and review the difference")]
     Stale { rows: usize },
+    #[error("the tests that make the claims ended with {0}")]
+    Tests(std::process::ExitStatus),
+    #[error("{}: {reason}", path.display())]
+    Rows { path: PathBuf, reason: String },
 }
 
 /// The claims of one crate, or of the measured records.
 #[derive(Debug)]
 struct Section {
     name: &'static str,
-    report: Report,
+    report: Claims,
+}
+
+/// Rows of the tests that have run or, if none has, of those that run now.
+fn rows(data: Option<&Path>) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    if let Some(folder) = env::var_os(FOLDER) {
+        return Ok(folder.into());
+    }
+    let folder = target_folder().join("validate").join("claims");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    let mut tests = cargo();
+    tests
+        .current_dir(workspace_root())
+        .args([
+            "test",
+            "--locked",
+            "--workspace",
+            "--test",
+            "it",
+            "--no-fail-fast",
+        ])
+        .args(["--", "claims::", "--quiet"])
+        .env(FOLDER, &folder);
+    if let Some(data) = data {
+        tests.env("RODLAB_DATA", std::path::absolute(data)?);
+    }
+    let ended = tests.status()?;
+    // a claim that failed has its row, which the page names
+    if !ended.success() && !folder.exists() {
+        return Err(Box::new(ValidationError::Tests(ended)));
+    }
+    Ok(folder)
 }
 
 /// In the order of the page.
-fn sections(data: Option<&Path>) -> Vec<Section> {
-    type Claims<'a> = Box<dyn Fn() -> Report + Sync + 'a>;
-    let sections: Vec<(&'static str, Claims<'_>)> = vec![
-        ("rodwave", Box::new(rodwave::report)),
-        ("labio", Box::new(labio::report)),
-        ("cmod", Box::new(cmod::report)),
-        ("maxwellid", Box::new(maxwellid::report)),
-        ("impulse", Box::new(impulse::report)),
-        (
-            "measured records",
-            Box::new(|| {
-                hammer::report(data)
-                    .and(shock::report(data))
-                    .and(files::report(data))
-            }),
-        ),
-    ];
-    sections
-        .par_iter()
-        .map(|(name, claims)| Section {
-            name,
-            report: claims(),
-        })
-        .collect()
+fn sections(folder: &Path) -> Result<Vec<Section>, Box<dyn std::error::Error>> {
+    let section = |name: &'static str| {
+        let refuse = |path: &Path, reason: String| ValidationError::Rows {
+            path: path.to_path_buf(),
+            reason,
+        };
+        let inside = folder.join(name);
+        let mut report = Claims::default();
+        for path in files(&inside).map_err(|error| refuse(&inside, error.to_string()))? {
+            let text = fs::read_to_string(&path)?;
+            let topic: Claims =
+                serde_json::from_str(&text).map_err(|error| refuse(&path, error.to_string()))?;
+            report = report.and(topic);
+        }
+        Ok(Section { name, report })
+    };
+    SECTIONS.into_iter().map(section).collect()
 }
 
 pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
-    let sections = sections(data);
+    let sections = sections(&rows(data)?)?;
     all_different(&sections)?;
     let written = workspace_root().join(PAGE);
     let committed = committed(&written)?;
     let current = Page::of(&sections, faults::section()?);
 
     let folder = workspace_root().join("target").join("validate");
-    let json: BTreeMap<&str, &Report> = sections.iter().map(|s| (s.name, &s.report)).collect();
-    let json = serde_json::to_string_pretty(&json)? + "\n";
-    write_whole(&folder.join("validation.json"), &json)?;
     write_whole(&folder.join("validation.md"), &current.to_markdown())?;
     print_summary(&sections, &current);
 
@@ -190,7 +217,8 @@ fn print_summary(sections: &[Section], page: &Page) {
 
 #[cfg(test)]
 mod tests {
-    use super::check::{Check, Claim};
+    use testbed::claim::{Check, Claim};
+
     use super::*;
 
     #[test]
@@ -198,9 +226,9 @@ mod tests {
         let check = || Check::of(Claim::new("length", "ruler"), Ok(0.0));
         let section = |n| Section {
             name: "rods",
-            report: Report {
+            report: Claims {
                 checks: (0..n).map(|_| check()).collect(),
-                observations: Vec::new(),
+                ..Claims::default()
             },
         };
         assert!(all_different(&[section(1), section(1)]).is_ok());

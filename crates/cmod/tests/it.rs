@@ -10,6 +10,7 @@
 
 mod branch;
 mod checks;
+mod claims;
 mod creep_recovery;
 mod gauge_uncertainty;
 mod golden_paper_a;

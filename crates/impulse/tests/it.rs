@@ -10,6 +10,7 @@
 
 mod against_line;
 mod bad_input;
+mod claims;
 mod closed_forms;
 mod force_in_band;
 mod hard_to_break;

@@ -9,7 +9,7 @@
     reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use std::f64::consts::{PI, TAU};
 

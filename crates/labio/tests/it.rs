@@ -8,13 +8,13 @@
     reason = "a failing test should say so at once"
 )]
 
+mod claims;
 mod csv;
 mod hard_to_break;
 mod hits;
 mod instrument;
 mod lvm;
 mod mat5;
-mod measured;
 mod npy;
 mod recognition;
 mod reference_filters;

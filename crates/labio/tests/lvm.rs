@@ -7,7 +7,7 @@
     reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use labio::format::lvm::Lvm;
 use labio::format::{Reader, Strictness};

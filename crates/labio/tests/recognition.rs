@@ -5,7 +5,7 @@
     reason = "a test fails by a panic and says what it skips"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use labio::format;
 

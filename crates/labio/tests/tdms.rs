@@ -7,7 +7,7 @@
     reason = "tests: a panic is the report, and values are exact"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use labio::format::tdms::{EMPTY_CHANNEL, FIRST_TIME, GROUP, TEXT_CHANNEL, Tdms};
 use labio::format::{self, Reader, Strictness};

@@ -8,7 +8,7 @@
     reason = "tests: a panic is the report, values are exact, singles are meant"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use std::fmt::Write as _;
 

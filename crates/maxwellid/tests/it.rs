@@ -8,6 +8,7 @@
     reason = "a failing test should say so at once"
 )]
 
+mod claims;
 mod coverage;
 mod criterion;
 mod hard_to_break;

@@ -8,7 +8,7 @@
 
 use crate::two_masses;
 
-use crate::measured;
+use testbed::measured;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -7,7 +7,7 @@
     reason = "a test that cannot go on has failed, one that is skipped says so, and cut samples are small"
 )]
 
-use crate::measured;
+use testbed::measured;
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;

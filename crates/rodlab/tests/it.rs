@@ -23,8 +23,6 @@ mod fuzz_corpus;
 mod hits;
 mod identify;
 mod inspect;
-#[path = "../../labio/tests/measured/mod.rs"]
-mod measured;
 mod mobility;
 mod modulus;
 mod outputs;

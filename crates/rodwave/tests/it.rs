@@ -10,6 +10,7 @@
 
 mod bad_input;
 mod chain;
+mod claims;
 mod direct_problem;
 mod experiment_end_accelerations;
 mod experiment_impact;

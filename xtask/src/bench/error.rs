@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::ron_text::RonError;
+use testbed::ron_text::RonError;
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum BenchError {

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::generated::write_whole;
+use testbed::generated::write_whole;
 
 use super::error::BenchError;
-use crate::ron_text::parse_ron;
+use testbed::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

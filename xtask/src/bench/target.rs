@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::BenchError;
-use crate::ron_text::parse_ron;
+use testbed::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Clone, Deserialize)]

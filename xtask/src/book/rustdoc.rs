@@ -12,7 +12,7 @@ use super::page::Equation;
 use super::source::{crates, files_below};
 use super::{BookError, at};
 use crate::Outcome;
-use crate::generated::{workspace_root, write_whole};
+use testbed::generated::{workspace_root, write_whole};
 
 const FENCE: (&str, &str) = (
     "<div class=\"example-wrap\"><pre class=\"language-math\"><code>",

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use super::pulled_in::PulledIn;
 use crate::cargo::{CargoError, Metadata, cargo, run, target_folder};
-use crate::generated::{GeneratedError, write_whole};
+use testbed::generated::{GeneratedError, write_whole};
 
 /// Where a README says that the crates are, seen from the program of its reader.
 const CLONE: &str = "../rodlab/crates/";

@@ -13,9 +13,9 @@ use serde_json::json;
 
 use super::number::significant;
 use super::{Error, Reproduction};
-use crate::fixtures::paper_a::{PaperA, load};
-use crate::fixtures::paper_e;
 use room_temperature::Evaluated;
+use testbed::papers::paper_a::{PaperA, load};
+use testbed::papers::paper_e;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = load()?;
@@ -158,8 +158,8 @@ fn introduction(paper: &PaperA) -> String {
          Errata applied: the layout of Table 1 is lost in print and is restored from eq. 3; eq. 5 from γ_0 L runs to wrong roots, the root is \
          followed from μ = 0 instead; the largest diameter is 18.8 mm (Table 2), not 21 mm. Ψ by H_1 over ten tests, as in section 3; the \
          limit of {} Hz is the paper's.\n",
-        law(rig::POLYPROPYLENE),
-        law(rig::POLYAMIDE),
+        law(testbed::papers::paper_a::POLYPROPYLENE),
+        law(testbed::papers::paper_a::POLYAMIDE),
         rig::BLOW.0,
         1e6 * rig::BLOW.1,
         1e-3 * rig::RATE_HZ,

@@ -10,8 +10,8 @@ use serde_json::json;
 
 use super::number::significant;
 use super::{Error, Reproduction, Table};
-use crate::fixtures::paper_b::{PaperB, load};
 use estimates::Series;
+use testbed::papers::paper_b::{PaperB, load};
 
 /// Lines of the table of moduli: every so many of those computed.
 const EVERY: usize = 4;

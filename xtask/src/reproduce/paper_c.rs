@@ -5,48 +5,11 @@ mod figure;
 mod fits;
 mod readings;
 
-use std::f64::consts::TAU;
-
-use cmod::recovery::{LoadHistory, LoadSegment, ThreeElement, ThreeElementParameters};
+use cmod::recovery::ThreeElement;
 use serde_json::json;
 
 use super::{Error, Reproduction};
-use crate::fixtures::paper_c::{Load, PaperC, load};
-
-impl PaperC {
-    fn parameters(&self) -> ThreeElementParameters {
-        ThreeElementParameters {
-            series_modulus: self.series_modulus,
-            parallel_modulus: self.parallel_modulus,
-            coefficient: self.coefficient,
-            exponent: self.exponent,
-        }
-    }
-
-    fn omega(&self) -> f64 {
-        TAU * self.frequency_hz
-    }
-
-    fn load_history(&self, load: &Load) -> Result<LoadHistory, Error> {
-        Ok(match load.stress_amplitude {
-            None => LoadHistory::creep(load.mean_stress, load.duration)?,
-            Some(amplitude) => LoadHistory::new(vec![LoadSegment::Periodic {
-                mean: load.mean_stress,
-                amplitude,
-                frequency_hz: self.load_frequency_hz,
-                duration: load.duration,
-            }])?,
-        })
-    }
-
-    /// The loss factor to which the changes of a test are referred.
-    fn virgin_loss_factor_of(&self, load: &Load) -> f64 {
-        match load.stress_amplitude {
-            None => self.virgin_loss_factor,
-            Some(_) => self.virgin_loss_factor_of_test_6,
-        }
-    }
-}
+use testbed::papers::paper_c::load;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = load()?;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Error, Reproduction, Shown};
-use crate::fixtures::paper_d;
+use testbed::papers::paper_d;
 
 use appendix::Row;
 use flat_loss::FlatLoss;

@@ -1,6 +1,5 @@
 //! `cargo xtask reproduce-paper-e`: mobilities and impulse responses of the four faces, Figures 5 and 6, and the balances of the impacts.
 
-mod bodies;
 mod figure;
 mod forces;
 mod measurement;
@@ -11,10 +10,10 @@ use serde_json::json;
 
 use super::number::significant;
 use super::{Error, Reproduction, Table};
-use crate::fixtures::paper_e::{PaperE, load};
-use bodies::Face;
 use forces::{Forces, Row};
 use measurement::Measurement;
+use testbed::papers::paper_e::bodies::Face;
+use testbed::papers::paper_e::{PaperE, load};
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = load()?;
@@ -24,7 +23,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let found: Vec<(Measurement, Forces)> = Face::ALL
         .into_par_iter()
         .map(|face| {
-            let measurement = paper.measure(face)?;
+            let measurement = measurement::Laboratory(&paper).measure(face)?;
             let forces = forces::of(&paper, face, &measurement)?;
             Ok((measurement, forces))
         })

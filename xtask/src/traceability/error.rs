@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::numbered::Numbered;
 use super::workspace::Unresolved;
-use crate::ron_text::RonError;
+use testbed::ron_text::RonError;
 
 /// Why the table cannot be checked at all.
 #[derive(Debug, thiserror::Error)]

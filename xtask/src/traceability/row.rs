@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::error::TraceabilityError;
 use super::numbered::{Kind, Numbered, Part};
-use crate::ron_text::parse_ron;
+use testbed::ron_text::parse_ron;
 
 /// The file.
 #[derive(Debug, Deserialize)]

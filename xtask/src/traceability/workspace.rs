@@ -230,7 +230,7 @@ pub(crate) fn entries(root: &Path, folder: &str) -> Result<Vec<String>, Traceabi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generated::write_whole;
+    use testbed::generated::write_whole;
 
     fn written(files: &[(&str, &str)]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use crate::generated::workspace_root;
+use testbed::generated::workspace_root;
 
 /// The counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` says how they are made.
 const COUNTS: &str = "docs/faults.ron";

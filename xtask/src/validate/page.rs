@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::check::{Check, Verdict};
+use testbed::claim::{Check, Verdict};
+
 use super::{COMMAND, Section, drift, faults};
 
 const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
@@ -273,7 +274,8 @@ fn digits(value: f64, significant: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check::{Claim, NotMeasured, Report};
+    use testbed::claim::{Claim, Claims, NotMeasured};
+
     use super::*;
 
     fn section(ours: [Result<f64, NotMeasured>; 3]) -> Section {
@@ -283,7 +285,7 @@ mod tests {
                 .expects(2.0, "m")
                 .within(0.5, "its scale")
         };
-        let mut report = Report::default();
+        let mut report = Claims::default();
         report.checks.push(Check::of(length("a"), a));
         report.checks.push(Check::of(length("b"), b));
         let balance = Claim::new("balance", "conservation").within(1e-12, "rounding");

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use serde::Serialize;
 
 use super::super::Table;
-use crate::fixtures::paper_a::PaperA;
+use testbed::papers::paper_a::PaperA;
 
 /// αL by kL of the roots that are tried.
 const LOSSES: [f64; 3] = [1e-4, 0.035, 0.2];

@@ -15,7 +15,7 @@ use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
 use super::super::Error;
-use crate::fixtures::paper_a::{PaperA, Test};
+use testbed::papers::paper_a::{PaperA, Test};
 
 /// Sampling rate of the analyser, in Hz; not in the paper, as what follows.
 pub(crate) const RATE_HZ: f64 = 65_536.0;
@@ -35,31 +35,6 @@ pub(crate) const SEED: u64 = 1993;
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
-
-/// Polypropylene at room temperature and polyamide 6: modulus in Pa, loss factor, and the angular frequency of the modulus. The second is
-/// the level of paper E, eq. 7, at 3 kHz.
-pub(crate) const POLYPROPYLENE: (f64, f64, f64) = (2.6e9, 0.07, 1e4);
-pub(crate) const POLYAMIDE: (f64, f64, f64) = (2.5935e9, 0.0936, 1.885e4);
-
-impl Test {
-    /// The law that the virtual specimen has.
-    pub(crate) fn law(&self) -> Result<ConstantQ, Error> {
-        let (modulus, loss_factor, omega) = match self.material.as_str() {
-            "Polyamide 6" => POLYAMIDE,
-            _ => POLYPROPYLENE,
-        };
-        Ok(ConstantQ::new(modulus, loss_factor, omega)?)
-    }
-
-    pub(crate) fn specimen(&self, paper: &PaperA) -> Specimen {
-        Specimen {
-            length: self.length,
-            diameter: self.diameter,
-            density: self.density,
-            accelerometer_mass: paper.accelerometer_mass,
-        }
-    }
-}
 
 /// A specimen of a material in the rig, with what its accelerometers show before noise and rounding.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::super::number::significant;
 use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
-use crate::fixtures::paper_a::PaperA;
+use testbed::papers::paper_a::PaperA;
 
 /// Roots of two solvers further apart than this are different ones.
 const OTHER_ROOT: f64 = 1e-6;

@@ -18,8 +18,8 @@ use serde::Serialize;
 use super::super::number::significant;
 use super::super::{Error, Table};
 use super::rig::SEED;
-use crate::fixtures::paper_a::{PaperA, Test};
-use crate::fixtures::paper_e::PaperE;
+use testbed::papers::paper_a::{PaperA, Test};
+use testbed::papers::paper_e::PaperE;
 
 /// The rod of low loss: the material of paper E, eq. 7, with this part of its damping, and this mass ratio.
 const PART_OF_DAMPING: f64 = 0.2;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::super::number::significant;
 use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
-use crate::fixtures::paper_a::PaperA;
+use testbed::papers::paper_a::PaperA;
 
 /// In m/s².
 const GRAVITY: f64 = 9.81;

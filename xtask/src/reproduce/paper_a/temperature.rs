@@ -12,7 +12,7 @@ use super::super::number::significant;
 use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
 use super::room_temperature::{is_admissible, valid_band, within};
-use crate::fixtures::paper_a::PaperA;
+use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
 const CELSIUS: f64 = 273.15;

@@ -19,7 +19,7 @@ use super::super::number::significant;
 use super::super::{Error, Table};
 use super::rig::{BLOW, NOISE, SEED};
 use super::room_temperature::{Evaluated, valid_band};
-use crate::fixtures::paper_a::PaperA;
+use testbed::papers::paper_a::PaperA;
 
 /// Distances of the two sections from the struck end, in m; these and what follows are not in the paper.
 const SECTIONS: [f64; 2] = [0.100, 0.400];

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::super::{Error, Table};
 use super::rig::{GAUGE_DISTANCE, polypropylene};
-use crate::fixtures::paper_b::PaperB;
+use testbed::papers::paper_b::PaperB;
 
 /// One quarter turn.
 #[derive(Debug, Clone, Serialize)]

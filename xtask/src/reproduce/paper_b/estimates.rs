@@ -12,7 +12,7 @@ use super::rig::{
     ACCELEROMETER, GAUGE_DISTANCE, Mounting, SEED, STRAIN_NOISE, acceleration_ratios, measured,
     polypropylene, positions, strains,
 };
-use crate::fixtures::paper_b::PaperB;
+use testbed::papers::paper_b::PaperB;
 
 /// Step of the lines of the tables, in Hz.
 const STEP_HZ: f64 = 125.0;

@@ -10,7 +10,7 @@ use kuva::render::plots::Plot;
 use super::super::Error;
 use super::estimates::{Line, Series};
 use super::rig::{GAUGE_DISTANCE, Mounting, positions, strains};
-use crate::fixtures::paper_b::PaperB;
+use testbed::papers::paper_b::PaperB;
 
 const COLOURS: [&str; 4] = ["#c2410c", "#1d4ed8", "#15803d", "#444444"];
 

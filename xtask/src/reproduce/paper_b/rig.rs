@@ -14,7 +14,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
 use super::super::Error;
-use crate::fixtures::paper_b::PaperB;
+use testbed::papers::paper_b::PaperB;
 
 /// Distance a of the gauges; the paper gives none. Half a wave falls between neighbours above the range of the paper.
 pub(crate) const GAUGE_DISTANCE: f64 = 0.200;

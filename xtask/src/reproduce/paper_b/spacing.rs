@@ -7,7 +7,7 @@ use super::super::number::significant;
 use super::super::{Error, Table};
 use super::estimates::in_situ;
 use super::rig::{Mounting, SEED, polypropylene, positions};
-use crate::fixtures::paper_b::PaperB;
+use testbed::papers::paper_b::PaperB;
 
 /// Distances a in m.
 const DISTANCES: [f64; 4] = [0.050, 0.100, 0.150, 0.200];

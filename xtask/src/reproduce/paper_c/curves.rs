@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::super::number::significant;
 use super::super::{Error, Table};
-use crate::fixtures::paper_c::PaperC;
+use testbed::papers::paper_c::PaperC;
 
 /// Recovery times of the table, in s.
 const TIMES: [f64; 7] = [60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];

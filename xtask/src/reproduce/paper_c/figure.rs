@@ -10,7 +10,7 @@ use kuva::render::plots::Plot;
 
 use super::super::Error;
 use super::curves::{Quantity, of_figure, times_of_figure};
-use crate::fixtures::paper_c::PaperC;
+use testbed::papers::paper_c::PaperC;
 
 /// One a test; told apart by people with any kind of colour blindness together with the legend's order.
 const COLOURS: [&str; 6] = [

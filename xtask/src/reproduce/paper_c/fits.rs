@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::super::number::significant;
 use super::super::{Error, Table};
-use crate::fixtures::paper_c::PaperC;
+use testbed::papers::paper_c::PaperC;
 
 /// One way of fitting.
 #[derive(Debug, Clone, Serialize)]

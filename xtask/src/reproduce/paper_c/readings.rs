@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::super::Error;
-use crate::fixtures::paper_c::PaperC;
+use testbed::papers::paper_c::PaperC;
 
 /// Recovery times of the readings, in s.
 pub(crate) const TIMES: [f64; 12] = [

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::super::number::significant;
 use super::identify::{Outcome, Parameter, Settings, identify, modulus_of, stated};
 use super::virtual_test::{self, Conditions, NOISE_OF_TABLE_5, Rig, cell_for};
-use crate::fixtures::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, UnitReading};
+use testbed::papers::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, UnitReading};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 

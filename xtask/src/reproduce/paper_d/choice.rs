@@ -13,7 +13,7 @@ use super::flat_loss;
 use super::identify::modulus_of;
 use super::materials::conditions;
 use super::virtual_test::{self, Rig};
-use crate::fixtures::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
+use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
 /// Components of the pattern that are kept, and functions of them: the best of 60 samples a model is little above chance whatever is taken.
 const COMPONENTS: usize = 6;

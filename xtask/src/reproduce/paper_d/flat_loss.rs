@@ -14,7 +14,7 @@ use super::choice::{Verdict, verdict};
 use super::identify::{Parameter, Settings, modulus_of, one_by_one};
 use super::materials::{CELL, conditions};
 use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
-use crate::fixtures::paper_d::{
+use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
 };
 

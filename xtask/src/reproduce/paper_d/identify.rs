@@ -6,7 +6,7 @@ use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use serde::Serialize;
 
 use super::super::Error;
-use crate::fixtures::paper_d::{LawParameters, ModelKind};
+use testbed::papers::paper_d::{LawParameters, ModelKind};
 
 /// Runs `$body` with `$law` bound to the law of `$parameters`, whichever its type.
 macro_rules! with_law {

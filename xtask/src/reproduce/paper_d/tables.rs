@@ -8,7 +8,7 @@ use super::appendix::{Row, standard_error};
 use super::choice;
 use super::flat_loss::FlatLoss;
 use super::materials::{Excitation, Material};
-use crate::fixtures::paper_d::{ModelKind, PaperD, UnitReading};
+use testbed::papers::paper_d::{ModelKind, PaperD, UnitReading};
 
 pub(crate) const TABLE_A1: &str = "Table A1: parameters put in and got back, without noise\n\nRound trip: data of the solver that inverts them, as \
     in the paper's appendix. Otherwise a lumped chain that shares nothing with the inversion.";

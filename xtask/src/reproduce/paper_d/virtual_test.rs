@@ -14,7 +14,7 @@ use rodwave::modulus::{ConstantQ, OmegaBand, PronyStandIn};
 use rodwave::{DirectProblem, InelasticRod, characteristics};
 
 use super::identify::{modulus_of, with_law};
-use crate::fixtures::paper_d::{self, LawParameters};
+use testbed::papers::paper_d::{self, LawParameters};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 

@@ -10,10 +10,10 @@ use kuva::render::plots::Plot;
 use num_complex::Complex64;
 
 use super::super::{Error, Table};
-use super::bodies::Face;
 use super::forces::Forces;
 use super::measurement::Measurement;
-use crate::fixtures::paper_e::PaperE;
+use testbed::papers::paper_e::PaperE;
+use testbed::papers::paper_e::bodies::Face;
 
 const GAUGES: &str = "#111827";
 const MEASURED: &str = "#1d4ed8";
@@ -146,7 +146,7 @@ impl Responses {
                 paper.n_lines(),
             )?;
             let response = |mobility: &[Complex64]| -> Result<Vec<f64>, Error> {
-                let body = paper.on_lines(face, mobility, None)?;
+                let body = super::measurement::Laboratory(paper).on_lines(face, mobility, None)?;
                 let kernel = Kernel::of(&body, grid, Quadrature::CellAverages)?;
                 let weights = kernel.weights().iter().skip(2);
                 Ok(weights.map(|weight| weight / grid.time_step).collect())

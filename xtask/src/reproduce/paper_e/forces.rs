@@ -11,9 +11,9 @@ use rodwave::experiment::impact_of_two_bodies::ImpactOfTwoBodies;
 use serde::Serialize;
 
 use super::super::Error;
-use super::bodies::Face;
 use super::measurement::{Measurement, SEED};
-use crate::fixtures::paper_e::PaperE;
+use testbed::papers::paper_e::PaperE;
+use testbed::papers::paper_e::bodies::Face;
 
 /// Of the histories of the gauges, in s: before the echo of the far end of the rod is back.
 const GAUGED: f64 = 2.3e-3;
@@ -214,7 +214,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     let truth = problem(&truth).solve()?.history;
     let contact_end = error.contact_end(&stick, &impact);
 
-    let body = paper.on_lines(
+    let body = super::measurement::Laboratory(paper).on_lines(
         face,
         &measurement.larger_force.mobility,
         Some(&measurement.larger_force.variance),

@@ -2,6 +2,8 @@
 //!
 //! The blows are computed by the damped Fourier transform of `rodwave::experiment`; predictions of forces use other methods.
 
+use std::ops::Deref;
+
 use impulse::{FaceMobility, ImpedanceHead, LowFrequency, MeasuredBody, WeighedMass};
 use labio::instrument::{AntiAlias, Instrument, NoiseSpectrum};
 use labio::{
@@ -15,8 +17,8 @@ use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::experiment::impact_of_two_bodies::ImpactOfTwoBodies;
 
 use super::super::Error;
-use super::bodies::Face;
-use crate::fixtures::paper_e::{Hammer, PaperE};
+use testbed::papers::paper_e::bodies::Face;
+use testbed::papers::paper_e::{Hammer, PaperE};
 
 /// Histories are made so many times finer than they are sampled.
 const FINER: usize = 8;
@@ -49,26 +51,19 @@ pub(crate) struct Measurement {
     pub(crate) crossover_hz: Option<f64>,
 }
 
-impl PaperE {
-    /// Distance of the lines, in Hz.
-    pub(crate) fn frequency_step_hz(&self) -> f64 {
-        1.0 / (self.samples * self.sample_period)
-    }
+/// The laboratory of the paper.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Laboratory<'a>(pub(crate) &'a PaperE);
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a transcribed whole number, 4096"
-    )]
-    fn n_samples(&self) -> usize {
-        self.samples as usize
-    }
+impl Deref for Laboratory<'_> {
+    type Target = PaperE;
 
-    /// "Only the low-frequency halves of the spectra were used."
-    pub(crate) fn n_lines(&self) -> usize {
-        self.n_samples() / 4 + 1
+    fn deref(&self) -> &PaperE {
+        self.0
     }
+}
 
+impl Laboratory<'_> {
     /// A mobility of a weighed body on the lines of the measurement.
     pub(crate) fn on_lines(
         &self,
@@ -162,7 +157,7 @@ impl PaperE {
             .spring(stiffness)
             .rod(
                 &self.steel()?,
-                Self::circle(hammer.diameter)?,
+                PaperE::circle(hammer.diameter)?,
                 hammer.length,
             )
             .end(Termination::Free)?;

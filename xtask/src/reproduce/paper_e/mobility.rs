@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::super::number::significant;
 use super::super::{Error, Table};
-use super::bodies::Face;
-use crate::fixtures::paper_e::PaperE;
+use testbed::papers::paper_e::PaperE;
+use testbed::papers::paper_e::bodies::Face;
 
 /// Mobilities with eq. 7, in the order of [`Face::ALL`], in s/kg: an independent computation with 40 digits.
 #[rustfmt::skip]

@@ -1,0 +1,348 @@
+//! Faces that give way: springs, Hertz, a curve with another way back.
+
+use std::f64::consts::PI;
+
+use impulse::{
+    ContactLaw, ElasticMaterial, Impact, ImpulseError, MobilityLaw, Prediction, TabulatedContact,
+};
+use num_complex::Complex64;
+
+use super::bodies::{deviation, endless_rod, impedance, mass};
+use testbed::claim::{Claims, Ours, Within, missing, of};
+use testbed::hold;
+
+const VELOCITY: f64 = 2.0;
+const DURATION: f64 = 1e-3;
+
+#[test]
+fn claims_hold() {
+    let mut claims = Claims::default();
+    let claims = &mut claims;
+    stiffnesses(claims);
+    mass_on_a_spring(claims);
+    sphere_on_the_ground(claims);
+    sphere_on_an_endless_rod(claims);
+    hysteresis(claims);
+    two_masses(claims);
+    hold!(claims);
+}
+
+fn stiffnesses(claims: &mut Claims) {
+    let steel = ElasticMaterial {
+        modulus: 206e9,
+        poisson_ratio: 0.29,
+    };
+    let nylon = ElasticMaterial {
+        modulus: 2.6e9,
+        poisson_ratio: 0.4,
+    };
+    claims.by("k = 2 a E/(1 - nu^2), flat punch of radius a");
+    let punch = || -> Ours {
+        match ContactLaw::flat_punch(0.005, nylon)? {
+            ContactLaw::Linear { stiffness } => Ok(stiffness),
+            _ => Err(missing("the stiffness")),
+        }
+    };
+    // 0.01 · 2.6e9/0.84
+    claims.claim(
+        "stiffness of a punch of 5 mm radius on nylon",
+        "N/m",
+        30.952_380_952e6,
+        Within(1e-2, "the expected value has 11 digits"),
+        punch(),
+    );
+    claims.by("K = 4/3 E* sqrt(R), Hertz");
+    let sphere = || -> Ours {
+        match ContactLaw::hertz_sphere(0.01, steel, nylon)? {
+            ContactLaw::Hertz { coefficient } => Ok(coefficient),
+            _ => Err(missing("the coefficient")),
+        }
+    };
+    // (1 - 0.29²)/206e9 + 0.84/2.6e9 = 3.275230396e-10 1/Pa
+    claims.claim(
+        "Hertz's coefficient of a steel sphere of 10 mm radius on nylon",
+        "N/m^1.5",
+        4.070_960_428e8,
+        Within(1.0, "the expected value has 10 digits"),
+        sphere(),
+    );
+}
+
+fn ground() -> MobilityLaw<impl Fn(Complex64) -> Complex64> {
+    MobilityLaw::analytic(|_| Complex64::ZERO)
+}
+
+fn mass_on_a_spring(claims: &mut Claims) {
+    claims.by("F = V sqrt(Mk) sin(omega t), rigid mass on a spring");
+    let (kilograms, stiffness) = (0.5_f64, 2e7_f64);
+    let omega = (stiffness / kilograms).sqrt();
+    let peak = VELOCITY * (kilograms * stiffness).sqrt();
+    let exact = |t: f64| {
+        if t < PI / omega {
+            peak * (omega * t).sin()
+        } else {
+            0.0
+        }
+    };
+    let as_body = || -> Ours<Prediction> {
+        let spring = MobilityLaw::analytic(move |s: Complex64| s / stiffness);
+        let striker = mass(kilograms)?;
+        Ok(Impact::between(&striker, &spring)
+            .at_velocity(VELOCITY)
+            .predict(DURATION)?)
+    };
+    let as_contact = || -> Ours<Prediction> {
+        let (striker, ground) = (mass(kilograms)?, ground());
+        Ok(Impact::between(&striker, &ground)
+            .at_velocity(VELOCITY)
+            .through(ContactLaw::linear(stiffness)?)
+            .predict(DURATION)?)
+    };
+    for (name, found) in [
+        ("spring as a body", as_body()),
+        ("spring as a contact law", as_contact()),
+    ] {
+        claims.deviation(
+            format!("mass on a spring, {name}: half a sine"),
+            Within(1e-6, "means over a step, (omega h)^2/24 = 1e-7"),
+            of(&found, |p| deviation(p, &[PI / omega], 2.0, exact) / peak),
+        );
+        claims.claim(
+            format!("mass on a spring, {name}: end of the contact"),
+            "s",
+            PI / omega,
+            Within(2.5e-7, "a step"),
+            of(&found, |p| {
+                p.contacts
+                    .first()
+                    .and_then(|contact| contact.end)
+                    .unwrap_or(f64::NAN)
+            }),
+        );
+        claims.claim(
+            format!("mass on a spring, {name}: coefficient of restitution"),
+            "1",
+            1.0,
+            Within(
+                1e-6,
+                "the part of the last step in which the contact is open",
+            ),
+            of(&found, |p| p.balance().restitution.unwrap_or(f64::NAN)),
+        );
+    }
+    let damped = || -> Ours {
+        let spring = MobilityLaw::analytic(move |s: Complex64| s / stiffness);
+        let striker = mass(kilograms)?;
+        let stick = Impact::between(&striker, &spring)
+            .at_velocity(VELOCITY)
+            .stick_force_damped(DURATION, 1e-7)?;
+        let samples = stick.force().iter().enumerate();
+        Ok(samples
+            .map(|(n, force)| (stick.time_at(n), force))
+            .filter(|(t, _)| *t > 20e-7)
+            .map(|(t, force)| (force - peak * (omega * t).sin()).abs() / peak)
+            .fold(0.0, f64::max))
+    };
+    claims.deviation(
+        "mass on a spring: stick force by the damped transform",
+        Within(
+            3e-6,
+            "the Gaussian takes (omega sigma)^2/2 = 1e-6 of the amplitude",
+        ),
+        damped(),
+    );
+}
+
+/// ½ M V² = ⅖ K δ^{5/2}; the contact lasts 2 ∫ dx/√(1 - x^{5/2}) δ/V.
+fn sphere_on_the_ground(claims: &mut Claims) {
+    claims.by("Hertz's impact of a sphere on an immovable plane");
+    let (kilograms, coefficient) = (0.03, 8e9_f64);
+    let deepest = (1.25 * kilograms * VELOCITY * VELOCITY / coefficient).powf(0.4);
+    let peak = coefficient * deepest.powf(1.5);
+    // 2 √π Γ(7/5)/Γ(9/10)
+    let lasts = 2.943_275_184_3 * deepest / VELOCITY;
+    let found = || -> Ours<Prediction> {
+        let (striker, ground) = (mass(kilograms)?, ground());
+        Ok(Impact::between(&striker, &ground)
+            .at_velocity(VELOCITY)
+            .through(ContactLaw::hertz(coefficient)?)
+            .in_steps_of(1e-7)
+            .predict(3e-4)?)
+    };
+    let found = found();
+    claims.claim(
+        "sphere on a plane: peak force",
+        "N",
+        peak,
+        Within(1e-5 * peak, "means over steps of 1/1700 of the contact"),
+        of(&found, |p| p.peak().force),
+    );
+    claims.claim(
+        "sphere on a plane: duration of the contact",
+        "s",
+        lasts,
+        Within(2e-7, "two steps"),
+        of(&found, |p| {
+            p.contacts
+                .first()
+                .and_then(|contact| contact.end)
+                .unwrap_or(f64::NAN)
+        }),
+    );
+    claims.claim(
+        "sphere on a plane: impulse, twice the momentum",
+        "N s",
+        2.0 * kilograms * VELOCITY,
+        Within(
+            1e-6 * kilograms * VELOCITY,
+            "the part of the last step in which the contact is open",
+        ),
+        of(&found, |p| p.balance().impulse),
+    );
+    claims.claim(
+        "sphere on a plane: deepest approach",
+        "m",
+        deepest,
+        Within(1e-6 * deepest, "the turning point within a step of 1/1700"),
+        of(&found, |p| p.approach.iter().copied().fold(0.0, f64::max)),
+    );
+}
+
+/// δ' = V - J/M - F/Z, J' = F = K δ^{3/2}, by the classical rule of Runge and Kutta.
+fn sphere_on_an_endless_rod(claims: &mut Claims) {
+    claims.by(
+        "ordinary differential equation of a sphere on an endless rod, by Runge and Kutta's rule",
+    );
+    let (kilograms, z, coefficient) = (0.03, impedance(0.010), 8e9);
+    let force = |approach: f64| coefficient * approach.max(0.0).powf(1.5);
+    let rate = |[approach, impulse]: [f64; 2]| {
+        let force = force(approach);
+        [VELOCITY - impulse / kilograms - force / z, force]
+    };
+    let steps = 20_000_u32;
+    let h = DURATION / f64::from(steps);
+    let mut state = [0.0, 0.0];
+    let mut peak = 0.0_f64;
+    for _ in 0..steps {
+        let after = |k: [f64; 2], part: f64| [state[0] + part * k[0], state[1] + part * k[1]];
+        let a = rate(state);
+        let b = rate(after(a, 0.5 * h));
+        let c = rate(after(b, 0.5 * h));
+        let d = rate(after(c, h));
+        for (value, i) in state.iter_mut().zip(0..2) {
+            *value += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+        }
+        peak = peak.max(force(state[0]));
+    }
+    let found = || -> Ours<Prediction> {
+        let (striker, rod) = (mass(kilograms)?, endless_rod(0.010)?);
+        Ok(Impact::between(&striker, &rod)
+            .at_velocity(VELOCITY)
+            .through(ContactLaw::hertz(coefficient)?)
+            .in_steps_of(DURATION / 1000.0)
+            .predict(DURATION)?)
+    };
+    let found = found();
+    claims.claim(
+        "sphere on an endless rod: peak force",
+        "N",
+        peak,
+        Within(
+            1e-3 * peak,
+            "means over steps of 1 us at the turn of the force",
+        ),
+        of(&found, |p| p.peak().force),
+    );
+    claims.claim(
+        "sphere on an endless rod: impulse of all contacts",
+        "N s",
+        state[1],
+        Within(1e-4 * state[1], "second order, 1000 steps"),
+        of(&found, |p| p.balance().impulse),
+    );
+    claims.deviation(
+        "sphere on an endless rod: energy before less energy after",
+        Within(1e-9, "rounding of the sums of work"),
+        of(&found, |p| p.balance().energy_residual.abs()),
+    );
+}
+
+/// Loading takes M V²/2 = 0.1 J: 2 mJ to (10 um, 400 N), then 400 x + (5600 N/90 um) x²/2.
+fn hysteresis(claims: &mut Claims) {
+    claims.by("energy between the curves of loading and of unloading");
+    let unloading = 2e8;
+    let slope = 5600.0 / 9e-5;
+    let way = (-400.0 + (400.0_f64.powi(2) + 2.0 * slope * 0.098).sqrt()) / slope;
+    let peak = 400.0 + slope * way;
+    let returned = 0.5 * peak * peak / unloading;
+    let found = || -> Ours<Prediction> {
+        let table = TabulatedContact::new(&[(0.0, 0.0), (1e-5, 400.0), (1e-4, 6000.0)])?
+            .unloading_with(unloading)?;
+        let (striker, ground) = (mass(0.05)?, ground());
+        Ok(Impact::between(&striker, &ground)
+            .at_velocity(VELOCITY)
+            .through(ContactLaw::Tabulated(table))
+            .predict(DURATION)?)
+    };
+    let found = found();
+    claims.claim(
+        "contact with hysteresis: peak force",
+        "N",
+        peak,
+        Within(1e-4 * peak, "the peak within a step, (omega h)^2/8"),
+        of(&found, |p| p.peak().force),
+    );
+    claims.claim(
+        "contact with hysteresis: energy that stays in the contact",
+        "J",
+        0.1 - returned,
+        Within(1e-6, "the peak within a step"),
+        of(&found, |p| p.balance().dissipated_in_contact),
+    );
+    claims.claim(
+        "contact with hysteresis: coefficient of restitution",
+        "1",
+        (returned / 0.1).sqrt(),
+        Within(1e-4, "the peak within a step"),
+        of(&found, |p| p.balance().restitution.unwrap_or(f64::NAN)),
+    );
+}
+
+fn two_masses(claims: &mut Claims) {
+    claims.by("J = V (1 + e) M_1 M_2/(M_1 + M_2)");
+    let soft = || -> Ours {
+        let (first, second) = (mass(0.5)?, mass(1.0)?);
+        Ok(Impact::between(&first, &second)
+            .at_velocity(VELOCITY)
+            .through(ContactLaw::linear(1e7)?)
+            .predict(DURATION)?
+            .balance()
+            .impulse)
+    };
+    claims.claim(
+        "0.5 kg against 1 kg through a spring: impulse",
+        "N s",
+        2.0 * VELOCITY / 3.0,
+        Within(
+            1e-6,
+            "the part of the last step in which the contact is open",
+        ),
+        soft(),
+    );
+    claims.by("the force of rigid faces of rigid bodies is not defined");
+    let refused = || -> Ours {
+        let (first, second) = (mass(0.5)?, mass(1.0)?);
+        let impact = Impact::between(&first, &second).at_velocity(VELOCITY);
+        Ok(f64::from(u8::from(matches!(
+            impact.predict(DURATION),
+            Err(ImpulseError::RigidFaces { .. })
+        ))))
+    };
+    claims.claim(
+        "two rigid masses with nothing soft between them are refused",
+        "1",
+        1.0,
+        Within(0.5, "yes or no"),
+        refused(),
+    );
+}

@@ -1,0 +1,9 @@
+//! What `maxwellid` claims: laws from two velocity histories, of virtual rods that another solver has made.
+
+mod errors;
+mod identification;
+mod models;
+mod selection;
+mod table_a1;
+mod transducers;
+mod virtual_rod;

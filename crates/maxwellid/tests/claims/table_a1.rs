@@ -1,0 +1,175 @@
+//! Paper D, Table A1: output of the direct problem as input of the identification. A round trip, as in the paper: the solver that
+//! inverts has made the data, which proves the search and nothing else.
+
+use maxwellid::{Fit, IdentifiableLaw, Noise, RodTest, RodTestData};
+use rodwave::band_limited::{Recorder, SampledHistory};
+use rodwave::experiment::Acquisition;
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::{DirectProblem, InelasticRod, characteristics};
+
+use super::virtual_rod::{RATE_HZ, VELOCITY, data, times};
+use testbed::claim::{Claims, Ours, Within, missing, of};
+use testbed::hold;
+use testbed::papers::paper_d::{self, AppendixRow, LawParameters, UnitReading};
+
+const CELLS: usize = 100;
+
+#[test]
+fn claims_hold() {
+    let mut claims = Claims::default();
+    let claims = &mut claims;
+    claims.by("paper D, Table A1, units as printed; a round trip: data by the solver that inverts");
+    let paper = match paper_d::load() {
+        Ok(paper) => paper,
+        Err(error) => {
+            let yes = Within(0.5, "yes or no");
+            claims.claim("Table A1 can be read", "1", 1.0, yes, Err(error.into()));
+            return;
+        }
+    };
+    for row in paper.appendix(UnitReading::Literal) {
+        let found = recovered(row);
+        for parameter in &row.parameters {
+            let (symbol, unit) = (parameter.parameter, unit(parameter.parameter));
+            let expected = value(row.input, symbol);
+            claims.claim(
+                format!(
+                    "{}: {symbol} from its own data, printed {}",
+                    row.model.symbol(),
+                    parameter.input.printed
+                ),
+                unit,
+                expected,
+                Within(
+                    parameter.relative_error.value * expected,
+                    "the error that the paper prints for its own",
+                ),
+                of(&found, |found| {
+                    let same = found.iter().find(|(name, _)| *name == symbol);
+                    same.map_or(f64::NAN, |(_, value)| *value)
+                }),
+            );
+        }
+    }
+    hold!(claims);
+}
+
+fn unit(symbol: &str) -> &'static str {
+    match symbol {
+        "E" | "m" => "Pa",
+        "eta" => "Pa s",
+        "B" => "Pa^kappa s",
+        _ => "1",
+    }
+}
+
+fn value(law: LawParameters, symbol: &str) -> f64 {
+    match (law, symbol) {
+        (
+            LawParameters::Maxwell { modulus, .. }
+            | LawParameters::MaxwellNorton { modulus, .. }
+            | LawParameters::MaxwellGurevichRabinovich { modulus, .. },
+            "E",
+        ) => modulus,
+        (
+            LawParameters::Maxwell { viscosity, .. }
+            | LawParameters::MaxwellGurevichRabinovich { viscosity, .. },
+            "eta",
+        ) => viscosity,
+        (LawParameters::MaxwellNorton { exponent, .. }, "kappa") => exponent,
+        (LawParameters::MaxwellNorton { coefficient, .. }, "B") => coefficient,
+        (
+            LawParameters::MaxwellGurevichRabinovich {
+                activation_stress, ..
+            },
+            "m",
+        ) => activation_stress,
+        _ => f64::NAN,
+    }
+}
+
+type Parameters = Vec<(&'static str, f64)>;
+
+fn recovered(row: &AppendixRow) -> Ours<Parameters> {
+    match row.input {
+        LawParameters::Maxwell { modulus, viscosity } => {
+            round_trip(row, modulus, &Maxwell::new(viscosity)?, Maxwell::new(1e6)?)
+        }
+        LawParameters::MaxwellNorton {
+            modulus,
+            exponent,
+            coefficient,
+        } => round_trip(
+            row,
+            modulus,
+            &MaxwellNorton::new(exponent, coefficient)?,
+            MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?,
+        ),
+        LawParameters::MaxwellGurevichRabinovich {
+            modulus,
+            viscosity,
+            activation_stress,
+        } => round_trip(
+            row,
+            modulus,
+            &MaxwellGurevichRabinovich::new(viscosity, activation_stress)?,
+            MaxwellGurevichRabinovich::from_reference_rate(0.2, 1.0, 10e6)?,
+        ),
+    }
+}
+
+fn round_trip<L: IdentifiableLaw>(
+    row: &AppendixRow,
+    modulus: f64,
+    truth: &L,
+    start: L,
+) -> Ours<Parameters> {
+    let length = row.section_distance;
+    // the rubber of M_3 needs twice the time of the plastics
+    let samples_after = if modulus < 1e9 { 256 } else { 128 };
+    let record = ImpactTest {
+        striker: Striker::PAPER_D,
+        rod: InelasticRod::new(length + 0.008, row.density, modulus, truth.clone())?,
+        diameter: row.diameter,
+        section_distance: length,
+    }
+    .record(
+        &Acquisition {
+            recorder: Recorder {
+                rate_hz: RATE_HZ,
+                cutoff_hz: 16_000.0,
+            },
+            samples_before: 32,
+            samples_after,
+            transducer_range: 0.02,
+        },
+        // a ninetieth of the shortest wave of the record
+        (modulus / row.density).sqrt() / 16_000.0 / 90.0,
+    )?;
+    let excitation = SampledHistory::new(&record.excitation, RATE_HZ)?;
+    let rod = InelasticRod::new(length, row.density, modulus, truth.clone())?;
+    let response = DirectProblem::new(rod, CELLS)?
+        .free_end_velocity(&excitation, &times(record.excitation.len()))?;
+    let test = RodTest::new(RodTestData {
+        length,
+        density: row.density,
+        ..data(
+            record.excitation,
+            response,
+            VELOCITY,
+            characteristics::GENERATOR,
+        )
+    })?;
+    let fit = Fit::of(start)
+        .with_cell(length / CELLS as f64)
+        .round_trip()
+        .to(&[test])?;
+    let judged = fit
+        .identifiability(Noise::FromResidual)
+        .ok_or_else(|| missing("the covariance"))?;
+    let estimates = judged.estimates.iter();
+    Ok(estimates
+        .map(|estimate| (estimate.symbol, estimate.value))
+        .collect())
+}

@@ -1,0 +1,192 @@
+//! Velocity from displacement, and gain, offset and delay of a transducer.
+
+use std::f64::consts::TAU;
+
+use maxwellid::{Differentiator, Fit, Freedom, Nuisances, RodTest};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::inelastic::MaxwellNorton;
+
+use super::virtual_rod::{RATE_HZ, VELOCITY, struck};
+use testbed::claim::{Claims, Ours, Within, of};
+use testbed::difference::largest;
+use testbed::hold;
+
+#[test]
+fn claims_hold() {
+    let mut claims = Claims::default();
+    let claims = &mut claims;
+    differentiator(claims);
+    nuisances(claims);
+    hold!(claims);
+}
+
+fn differentiator(claims: &mut Claims) {
+    claims.by(
+        "Savitzky and Golay, Anal. Chem. 36 (1964) 1627: tables of weights of the first derivative",
+    );
+    // five points, degree 2: (-2, -1, 0, 1, 2)/10; seven points, degree 4: (22, -67, -58, 0, 58, 67, -22)/252
+    for (name, half_width, degree, printed, divisor) in [
+        (
+            "five points, degree 2",
+            2,
+            2,
+            &[-2.0, -1.0, 0.0, 1.0, 2.0][..],
+            10.0,
+        ),
+        (
+            "seven points, degree 4",
+            3,
+            4,
+            &[22.0, -67.0, -58.0, 0.0, 58.0, 67.0, -22.0],
+            252.0,
+        ),
+    ] {
+        let worst = || -> Ours {
+            let filter = Differentiator::new(half_width, degree)?;
+            let pairs = filter.weights().iter().zip(printed);
+            Ok(largest(
+                pairs.map(|(found, printed)| (found - printed / divisor).abs()),
+            ))
+        };
+        claims.deviation(
+            format!("weights of {name}, the worst"),
+            Within(1e-13, "rounding of a system of five equations"),
+            worst(),
+        );
+    }
+    let filter = Differentiator::new(3, 4);
+    claims.by("slope of a sinusoid");
+    let gain = || -> Ours {
+        let filter = filter.as_ref()?;
+        let mut worst = 0.0_f64;
+        for k in 1..=12 {
+            let frequency = 0.03 * f64::from(k);
+            let samples: Vec<f64> = (0..200)
+                .map(|n| (TAU * frequency * f64::from(n)).sin())
+                .collect();
+            // at a sample where the slope is largest
+            let velocity = filter.velocity(&samples, 1.0);
+            let slopes = velocity.iter().enumerate().map(|(n, v)| {
+                let phase = TAU * frequency * (n + filter.half_width()) as f64;
+                (v - filter.gain(frequency) * TAU * frequency * phase.cos()).abs()
+            });
+            worst = worst.max(largest(slopes));
+        }
+        Ok(worst)
+    };
+    claims.deviation(
+        "seven points, degree 4: velocity of sinusoids by the stated gain",
+        Within(1e-12, "rounding"),
+        gain(),
+    );
+    claims.by("white noise of variance 1, 200 000 samples");
+    let noise = || -> Ours {
+        let filter = filter.as_ref()?;
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let white: Vec<f64> = (0..200_000)
+            .map(|_| StandardNormal.sample(&mut random))
+            .collect();
+        let velocity = filter.velocity(&white, 1.0);
+        let squares: f64 = velocity.iter().map(|v| v * v).sum();
+        Ok((squares / velocity.len() as f64).sqrt() / filter.noise_gain())
+    };
+    claims.claim(
+        "seven points, degree 4: noise of the velocity over the stated",
+        "1",
+        1.0,
+        Within(
+            0.01,
+            "1/sqrt(2 200 000), and four of it for the correlation of neighbours",
+        ),
+        noise(),
+    );
+}
+
+/// A gain of 1.03, an offset of 0.05 m/s, two samples late.
+fn nuisances(claims: &mut Claims) {
+    claims.by("transducer with a known gain, offset and delay on a virtual rod without noise");
+    let found = || -> Ours<[f64; 5]> {
+        let truth = MaxwellNorton::new(2.0, 1.3e13)?;
+        let mut data = struck(2.6e9, &truth, VELOCITY, 100)?;
+        for value in &mut data.response {
+            *value = 1.03 * *value + 0.05;
+        }
+        data.response.splice(0..0, [0.05, 0.05]);
+        data.response.truncate(data.excitation.len());
+        let fit = Fit::of(MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?)
+            .with_nuisances(Nuisances {
+                response_gain: Freedom::Free,
+                response_offset: Freedom::Free,
+                delay: Freedom::Free,
+                ..Nuisances::default()
+            })
+            .to(&[RodTest::new(data)?])?;
+        let of_name = |name: &str| {
+            let found = fit.nuisances().first();
+            let same = found.and_then(|all| all.iter().find(|n| n.name.starts_with(name)));
+            same.map_or(f64::NAN, |nuisance| nuisance.value)
+        };
+        Ok([
+            of_name("response gain"),
+            of_name("response offset"),
+            of_name("delay"),
+            fit.modulus(),
+            fit.law().exponent(),
+        ])
+    };
+    let found = found();
+    for (index, (name, unit, expected, within)) in [
+        (
+            "gain",
+            "1",
+            1.03,
+            Within(
+                2e-3,
+                "1e-4 of the impact velocity, over the effect of the damping",
+            ),
+        ),
+        (
+            "offset",
+            "m/s",
+            0.05,
+            Within(5e-3, "1e-4 of the impact velocity, some samples"),
+        ),
+        (
+            "delay",
+            "s",
+            2.0 / RATE_HZ,
+            Within(
+                1e-6,
+                "a twentieth of a sample; it is told from E by reflections alone",
+            ),
+        ),
+        (
+            "modulus beside",
+            "Pa",
+            2.6e9,
+            Within(7.8e6, "0.3 %: a delay of 0.1 % of the flight is 0.2 % of E"),
+        ),
+        (
+            "exponent beside",
+            "1",
+            2.0,
+            Within(
+                0.06,
+                "1e-4 of the impact velocity, over the effect of the exponent",
+            ),
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        claims.claim(
+            format!("unknown transducer: {name}"),
+            unit,
+            expected,
+            within,
+            of(&found, |found| found[index]),
+        );
+    }
+}

@@ -1,0 +1,363 @@
+//! A claim: a number that is known otherwise, what we find, and the verdict. Integration tests assert claims; the page of claims is
+//! made of their rows.
+
+use std::error::Error;
+use std::path::Path;
+use std::{io, iter};
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::generated::write_whole;
+
+/// The environment variable that names the folder for the rows of claims.
+pub const FOLDER: &str = "RODLAB_CLAIMS";
+
+/// Words of a claim. The name keeps the derived reader from borrowing them.
+pub type Words = &'static str;
+
+/// A number that is known otherwise than by our computing it, with a tolerance.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Claim {
+    /// In words, without the number. With the crate it names the claim: no two are alike.
+    pub what: String,
+    /// Who says so: an equation, a table, a closed form, other software, a record, a law of conservation.
+    #[serde(deserialize_with = "kept")]
+    pub source: Words,
+    #[serde(deserialize_with = "kept")]
+    pub unit: Words,
+    pub expected: f64,
+    pub tolerance: f64,
+    /// Where the tolerance comes from.
+    #[serde(deserialize_with = "kept")]
+    pub tolerance_from: Words,
+}
+
+impl Claim {
+    /// A claim that expects zero exactly, until it is told otherwise.
+    pub fn new(what: impl Into<String>, source: &'static str) -> Self {
+        Self {
+            what: what.into(),
+            source,
+            unit: "1",
+            expected: 0.0,
+            tolerance: 0.0,
+            tolerance_from: "exact",
+        }
+    }
+
+    pub fn expects(mut self, expected: f64, unit: &'static str) -> Self {
+        self.expected = expected;
+        self.unit = unit;
+        self
+    }
+
+    pub fn within(mut self, tolerance: f64, because: &'static str) -> Self {
+        self.tolerance = tolerance;
+        self.tolerance_from = because;
+        self
+    }
+
+    /// The tolerance as a part of what is expected, which is called before.
+    pub fn within_part(self, part: f64, because: &'static str) -> Self {
+        let tolerance = part * self.expected.abs();
+        self.within(tolerance, because)
+    }
+}
+
+/// Why there is no number of ours.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NotMeasured {
+    /// The record is not there.
+    Absent(String),
+    /// Everything is there, but the software could not get the number out of it.
+    Refused(String),
+}
+
+/// Something that a claim needs, or any error of a crate.
+pub type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+/// Words of a row that is read back, kept to the end of the task that reads it.
+fn kept<'de, D: Deserializer<'de>>(words: D) -> Result<&'static str, D::Error> {
+    String::deserialize(words).map(|words| &*words.leak())
+}
+
+/// A number of ours.
+pub type Found = Fallible<f64>;
+
+/// A number of ours, or why there is none.
+pub type Ours<T = f64> = Result<T, NotMeasured>;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    Pass,
+    Fail,
+    Skipped,
+}
+
+/// A claim with its verdict.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Check {
+    #[serde(flatten)]
+    pub claim: Claim,
+    pub ours: Option<f64>,
+    pub tolerance_used: Option<f64>,
+    pub verdict: Verdict,
+    pub reason: Option<String>,
+}
+
+/// A number that nobody has made a claim about.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Observation {
+    pub what: String,
+    #[serde(deserialize_with = "kept")]
+    pub unit: Words,
+    pub ours: f64,
+}
+
+/// How far ours may be from what is expected, and why that far.
+#[derive(Debug, Clone, Copy)]
+pub struct Within(pub f64, pub &'static str);
+
+/// The claims of one topic, in the order in which they are made.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct Claims {
+    #[serde(skip)]
+    pub source: &'static str,
+    pub checks: Vec<Check>,
+    pub observations: Vec<Observation>,
+}
+
+impl Claims {
+    /// Names the equation, table or law that the next claims are about.
+    pub fn by(&mut self, source: &'static str) -> &mut Self {
+        self.source = source;
+        self
+    }
+
+    /// `what` is `expected`, in `unit`.
+    pub fn claim(
+        &mut self,
+        what: impl Into<String>,
+        unit: &'static str,
+        expected: f64,
+        within: Within,
+        ours: Ours,
+    ) {
+        let claim = Claim::new(what, self.source)
+            .expects(expected, unit)
+            .within(within.0, within.1);
+        self.checks.push(Check::of(claim, ours));
+    }
+
+    /// A relative deviation that should be none.
+    pub fn deviation(&mut self, what: impl Into<String>, within: Within, ours: Ours) {
+        self.claim(what, "1", 0.0, within, ours);
+    }
+
+    /// Adds a claim and what `ours` finds; an error is a claim that failed.
+    pub fn check(&mut self, claim: Claim, ours: impl FnOnce() -> Found) {
+        let ours = ours().map_err(|error| refused(error.as_ref()));
+        self.checks.push(Check::of(claim, ours));
+    }
+
+    /// Adds the claims of another topic.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.checks.extend(other.checks);
+        self.observations.extend(other.observations);
+        self
+    }
+
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.checks.iter().filter(|c| c.verdict == verdict).count()
+    }
+
+    /// Asserts every claim, after its row is written to `section/topic.json` below the folder that `RODLAB_CLAIMS` names, if it names
+    /// one. A claim whose record is not there is skipped and said to be. The macro [`hold!`](crate::hold) knows section and topic.
+    ///
+    /// # Panics
+    ///
+    /// If a claim fails, naming each that does, or if its row cannot be written.
+    #[allow(
+        clippy::panic,
+        clippy::print_stderr,
+        reason = "the assertion of a test, and a test that is skipped is seen to be skipped"
+    )]
+    pub fn hold(&self, section: &str, topic: &str) {
+        if let Some(folder) = std::env::var_os(FOLDER) {
+            let file = format!("{}.json", topic.replace("::", "-"));
+            let path = Path::new(&folder).join(section).join(file);
+            let written = serde_json::to_string_pretty(self)
+                .map_err(io::Error::from)
+                .and_then(|text| write_whole(&path, &text).map_err(io::Error::other));
+            if let Err(error) = written {
+                panic!("{}: {error}", path.display());
+            }
+        }
+        let mut failed = Vec::new();
+        for Check {
+            claim,
+            ours,
+            verdict,
+            reason,
+            ..
+        } in &self.checks
+        {
+            let reason = reason.as_deref().unwrap_or_default();
+            match verdict {
+                Verdict::Pass => {}
+                Verdict::Skipped => eprintln!("skipped: {}: {reason}", claim.what),
+                Verdict::Fail => failed.push(format!(
+                    "{}: expected {}, ours {ours:?}, tolerance {} ({}) {reason}",
+                    claim.what, claim.expected, claim.tolerance, claim.tolerance_from
+                )),
+            }
+        }
+        assert!(
+            failed.is_empty(),
+            "{} of {} claims failed:\n{}",
+            failed.len(),
+            self.checks.len(),
+            failed.join("\n")
+        );
+    }
+}
+
+/// Asserts the claims of a module and leaves their rows for the page of claims.
+#[macro_export]
+macro_rules! hold {
+    ($claims:expr) => {
+        $crate::hold!($claims, env!("CARGO_PKG_NAME"))
+    };
+    ($claims:expr, $section:expr) => {
+        $claims.hold($section, module_path!())
+    };
+}
+
+/// One number of several that were computed together.
+pub fn of<T>(found: &Ours<T>, number: impl FnOnce(&T) -> f64) -> Ours {
+    found.as_ref().map(number).map_err(Clone::clone)
+}
+
+/// What the libraries refuse is a number that is missing.
+impl<E: Error> From<E> for NotMeasured {
+    fn from(error: E) -> Self {
+        refused(&error)
+    }
+}
+
+/// What the computation of a claim misses.
+pub fn missing(what: &str) -> NotMeasured {
+    NotMeasured::Refused(format!("{what} is missing"))
+}
+
+impl Check {
+    pub fn of(claim: Claim, ours: Result<f64, NotMeasured>) -> Self {
+        let (ours, reason, absent) = match ours {
+            Ok(ours) => (Some(ours), None, false),
+            Err(NotMeasured::Absent(reason)) => (None, Some(reason), true),
+            Err(NotMeasured::Refused(reason)) => (None, Some(reason), false),
+        };
+        let tolerance_used = ours.map(|ours| part(ours - claim.expected, claim.tolerance));
+        let verdict = match tolerance_used {
+            _ if absent => Verdict::Skipped,
+            Some(used) if used <= 1.0 => Verdict::Pass,
+            _ => Verdict::Fail,
+        };
+        Self {
+            claim,
+            ours,
+            tolerance_used,
+            verdict,
+            reason,
+        }
+    }
+}
+
+/// Part of the tolerance that a difference uses. No difference uses none of a tolerance of zero.
+fn part(difference: f64, tolerance: f64) -> f64 {
+    let difference = difference.abs();
+    if difference > 0.0 || difference.is_nan() {
+        difference / tolerance
+    } else {
+        0.0
+    }
+}
+
+/// True of a file that is not there, whatever error wraps it.
+pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
+    let mut causes = iter::successors(Some(error), |&error| error.source());
+    causes.any(|cause| {
+        let cause = cause.downcast_ref::<io::Error>();
+        cause.is_some_and(|io| io.kind() == io::ErrorKind::NotFound)
+    })
+}
+
+/// An error with its causes in one line.
+pub fn refused(error: &dyn Error) -> NotMeasured {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    NotMeasured::Refused(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim() -> Claim {
+        Claim::new("length", "ruler")
+            .expects(2.0, "m")
+            .within(0.5, "its scale")
+    }
+
+    #[test]
+    fn the_verdict_is_the_fraction_of_the_tolerance() {
+        let verdict = |ours| Check::of(claim(), ours).verdict;
+        assert_eq!(verdict(Ok(2.5)), Verdict::Pass);
+        assert_eq!(verdict(Ok(1.49)), Verdict::Fail);
+        assert_eq!(verdict(Ok(f64::NAN)), Verdict::Fail);
+        let refused = NotMeasured::Refused("illegible".to_owned());
+        assert_eq!(verdict(Err(refused)), Verdict::Fail);
+        let absent = NotMeasured::Absent("lost".to_owned());
+        assert_eq!(verdict(Err(absent)), Verdict::Skipped);
+    }
+
+    #[test]
+    fn a_claim_without_tolerance_wants_the_number_itself() {
+        let claim = Claim::new("items", "count").expects(3.0, "1");
+        assert_eq!(Check::of(claim.clone(), Ok(3.0)).verdict, Verdict::Pass);
+        assert_eq!(Check::of(claim, Ok(3.1)).verdict, Verdict::Fail);
+    }
+
+    #[test]
+    fn an_error_is_a_claim_that_failed_with_its_causes() {
+        let mut report = Claims::default();
+        report.check(claim(), || Err("the ruler broke".into()));
+        assert_eq!(report.count(Verdict::Fail), 1);
+        assert_eq!(report.checks[0].reason.as_deref(), Some("the ruler broke"));
+    }
+
+    #[test]
+    fn what_a_library_refuses_is_a_claim_that_failed_with_the_reason() {
+        let found = || -> Ours<[f64; 2]> {
+            let first: f64 = "2.5".parse()?;
+            let second: f64 = "two and a half".parse()?;
+            Ok([first, second])
+        };
+        let found = found();
+        let mut claims = Claims::default();
+        claims.by("a ruler");
+        claims.claim("length", "m", 2.5, Within(0.1, "its scale"), Ok(2.55));
+        claims.deviation("width", Within(0.1, "its scale"), of(&found, |f| f[1]));
+        let checks = claims.checks;
+        assert_eq!(checks[0].verdict, Verdict::Pass);
+        assert_eq!(checks[0].claim.source, "a ruler");
+        assert_eq!(checks[1].verdict, Verdict::Fail);
+        assert_eq!(checks[1].reason.as_deref(), Some("invalid float literal"));
+    }
+}

@@ -1,0 +1,17 @@
+//! What the tests of all crates share: the papers' tables in SI, claims with their rows, measured records, files that are written whole.
+//!
+//! Not published. Nothing here computes what a crate of ours computes.
+#![allow(
+    missing_docs,
+    clippy::missing_errors_doc,
+    clippy::missing_panics_doc,
+    clippy::must_use_candidate,
+    reason = "read by the tests and tasks of this workspace only"
+)]
+
+pub mod claim;
+pub mod difference;
+pub mod generated;
+pub mod measured;
+pub mod papers;
+pub mod ron_text;

@@ -1,0 +1,36 @@
+//! Where measured records are, for the tests of all crates that read them.
+
+use std::path::{Path, PathBuf};
+
+/// The folder of measured records: the one that `RODLAB_DATA` names or, without the variable, `../shared/data` beside the repository.
+/// Where neither is, says on the standard error that the test is skipped.
+///
+/// # Panics
+///
+/// If `RODLAB_DATA` names what is no folder.
+#[allow(
+    clippy::print_stderr,
+    reason = "a test that is skipped is seen to be skipped"
+)]
+pub fn folder() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("RODLAB_DATA") {
+        let named = PathBuf::from(named);
+        assert!(
+            named.is_dir(),
+            "RODLAB_DATA names {}, which is no folder",
+            named.display()
+        );
+        return Some(named);
+    }
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    if beside.is_dir() {
+        return Some(beside);
+    }
+    let thread = std::thread::current();
+    eprintln!(
+        "skipped: {} needs measured records; RODLAB_DATA is not set, and {} is no folder",
+        thread.name().unwrap_or("a test"),
+        beside.display()
+    );
+    None
+}

@@ -1,0 +1,235 @@
+//! The readings of the units of Tables 4 and A1, applied to their printed values.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::super::decimal::Decimal;
+use super::super::error::FixtureError;
+use super::super::printed_table::{read_ron, read_value};
+use super::super::si_table::SiValue;
+
+/// How the units of Tables 4 and A1 are read (Ödeen 1993, paper D). No reading of the print is physically consistent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UnitReading {
+    /// As printed: the rods are elastic over the record.
+    Literal,
+    /// Every unit of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
+    Milliseconds,
+    /// Our own values for materials whose damping acts.
+    Realistic,
+}
+
+impl UnitReading {
+    pub const ALL: [Self; 3] = [Self::Literal, Self::Milliseconds, Self::Realistic];
+
+    /// One line for the head of every result that was computed with this reading.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Literal => "literal: units as printed; the rods are elastic over the record",
+            Self::Milliseconds => {
+                "milliseconds: every unit of time in eta and B read as ms (factor 1e-3), m as printed"
+            }
+            Self::Realistic => {
+                "realistic: E and kappa as printed, eta, B and m our own values for materials whose damping acts"
+            }
+        }
+    }
+}
+
+/// The file of readings and where it lies.
+#[derive(Debug)]
+pub(super) struct Readings {
+    path: PathBuf,
+    file: ReadingsFile,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
+struct ReadingsFile {
+    no_consistent_reading: String,
+    prefix_of_a_power: String,
+    literal: UnitOfTime,
+    milliseconds: UnitOfTime,
+    realistic: Realistic,
+}
+
+/// A reading that exchanges the unit of time.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "the reason is for the reader of the file; here it must only be there"
+)]
+struct UnitOfTime {
+    time_factor: String,
+    reason: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "the reason is for the reader of the file; here it must only be there"
+)]
+struct Realistic {
+    reason: String,
+    values: Vec<RealisticValue>,
+    appendix: Vec<AppendixFactor>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "the reason is for the reader of the file; here it must only be there"
+)]
+struct RealisticValue {
+    material: String,
+    parameter: String,
+    value: String,
+    reason: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "the reason is for the reader of the file; here it must only be there"
+)]
+struct AppendixFactor {
+    model: String,
+    parameter: String,
+    factor: String,
+    reason: String,
+}
+
+impl Readings {
+    pub(super) fn load(path: &Path) -> Result<Self, FixtureError> {
+        Ok(Self {
+            path: path.to_path_buf(),
+            file: read_ron(path)?,
+        })
+    }
+
+    /// Why every result names its reading.
+    pub(super) fn no_consistent_reading(&self) -> &str {
+        &self.file.no_consistent_reading
+    }
+
+    /// A value of Table 4 in SI.
+    pub(super) fn table_4(
+        &self,
+        reading: UnitReading,
+        material: &str,
+        parameter: &str,
+        printed: &SiValue,
+    ) -> Result<Decimal, FixtureError> {
+        match reading {
+            UnitReading::Literal => self.with_time_factor(&self.file.literal, parameter, printed),
+            UnitReading::Milliseconds => {
+                self.with_time_factor(&self.file.milliseconds, parameter, printed)
+            }
+            UnitReading::Realistic if is_elastic_or_exponent(parameter) => Ok(printed.value),
+            UnitReading::Realistic => {
+                let ours = self
+                    .file
+                    .realistic
+                    .values
+                    .iter()
+                    .find(|ours| ours.material == material && ours.parameter == parameter)
+                    .ok_or_else(|| self.missing(material, parameter))?;
+                let value = read_value(&self.path, material, parameter, &ours.value, None)?;
+                if value.unit == printed.unit {
+                    Ok(value.value)
+                } else {
+                    Err(self.cell(
+                        material,
+                        parameter,
+                        &ours.value,
+                        "the kind of unit that is printed",
+                    ))
+                }
+            }
+        }
+    }
+
+    /// A value of Table A1 in SI.
+    pub(super) fn table_a1(
+        &self,
+        reading: UnitReading,
+        model: &str,
+        parameter: &str,
+        printed: &SiValue,
+    ) -> Result<Decimal, FixtureError> {
+        match reading {
+            UnitReading::Literal => self.with_time_factor(&self.file.literal, parameter, printed),
+            UnitReading::Milliseconds => {
+                self.with_time_factor(&self.file.milliseconds, parameter, printed)
+            }
+            UnitReading::Realistic if is_elastic_or_exponent(parameter) => Ok(printed.value),
+            UnitReading::Realistic => {
+                let ours = self
+                    .file
+                    .realistic
+                    .appendix
+                    .iter()
+                    .find(|ours| ours.model == model && ours.parameter == parameter)
+                    .ok_or_else(|| self.missing(model, parameter))?;
+                self.product(printed, &ours.factor, model, parameter)
+            }
+        }
+    }
+
+    /// The viscosity η and Norton's coefficient B carry one unit of time, the other parameters none.
+    fn with_time_factor(
+        &self,
+        unit: &UnitOfTime,
+        parameter: &str,
+        printed: &SiValue,
+    ) -> Result<Decimal, FixtureError> {
+        match parameter {
+            "eta" | "B" => self.product(printed, &unit.time_factor, "time_factor", parameter),
+            _ => Ok(printed.value),
+        }
+    }
+
+    fn product(
+        &self,
+        printed: &SiValue,
+        factor: &str,
+        row: &str,
+        column: &str,
+    ) -> Result<Decimal, FixtureError> {
+        Decimal::parse(factor)
+            .and_then(|factor| printed.value.times(factor))
+            .ok_or_else(|| self.cell(row, column, factor, "a factor such as 1e-3"))
+    }
+
+    fn missing(&self, row: &str, column: &str) -> FixtureError {
+        FixtureError::Missing {
+            path: self.path.clone(),
+            row: row.to_owned(),
+            column: column.to_owned(),
+        }
+    }
+
+    fn cell(&self, row: &str, column: &str, found: &str, expected: &'static str) -> FixtureError {
+        FixtureError::Cell {
+            path: self.path.clone(),
+            row: row.to_owned(),
+            column: column.to_owned(),
+            found: found.to_owned(),
+            expected,
+        }
+    }
+}
+
+/// Young's modulus and the exponent are the same in every reading.
+fn is_elastic_or_exponent(parameter: &str) -> bool {
+    matches!(parameter, "E" | "kappa")
+}

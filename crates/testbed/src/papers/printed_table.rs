@@ -1,0 +1,424 @@
+//! A table as it is printed: strings, units, errata; and the one way from there to SI.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::decimal::Decimal;
+use super::error::FixtureError;
+use super::si_table::{SiRow, SiTable, SiValue};
+use super::unit::Unit;
+use crate::ron_text::parse_ron;
+
+/// A table, or a group of constants, typed by hand from a paper. Nothing in it is a number: digits stay as printed.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
+pub struct PrintedTable {
+    /// Key of the work in literature.bib.
+    key: String,
+    /// Letter of the paper, or `survey`.
+    paper: String,
+    /// Name of the table in print, or `constants`.
+    table: String,
+    /// Sections that print it.
+    section: String,
+    /// Lines of the text edition that it was typed from.
+    lines: String,
+    /// What it holds.
+    title: String,
+    /// What a reader of the table must know.
+    #[serde(default)]
+    note: Option<String>,
+    columns: Vec<Column>,
+    rows: Vec<Vec<String>>,
+    /// Tolerances that are not half a unit of the last printed digit.
+    #[serde(default)]
+    allowances: Vec<Allowance>,
+    /// Where print is wrong.
+    #[serde(default)]
+    errata: Vec<Erratum>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
+struct Column {
+    name: String,
+    /// The symbol that heads the column in print, where it is not the name.
+    #[serde(default)]
+    symbol: Option<String>,
+    holds: Holds,
+}
+
+/// What the cells of a column are.
+#[derive(Debug, Clone, Deserialize)]
+enum Holds {
+    /// Names the row; with several such columns, all of them together do.
+    Label,
+    /// Words.
+    Text,
+    /// Numbers in this unit, `—` where there is none.
+    Values(String),
+    /// Numbers that carry their unit, as in `2.580 GPa`; a pure number carries none.
+    ValuesWithUnits,
+}
+
+/// A tolerance of one cell, with its reason.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
+struct Allowance {
+    row: String,
+    column: String,
+    /// A number with the unit of the cell, or another of the same kind.
+    absolute: String,
+    reason: String,
+}
+
+/// What print says, what is right, and how that is known.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    dead_code,
+    reason = "some fields are for the reader of the file; here they must only be there"
+)]
+struct Erratum {
+    printed: String,
+    right: String,
+    evidence: String,
+    /// The cell whose printed value must not be computed with, where there is one.
+    #[serde(default)]
+    corrects: Option<Correction>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Correction {
+    row: String,
+    column: String,
+    /// The right number with its unit.
+    value: String,
+}
+
+/// Reads a RON file; what does not fit the schema is reported with its line, its column and the text found there.
+pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, FixtureError> {
+    let text = fs::read_to_string(path).map_err(|source| FixtureError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    Ok(parse_ron(path, &text)?)
+}
+
+impl PrintedTable {
+    /// The table at `path`, in SI.
+    pub fn read(path: &Path) -> Result<SiTable, FixtureError> {
+        read_ron::<Self>(path)?.to_si(path)
+    }
+
+    fn to_si(&self, path: &Path) -> Result<SiTable, FixtureError> {
+        self.check_column_names(path)?;
+        let mut rows: Vec<SiRow> = Vec::with_capacity(self.rows.len());
+        for cells in &self.rows {
+            let row = self.row_to_si(path, cells)?;
+            if rows.iter().any(|other| other.label == row.label) {
+                return Err(duplicate(path, "row", &row.label));
+            }
+            rows.push(row);
+        }
+        let mut table = SiTable {
+            source: path.to_path_buf(),
+            key: self.key.clone(),
+            paper: self.paper.clone(),
+            table: self.table.clone(),
+            title: self.title.clone(),
+            lines: self.lines.clone(),
+            errata: self.errata.len(),
+            rows,
+        };
+        for correction in self
+            .errata
+            .iter()
+            .filter_map(|erratum| erratum.corrects.as_ref())
+        {
+            let right = read_value(
+                path,
+                &correction.row,
+                &correction.column,
+                &correction.value,
+                None,
+            )?;
+            table
+                .value_mut(&correction.row, &correction.column)?
+                .correct(right);
+        }
+        for allowance in &self.allowances {
+            let tolerance = read_value(
+                path,
+                &allowance.row,
+                &allowance.column,
+                &allowance.absolute,
+                None,
+            )?;
+            let value = table.value_mut(&allowance.row, &allowance.column)?;
+            if value.unit != tolerance.unit {
+                return Err(cell(
+                    path,
+                    &allowance.row,
+                    &allowance.column,
+                    &allowance.absolute,
+                    "the unit of the cell",
+                ));
+            }
+            value.tolerance = tolerance.value;
+        }
+        Ok(table)
+    }
+
+    fn check_column_names(&self, path: &Path) -> Result<(), FixtureError> {
+        for (index, column) in self.columns.iter().enumerate() {
+            if self
+                .columns
+                .iter()
+                .skip(index + 1)
+                .any(|other| other.name == column.name)
+            {
+                return Err(duplicate(path, "column", &column.name));
+            }
+        }
+        Ok(())
+    }
+
+    fn row_to_si(&self, path: &Path, cells: &[String]) -> Result<SiRow, FixtureError> {
+        let labels: Vec<&str> = self
+            .columns
+            .iter()
+            .zip(cells)
+            .filter(|(column, _)| matches!(column.holds, Holds::Label))
+            .map(|(_, cell)| cell.as_str())
+            .collect();
+        let label = labels.join(" / ");
+        if cells.len() != self.columns.len() {
+            return Err(FixtureError::RowWidth {
+                path: path.to_path_buf(),
+                row: label,
+                found: cells.len(),
+                expected: self.columns.len(),
+            });
+        }
+        let mut text = BTreeMap::new();
+        let mut values = BTreeMap::new();
+        for (column, cell) in self.columns.iter().zip(cells) {
+            let name = &column.name;
+            match &column.holds {
+                Holds::Label | Holds::Text => {
+                    text.insert(name.clone(), cell.clone());
+                }
+                Holds::Values(_) if cell == "—" => {}
+                Holds::Values(unit) => {
+                    values.insert(
+                        name.clone(),
+                        read_value(path, &label, name, cell, Some(unit))?,
+                    );
+                }
+                Holds::ValuesWithUnits => {
+                    values.insert(name.clone(), read_value(path, &label, name, cell, None)?);
+                }
+            }
+        }
+        Ok(SiRow {
+            label,
+            text,
+            values,
+        })
+    }
+}
+
+/// Reads `found`, in the unit of its column or in its own, and converts it.
+pub fn read_value(
+    path: &Path,
+    row: &str,
+    column: &str,
+    found: &str,
+    column_unit: Option<&str>,
+) -> Result<SiValue, FixtureError> {
+    let wrong = |expected| cell(path, row, column, found, expected);
+    let (digits, unit_name) = match column_unit {
+        Some(unit) => (found, unit),
+        None => found.split_once(' ').unwrap_or((found, "1")),
+    };
+    let unit = Unit::named(unit_name).ok_or_else(|| {
+        cell(
+            path,
+            row,
+            column,
+            unit_name,
+            "a unit of the list in xtask/src/fixtures/unit.rs",
+        )
+    })?;
+    let number =
+        Decimal::parse(digits).ok_or_else(|| wrong("printed digits such as 2.580 or 4.55e-21"))?;
+    let too_long = || wrong("a number whose SI value has at most 38 digits");
+    Ok(SiValue {
+        printed: match unit_name {
+            "1" => digits.to_owned(),
+            _ => format!("{digits} {unit_name}"),
+        },
+        corrected: None,
+        unit: unit.si,
+        value: unit.to_si(number).ok_or_else(too_long)?,
+        tolerance: unit.tolerance(number).ok_or_else(too_long)?,
+    })
+}
+
+fn cell(path: &Path, row: &str, column: &str, found: &str, expected: &'static str) -> FixtureError {
+    FixtureError::Cell {
+        path: path.to_path_buf(),
+        row: row.to_owned(),
+        column: column.to_owned(),
+        found: found.to_owned(),
+        expected,
+    }
+}
+
+fn duplicate(path: &Path, what: &'static str, name: &str) -> FixtureError {
+    FixtureError::Duplicate {
+        path: path.to_path_buf(),
+        what,
+        name: name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+#[expect(
+    clippy::float_cmp,
+    reason = "the digits are shifted as text: each value is the float of the written number"
+)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = r#"#![enable(implicit_some)]
+(
+    key: "odeen1993",
+    paper: "A",
+    table: "Table 0",
+    section: "1",
+    lines: "1",
+    title: "Two rods",
+    columns: [
+        (name: "test", holds: Label),
+        (name: "length", symbol: "L", holds: Values("mm")),
+        (name: "modulus", holds: ValuesWithUnits),
+    ],
+    rows: [
+        ["1", "199", "2.580 GPa"],
+        ["2", "—", "28 ms"],
+    ],
+    allowances: [
+        (row: "1", column: "length", absolute: "2 mm", reason: "a rule of wood"),
+    ],
+    errata: [
+        (printed: "28 ms", right: "28 us", evidence: "arithmetic", corrects: (row: "2", column: "modulus", value: "28 us")),
+    ],
+)
+"#;
+
+    fn read(text: &str) -> Result<SiTable, FixtureError> {
+        let path = Path::new("table.ron");
+        parse_ron::<PrintedTable>(path, text)?.to_si(path)
+    }
+
+    /// The message for the table above with one piece of it exchanged.
+    fn message(piece: &str, by: &str) -> String {
+        assert_eq!(TABLE.matches(piece).count(), 1, "{piece}");
+        read(&TABLE.replace(piece, by)).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn values_allowances_and_corrections_arrive_in_si() {
+        let table = read(TABLE).unwrap();
+        let length = table.value("1", "length").unwrap();
+        assert_eq!(
+            (
+                length.value.to_f64(),
+                length.tolerance.to_f64(),
+                length.unit
+            ),
+            (0.199, 0.002, "m")
+        );
+        assert_eq!(length.printed, "199 mm");
+        let modulus = table.value("1", "modulus").unwrap();
+        assert_eq!(
+            (
+                modulus.value.to_f64(),
+                modulus.tolerance.to_f64(),
+                modulus.unit
+            ),
+            (2.58e9, 5e5, "Pa")
+        );
+        let corrected = table.value("2", "modulus").unwrap();
+        assert_eq!(corrected.value.to_f64(), 28e-6);
+        assert_eq!(
+            (corrected.printed.as_str(), corrected.corrected.as_deref()),
+            ("28 ms", Some("28 us"))
+        );
+        assert_eq!(
+            table.value("2", "length").unwrap_err().to_string(),
+            "table.ron: no value in row `2`, column `length`"
+        );
+    }
+
+    #[test]
+    fn messages_say_where_and_what() {
+        assert_eq!(
+            message("\"199\", \"2.580 GPa\"", "\"199\""),
+            "table.ron, row 1: 2 cells, expected 3"
+        );
+        assert_eq!(
+            message("\"199\"", "\"19O\""),
+            "table.ron, row 1, column length: found `19O`, expected printed digits such as 2.580 or 4.55e-21"
+        );
+        assert_eq!(
+            message("GPa", "Gpa"),
+            "table.ron, row 1, column modulus: found `Gpa`, expected a unit of the list in xtask/src/fixtures/unit.rs"
+        );
+        assert_eq!(
+            message("[\"2\", ", "[\"1\", "),
+            "table.ron: row `1` occurs twice"
+        );
+        assert_eq!(
+            message("name: \"modulus\"", "name: \"length\""),
+            "table.ron: column `length` occurs twice"
+        );
+        assert_eq!(
+            message("absolute: \"2 mm\"", "absolute: \"2 ms\""),
+            "table.ron, row 1, column length: found `2 ms`, expected the unit of the cell"
+        );
+        assert_eq!(
+            message("corrects: (row: \"2\"", "corrects: (row: \"3\""),
+            "table.ron: no value in row `3`, column `modulus`"
+        );
+    }
+
+    #[test]
+    fn syntax_errors_give_line_column_and_field() {
+        let text = message("title: \"Two rods\"", "title: 2");
+        assert!(text.starts_with("table.ron, line 8, column "), "{text}");
+        assert!(text.ends_with("in `title: 2,`"), "{text}");
+        let text = message("lines: \"1\"", "line: \"1\"");
+        assert!(text.starts_with("table.ron, line 7, column "), "{text}");
+        assert!(text.contains("`line`"), "{text}");
+    }
+}

@@ -1,0 +1,35 @@
+//! RON that a person wrote: a value of the schema, or where in the file it is not.
+
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+/// The file is not RON, or not of the schema; `text` is the line, which names the field.
+#[derive(Debug, thiserror::Error)]
+#[error("{}, line {line}, column {column}: {reason}, in `{text}`", path.display())]
+pub struct RonError {
+    path: PathBuf,
+    line: usize,
+    column: usize,
+    text: String,
+    reason: String,
+}
+
+/// A value from `text`; `path` is for messages.
+pub fn parse_ron<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, RonError> {
+    ron::from_str(text).map_err(|error| {
+        let at = error.span.start;
+        RonError {
+            path: path.to_path_buf(),
+            line: at.line,
+            column: at.col,
+            text: text
+                .lines()
+                .nth(at.line.saturating_sub(1))
+                .unwrap_or_default()
+                .trim()
+                .to_owned(),
+            reason: error.code.to_string(),
+        }
+    })
+}
