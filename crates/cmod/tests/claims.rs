@@ -1,13 +1,3 @@
-//! What `cmod` claims: the moduli that each method finds of virtual rods, their errors, and what is made of them.
+//! Master curves with known shifts.
 
-mod branches;
-mod cards;
-mod gauge_errors;
-mod gauges;
-mod lateral_inertia;
-mod neighbours;
-mod record_checks;
-mod recovery;
 mod rheology;
-mod roots;
-mod two_point;

@@ -1,5 +1,4 @@
 //! Recovery tests made by a solver of the tests' own, with noise, and what the fits make of them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
 use std::f64::consts::TAU;
 

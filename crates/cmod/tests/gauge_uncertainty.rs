@@ -1,9 +1,4 @@
 //! Uncertain density and positions of gauges: against estimates from gauges that are elsewhere than stated.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a failing test should say so at once"
-)]
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,4 @@
 //! Creep recovery against the tables and constants of paper C, and against numbers computed apart from this software.
-#![allow(
-    clippy::unwrap_used,
-    clippy::approx_constant,
-    clippy::indexing_slicing,
-    reason = "a test that cannot read its fixture must fail; a change of 3.1416 % is not pi"
-)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

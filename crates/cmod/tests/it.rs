@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
+    clippy::panic,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::float_cmp,
@@ -13,12 +14,14 @@ mod checks;
 mod claims;
 mod creep_recovery;
 mod gauge_uncertainty;
+mod golden;
 mod golden_paper_a;
 mod golden_paper_c;
 mod hard_to_break;
 mod lateral_inertia;
 mod multi_point;
 mod neighbours;
+mod noise;
 mod reference_lmfit;
 mod reference_mpmath;
 mod rheology;

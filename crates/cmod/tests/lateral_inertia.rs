@@ -1,8 +1,4 @@
 //! Lateral inertia taken out of estimates of waves that the exact theory of cylinders has made.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::TAU;
 

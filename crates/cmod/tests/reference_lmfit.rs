@@ -1,10 +1,4 @@
 //! Fits of moduli with noise against lmfit's: the minimum, its χ² and the covariance of the parameters. `fixtures/reference/lmfit`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a reference that cannot be read must fail the test"
-)]
 
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::{

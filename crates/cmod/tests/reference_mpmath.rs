@@ -1,10 +1,4 @@
 //! The two-point method against acceleration ratios of 50 digits: `fixtures/reference/mpmath`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a reference that cannot be read must fail the test"
-)]
 
 use cmod::{Specimen, TwoPoint};
 use num_complex::Complex64;

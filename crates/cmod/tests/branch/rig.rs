@@ -1,48 +1,21 @@
 //! Specimens of paper A, materials, noise and gaps; and which root of a noisy line is the right one.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::fs;
-use std::path::Path;
 
 use cmod::branch::{EndMass, PhaseObservation, PhaseRecord, TrackedLine};
 use num_complex::Complex64;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::RngExt;
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
 use rodwave::medium::{Medium, PropagationLaw};
 use rodwave::modulus::{ConstantQ, PowerLawPropagation};
-use serde::Deserialize;
+
+use crate::golden::{Row, golden};
+use crate::noise::Noise;
 
 /// Mass of the accelerometers of paper A with their connectors [kg].
 pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
-
-#[derive(Deserialize)]
-pub(crate) struct GoldenTable {
-    pub(crate) rows: Vec<GoldenRow>,
-}
-
-#[derive(Deserialize)]
-pub(crate) struct GoldenRow {
-    pub(crate) label: String,
-    pub(crate) text: BTreeMap<String, String>,
-    pub(crate) values: BTreeMap<String, GoldenValue>,
-}
-
-#[derive(Deserialize)]
-pub(crate) struct GoldenValue {
-    pub(crate) value: f64,
-}
-
-pub(crate) fn golden(name: &str) -> GoldenTable {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/golden")
-        .join(name);
-    ron::from_str(&fs::read_to_string(path).unwrap()).unwrap()
-}
 
 /// A rod with its accelerometer.
 #[derive(Debug, Clone, Copy)]
@@ -67,15 +40,15 @@ impl Rod {
 
 /// Tests 1 to 10 (paper A, Table 2).
 pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
-    let table = golden("paper_a_table_2.ron");
-    assert_eq!(table.rows.len(), 10);
-    let of = |row: &GoldenRow| Rod {
-        length: row.values["length"].value,
-        diameter: row.values["diameter"].value,
-        density: row.values["density"].value,
+    let rows = golden("paper_a_table_2.ron");
+    assert_eq!(rows.len(), 10);
+    let of = |row: &Row| Rod {
+        length: row.value("length"),
+        diameter: row.value("diameter"),
+        density: row.value("density"),
         accelerometer: ACCELEROMETER,
     };
-    table.rows.iter().map(of).collect()
+    rows.iter().map(of).collect()
 }
 
 /// A wave number of 1 to 2 kHz in a polymer: E = 2.6 GPa.
@@ -123,14 +96,11 @@ impl Clean {
 
     /// With noise of `noise` times |Ψ|, and `missing` of the lines not a number.
     pub(crate) fn measured(&self, noise: f64, missing: f64, seed: u64) -> Measured {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = Noise::seeded(seed);
         let mut observed = Vec::with_capacity(self.ratio.len());
         for ratio in &self.ratio {
-            let gap = random.random::<f64>() < missing;
-            let re: f64 = StandardNormal.sample(&mut random);
-            let im: f64 = StandardNormal.sample(&mut random);
-            // half of the variance each
-            let error = Complex64::new(re, im) * (noise * ratio.norm() * 0.5_f64.sqrt());
+            let gap = random.0.random::<f64>() < missing;
+            let error = random.circular((noise * ratio.norm()).powi(2));
             observed.push(if gap {
                 Complex64::new(f64::NAN, f64::NAN)
             } else {

@@ -3,6 +3,8 @@
 
 use cmod::{Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
+use testbed::claim::{Claims, Within};
+use testbed::hold;
 
 use super::rig::{Clean, Measured, Rod, polyamide, rods_of_paper_a};
 
@@ -42,8 +44,15 @@ fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Com
     x
 }
 
-/// Wrong roots of a solver, and those of them on lines that count as valid.
-fn wrong_roots(clean: &Clean, measured: &Measured, solver: Solver) -> (usize, usize) {
+/// Of a solver on 1572 lines.
+struct Roots {
+    /// Lost lines included.
+    wrong: usize,
+    valid: usize,
+    wrong_and_valid: usize,
+}
+
+fn roots(clean: &Clean, measured: &Measured, solver: Solver) -> Roots {
     let rod = clean.rod;
     let specimen = Specimen {
         length: rod.length,
@@ -64,46 +73,73 @@ fn wrong_roots(clean: &Clean, measured: &Measured, solver: Solver) -> (usize, us
         );
         (line.propagation_coefficient * rod.length - right).norm() > 1e-4 * right.norm()
     };
-    let lost = estimate.refused().len();
-    let wrong = estimate.lines().iter().filter(is_wrong).count();
-    (wrong + lost, estimate.valid().filter(is_wrong).count())
-}
-
-#[test]
-fn without_noise() {
-    let clean = record();
-    let measured = clean.measured(0.0, 0.0, 0);
-    let (newton, _) = wrong_roots(&clean, &measured, Solver::Newton);
-    // 294 in an independent computation; lines at the border of a basin may fall either way
-    assert!(newton.abs_diff(294) <= 5, "{newton}");
-    let continuation = wrong_roots(&clean, &measured, Solver::Continuation);
-    assert_eq!(continuation, (0, 0));
-}
-
-/// 289 in an independent computation, with a scatter of its own over the noise.
-#[test]
-fn with_half_a_per_cent_of_noise() {
-    let clean = record();
-    for seed in 1..=5 {
-        let measured = clean.measured(0.005, 0.0, seed);
-        let (newton, _) = wrong_roots(&clean, &measured, Solver::Newton);
-        assert!(newton.abs_diff(289) <= 15, "seed {seed}: {newton}");
-        let continuation = wrong_roots(&clean, &measured, Solver::Continuation);
-        assert_eq!(continuation, (0, 0), "seed {seed}");
+    Roots {
+        wrong: estimate.lines().iter().filter(is_wrong).count() + estimate.refused().len(),
+        valid: estimate.valid().count(),
+        wrong_and_valid: estimate.valid().filter(is_wrong).count(),
     }
 }
 
-/// Continuation alone ends at 6 wrong roots with 2 % of noise, which pass where two roots meet on the wrong side; checked by
-/// what the lines around say, a few stay that cannot be decided, and say so.
+/// With 2 % of noise two roots meet on the wrong side on 6 lines; checked by what the lines around say, a few stay that cannot be decided,
+/// and are not valid.
 #[test]
-fn with_two_per_cent_of_noise() {
+fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();
-    for seed in 1..=5 {
-        let measured = clean.measured(0.02, 0.0, seed);
-        let (newton, _) = wrong_roots(&clean, &measured, Solver::Newton);
-        assert!(newton.abs_diff(292) <= 25, "seed {seed}: {newton}");
-        let (wrong, unseen) = wrong_roots(&clean, &measured, Solver::Continuation);
-        assert!(wrong <= 3, "seed {seed}: {wrong}");
-        assert_eq!(unseen, 0, "seed {seed}");
+    let mut claims = Claims::default();
+    let mut unseen = 0;
+    claims.by("paper A, eq. 5, erratum: it runs to wrong roots, counted apart");
+    for (noise, seeds, expected, within, by_continuation) in [
+        (
+            0.0,
+            1..=1,
+            294.0,
+            Within(5.0, "lines at the border of a basin fall either way"),
+            0,
+        ),
+        (
+            0.005,
+            1..=5,
+            289.0,
+            Within(15.0, "the scatter over draws of the noise"),
+            0,
+        ),
+        (
+            0.02,
+            1..=5,
+            292.0,
+            Within(25.0, "the scatter over draws of the noise"),
+            3,
+        ),
+    ] {
+        let mut furthest = expected;
+        for seed in seeds {
+            let measured = clean.measured(noise, 0.0, seed);
+            let newton = roots(&clean, &measured, Solver::Newton).wrong as f64;
+            if (newton - expected).abs() >= (furthest - expected).abs() {
+                furthest = newton;
+            }
+            let continuation = roots(&clean, &measured, Solver::Continuation);
+            let wrong = continuation.wrong;
+            assert!(wrong <= by_continuation, "{noise}, seed {seed}: {wrong}");
+            assert!(noise > 0.0 || continuation.valid > 500);
+            unseen += continuation.wrong_and_valid;
+        }
+        let percent = 100.0 * noise;
+        claims.claim(
+            format!("noise of {percent} %: wrong roots by Newton as printed, worst of five draws"),
+            "1",
+            expected,
+            within,
+            Ok(furthest),
+        );
     }
+    claims.by("roots followed from the exact ones while the noise is put on");
+    claims.claim(
+        "noise of 0, 0.5 and 2 %: wrong roots on valid lines by continuation, eleven draws",
+        "1",
+        0.0,
+        Within(0.5, "a count"),
+        Ok(unseen as f64),
+    );
+    hold!(claims);
 }

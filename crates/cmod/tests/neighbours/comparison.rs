@@ -19,7 +19,8 @@ use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{Pulse, RaisedCosine};
 use rodwave::synthesis::DampedSynthesis;
 
-use super::rod::{DENSITY, DIAMETER, LENGTH, Noise, lines, polypropylene, with_end_mass};
+use super::rod::{DENSITY, DIAMETER, LENGTH, lines, polypropylene, with_end_mass};
+use crate::noise::Noise;
 
 const ACCELEROMETER: f64 = 2.9e-3;
 const INTERVAL: f64 = 4e-6;

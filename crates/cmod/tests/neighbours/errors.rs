@@ -8,9 +8,8 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, RatioOfSpectra, Resonances, SeparatePulses};
 use num_complex::Complex64;
 
-use super::rod::{
-    DENSITY, DIAMETER, LENGTH, Noise, VirtualRod, lines, polypropylene, with_end_mass,
-};
+use super::rod::{DENSITY, DIAMETER, LENGTH, VirtualRod, lines, polypropylene, with_end_mass};
+use crate::noise::Noise;
 
 const END_MASS: f64 = 2.9e-3;
 const GAUGE: EndSection = EndSection {

@@ -4,14 +4,20 @@ use std::f64::consts::TAU;
 
 use cmod::estimate::ModulusEstimate;
 use cmod::multi_point::Quantity;
-use cmod::validity::Violation;
-use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, Resonances, SeparatePulses};
+use cmod::validity::{AcceptanceLimits, Violation};
+use cmod::{
+    EndSection, FreeEnd, ModulusLine, OneGauge, PulsedRod, Resonances, SeparatePulses, Specimen,
+    TwoPoint,
+};
 use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
+use testbed::claim::{Claims, Within};
+use testbed::difference::{largest, relative};
+use testbed::hold;
 
 use super::rod::{
-    DENSITY, DIAMETER, VirtualRod, lines, polyamide_of_low_loss, polypropylene, relaxing,
+    DENSITY, DIAMETER, LENGTH, VirtualRod, lines, polyamide_of_low_loss, polypropylene, relaxing,
     with_end_mass,
 };
 
@@ -24,36 +30,21 @@ fn at(distance: f64, quantity: Quantity) -> EndSection {
     EndSection { distance, quantity }
 }
 
-/// All lines are there, right within rounding, and doubtful nowhere.
-fn check<L: PropagationLaw>(name: &str, estimate: &ModulusEstimate, medium: &Medium<L>) {
-    assert!(
-        estimate.refused().is_empty(),
-        "{name}: {:?}",
-        estimate.refused()
-    );
-    assert_eq!(estimate.lines().len(), band().len(), "{name}");
-    for line in estimate.lines() {
+/// Largest error of the modulus by the amplification of its line. All lines are there, and doubtful nowhere.
+fn error_of<L: PropagationLaw>(estimate: &ModulusEstimate, medium: &Medium<L>) -> f64 {
+    assert!(estimate.refused().is_empty(), "{:?}", estimate.refused());
+    assert_eq!(estimate.lines().len(), band().len());
+    let error = |line: &ModulusLine| {
+        let is_doubt = |violation: &Violation| matches!(violation, Violation::BranchAmbiguous(_));
+        assert!(!line.validity.violations().iter().any(is_doubt), "{line:?}");
         let exact = medium.modulus(TAU * line.frequency_hz);
-        let error = (line.modulus - exact).norm() / exact.norm();
-        // The recursion of the chain rounds each of two quantities by a few 1e-15 of the larger of its two waves; 1e-13
-        // leaves room for 20 such roundings. A node in one of them magnifies it as the error amplification tells; for the
-        // waves themselves, these are differences of what may be ten times as large.
-        let tolerance = 1e-12 * (1.0 + line.error_amplification);
-        assert!(
-            error < tolerance,
-            "{name}, {} Hz: {error:e}",
-            line.frequency_hz
-        );
-        let doubt = line
-            .validity
-            .violations()
-            .iter()
-            .find(|violation| matches!(violation, Violation::BranchAmbiguous(_)));
-        assert_eq!(doubt, None, "{name}, {} Hz", line.frequency_hz);
-    }
+        relative(line.modulus, exact) / (1.0 + line.error_amplification)
+    };
+    largest(estimate.lines().iter().map(error))
 }
 
-fn check_material<L>(material: &str, medium: &Medium<L>)
+/// Worst errors of free end, one gauge and separate pulses.
+fn worst_of_material<L>(medium: &Medium<L>) -> [f64; 3]
 where
     Medium<L>: WaveMedium<AngularFrequency> + Clone + 'static,
     L: PropagationLaw,
@@ -62,104 +53,167 @@ where
 
     let frequency_hz = band();
     let none = vec![0.0; frequency_hz.len()];
+    let ratio = |of: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
+        frequency_hz.iter().map(|f| of(TAU * f)).collect()
+    };
+    let mut worst = [0.0_f64; 3];
     // from none over the accelerometer of paper A to a quarter of the rod's mass
     for end_mass in [0.0, 2.9e-3, 0.016] {
         let rod = VirtualRod::new(medium, end_mass);
-        let pairs = [
+        for (first, second) in [
             (at(0.5, Strain), at(0.25, Strain)),
             (at(0.2, Strain), at(0.5, Strain)),
             (at(0.7, Strain), at(0.09, Strain)),
-            (at(0.801, Acceleration), at(0.0, Acceleration)),
+            (at(LENGTH, Acceleration), at(0.0, Acceleration)),
             (at(0.6, Velocity), at(0.1, Velocity)),
             (at(0.4, Displacement), at(0.0, Acceleration)),
-        ];
-        for (first, second) in pairs {
-            let name = format!("{material}, {end_mass} kg, {first:?} by {second:?}");
-            let ratio: Vec<Complex64> = frequency_hz
-                .iter()
-                .map(|f| rod.at(first, TAU * f) / rod.at(second, TAU * f))
-                .collect();
+            // what Bacon's pair of pulses becomes when they overlap
+            (at(0.35, Strain), at(0.0, Acceleration)),
+        ] {
+            let observed = ratio(&|w| {
+                let force_by_strain = medium.modulus(w) * (0.125 * TAU * DIAMETER * DIAMETER);
+                let by_strain = if first.quantity == second.quantity || first.quantity != Strain {
+                    Complex64::ONE
+                } else {
+                    force_by_strain
+                };
+                rod.at(first, w) / by_strain / rod.at(second, w)
+            });
             let method = FreeEnd::new(with_end_mass(end_mass), first, second).unwrap();
-            let estimate = method.estimate(&frequency_hz, &ratio, &none).unwrap();
-            check(&name, &estimate, medium);
+            let estimate = method.estimate(&frequency_hz, &observed, &none).unwrap();
+            worst[0] = worst[0].max(error_of(&estimate, medium));
         }
-
-        // strain by a motion: what Bacon's pair of pulses becomes when they overlap
-        let (gauge, end) = (at(0.35, Strain), at(0.0, Acceleration));
-        let by_strain: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| {
-                let area_modulus =
-                    medium.modulus(TAU * f) * (0.25 * std::f64::consts::PI * DIAMETER * DIAMETER);
-                rod.at(gauge, TAU * f) / area_modulus / rod.at(end, TAU * f)
-            })
-            .collect();
-        let method = FreeEnd::new(with_end_mass(end_mass), gauge, end).unwrap();
-        let estimate = method.estimate(&frequency_hz, &by_strain, &none).unwrap();
-        check(
-            &format!("{material}, {end_mass} kg, strain by acceleration"),
-            &estimate,
-            medium,
-        );
-
-        let reflected: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| {
-                let [incident, reflected] = rod.waves(0.3, TAU * f);
-                reflected / incident
-            })
-            .collect();
-        let name = format!("{material}, {end_mass} kg, one gauge");
-        let method = OneGauge::new(with_end_mass(end_mass), at(0.3, Strain)).unwrap();
-        check(
-            &name,
-            &method.estimate(&frequency_hz, &reflected, &none).unwrap(),
-            medium,
-        );
         // the wave of velocity comes back with the other sign
-        let reflected: Vec<Complex64> = reflected.into_iter().map(|ratio| -ratio).collect();
-        let method = OneGauge::new(with_end_mass(end_mass), at(0.3, Velocity)).unwrap();
-        check(
-            &name,
-            &method.estimate(&frequency_hz, &reflected, &none).unwrap(),
-            medium,
-        );
-
-        let passing: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| rod.waves(0.2, TAU * f)[0] / rod.waves(0.6, TAU * f)[0])
-            .collect();
+        for (quantity, sign) in [(Strain, 1.0), (Velocity, -1.0)] {
+            let reflected = ratio(&|w| {
+                let [incident, reflected] = rod.waves(0.3, w);
+                sign * reflected / incident
+            });
+            let method = OneGauge::new(with_end_mass(end_mass), at(0.3, quantity)).unwrap();
+            let estimate = method.estimate(&frequency_hz, &reflected, &none).unwrap();
+            worst[1] = worst[1].max(error_of(&estimate, medium));
+        }
+        let passing = ratio(&|w| rod.waves(0.2, w)[0] / rod.waves(0.6, w)[0]);
         let method = SeparatePulses::new(PulsedRod {
             distance: 0.4,
             diameter: DIAMETER,
             density: DENSITY,
         });
         let estimate = method.unwrap().estimate(&frequency_hz, &passing, &none);
-        check(
-            &format!("{material}, {end_mass} kg, pulses"),
-            &estimate.unwrap(),
-            medium,
-        );
+        worst[2] = worst[2].max(error_of(&estimate.unwrap(), medium));
     }
+    worst
 }
 
 #[test]
 fn every_method_finds_the_modulus_of_a_rod_without_noise() {
-    check_material("polypropylene", &polypropylene());
-    check_material("one relaxation", &relaxing());
-    check_material("polyamide of low loss", &polyamide_of_low_loss());
+    let found = [
+        worst_of_material(&polypropylene()),
+        worst_of_material(&relaxing()),
+        worst_of_material(&polyamide_of_low_loss()),
+    ];
+    let mut claims = Claims::default();
+    for (method, (source, name)) in [
+        (
+            "cosh or sinh of gamma d at two sections before a free end with a mass",
+            "free end, seven pairs of strains and motions",
+        ),
+        (
+            "reflected over incident wave, exp(-2 gamma d) times that of the mass",
+            "one gauge, strain and velocity",
+        ),
+        ("exp(-gamma d) between two sections", "separate pulses"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        claims.by(source);
+        claims.deviation(
+            format!("{name}, three materials and end masses: modulus, 25 Hz to 15 kHz, by the amplification"),
+            // each of two quantities is rounded by a few 1e-15 of the larger of its two waves, which may be ten times as large as the sum
+            Within(1e-12, "rounding of the chain: differences of waves"),
+            Ok(largest(found.map(|worst| worst[method]))),
+        );
+    }
+    resonances(&mut claims);
+    damping_of_one_gauge(&mut claims);
+    hold!(claims);
+}
+
+fn damping_of_one_gauge(claims: &mut Claims) {
+    let frequency_hz = [900.0, 1700.0, 3100.0, 5200.0, 8800.0];
+    let rod = VirtualRod::new(&polypropylene(), 0.0);
+    let ratio = frequency_hz.map(|f| {
+        let [incident, reflected] = rod.waves(0.3, TAU * f);
+        reflected / incident
+    });
+    let variance = ratio.map(|h| 9e-6 * h.norm_sqr());
+    let estimate = OneGauge::new(with_end_mass(0.0), at(0.3, Quantity::Strain))
+        .and_then(|method| method.with_wave_speed(1700.0))
+        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+        .and_then(|method| method.estimate(&frequency_hz, &ratio, &variance))
+        .unwrap();
+    assert_eq!(estimate.lines().len(), 5);
+    let error = |line: &ModulusLine| {
+        let h = ratio[line.index].norm();
+        let expected = (0.5 * variance[line.index]).sqrt() / (2.0 * 0.3 * h);
+        line.standard_error.damping_coefficient / expected - 1.0
+    };
+    claims.by("variance of gamma by variance of H over (2 d H)^2");
+    claims.deviation(
+        "one gauge before a free end: standard error of the damping coefficient",
+        Within(2e-15, "some roundings"),
+        Ok(largest(estimate.lines().iter().map(error))),
+    );
+}
+
+/// At every resonance of the band, and at no other frequency, whatever the mass on the end.
+fn resonances(claims: &mut Claims) {
+    let medium = polypropylene();
+    let frequency_hz = lines(1500, 5.0);
+    let ends = [LENGTH, 0.0].map(|distance| at(distance, Quantity::Acceleration));
+    let mut worst = 0.0_f64;
+    for end_mass in [0.0, 2.9e-3, 0.016] {
+        let rod = VirtualRod::new(&medium, end_mass);
+        let ratio_at = |f: f64| rod.at(ends[0], TAU * f) / rod.at(ends[1], TAU * f);
+        let ratio: Vec<Complex64> = frequency_hz.iter().map(|f| ratio_at(*f)).collect();
+        let method = Resonances::new(with_end_mass(end_mass), LENGTH).unwrap();
+        let estimate = method
+            .estimate(&frequency_hz, &ratio, &vec![0.0; 1500])
+            .unwrap();
+        let changes = ratio
+            .windows(2)
+            .filter(|pair| pair[0].re * pair[1].re < 0.0)
+            .count();
+        assert_eq!(estimate.lines().len(), changes, "{end_mass} kg");
+        for (n, line) in (1..).zip(estimate.lines()) {
+            let real = ratio_at(line.frequency_hz).re;
+            assert!(real.abs() < 1e-3, "{} Hz: {real}", line.frequency_hz);
+            let exact = medium.modulus(TAU * line.frequency_hz);
+            worst = worst.max(f64::from(n) * relative(line.modulus, exact));
+        }
+    }
+    claims.by("resonances: the real part of the ratio of the ends changes its sign");
+    claims.deviation(
+        "modulus at the n-th resonance up to 7.5 kHz, n times the error, three end masses",
+        // 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, for a massless end. The mass μ puts 1 + μ(4 + kL) on the fourth derivative and takes as
+        // much off by the first.
+        Within(
+            6e-5,
+            "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass",
+        ),
+        Ok(worst),
+    );
 }
 
 /// The two-point method and the free end with d₁ = L, d₂ = 0 are one method.
 #[test]
 fn two_accelerations_are_the_two_point_method() {
-    use cmod::{Specimen, TwoPoint};
-
     let end_mass = 2.9e-3;
     let rod = VirtualRod::new(&polypropylene(), end_mass);
     let frequency_hz = band();
     let ends = [
-        at(super::rod::LENGTH, Quantity::Acceleration),
+        at(LENGTH, Quantity::Acceleration),
         at(0.0, Quantity::Acceleration),
     ];
     let ratio: Vec<Complex64> = frequency_hz
@@ -172,7 +226,7 @@ fn two_accelerations_are_the_two_point_method() {
         .estimate(&frequency_hz, &ratio, &variance)
         .unwrap();
     let two_point = TwoPoint::new(Specimen {
-        length: super::rod::LENGTH,
+        length: LENGTH,
         diameter: DIAMETER,
         density: DENSITY,
         accelerometer_mass: end_mass,
@@ -187,46 +241,5 @@ fn two_accelerations_are_the_two_point_method() {
         let errors = [one, other].map(|line| line.standard_error.loss_modulus);
         assert!((errors[0] / errors[1] - 1.0).abs() < 1e-9);
         assert!((one.error_amplification / other.error_amplification - 1.0).abs() < 1e-9);
-    }
-}
-
-/// At every resonance of the band, and at no other frequency, whatever the mass on the end.
-#[test]
-fn resonances_are_those_of_the_chain() {
-    let medium = polypropylene();
-    let frequency_hz = lines(1500, 5.0);
-    let ends = [
-        at(super::rod::LENGTH, Quantity::Acceleration),
-        at(0.0, Quantity::Acceleration),
-    ];
-    for end_mass in [0.0, 2.9e-3, 0.016] {
-        let rod = VirtualRod::new(&medium, end_mass);
-        let ratio_at = |f: f64| rod.at(ends[0], TAU * f) / rod.at(ends[1], TAU * f);
-        let ratio: Vec<Complex64> = frequency_hz.iter().map(|f| ratio_at(*f)).collect();
-        let method = Resonances::new(with_end_mass(end_mass), super::rod::LENGTH).unwrap();
-        let estimate = method
-            .estimate(&frequency_hz, &ratio, &vec![0.0; 1500])
-            .unwrap();
-        let changes = ratio
-            .windows(2)
-            .filter(|pair| pair[0].re * pair[1].re < 0.0)
-            .count();
-        assert_eq!(estimate.lines().len(), changes, "{end_mass} kg");
-        for (n, line) in (1..).zip(estimate.lines()) {
-            assert!(
-                ratio_at(line.frequency_hz).re.abs() < 1e-3,
-                "{} Hz",
-                line.frequency_hz
-            );
-            let exact = medium.modulus(TAU * line.frequency_hz);
-            let error = (line.modulus - exact).norm() / exact.norm();
-            // The remainder of a polynomial of third degree over 0.3 rad of kL: 0.3⁴/192 = 4.2e-5, times 2/kL, for a massless
-            // end. The mass μ puts 1 + μ(4 + kL) on the fourth derivative and takes as much off by the first.
-            assert!(
-                error < 6e-5 / f64::from(n),
-                "{end_mass} kg, {} Hz: {error:e}",
-                line.frequency_hz
-            );
-        }
     }
 }

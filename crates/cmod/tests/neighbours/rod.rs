@@ -5,9 +5,6 @@ use std::f64::consts::TAU;
 use cmod::multi_point::Quantity;
 use cmod::{EndSection, RodWithFreeEnd};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -87,22 +84,4 @@ impl VirtualRod {
 /// `count` lines, `step` \[Hz\] apart.
 pub(crate) fn lines(count: u32, step: f64) -> Vec<f64> {
     (1..=count).map(|j| step * f64::from(j)).collect()
-}
-
-/// Errors without preferred phase.
-pub(crate) struct Noise(ChaCha8Rng);
-
-impl Noise {
-    pub(crate) fn seeded(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    pub(crate) fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.0)
-    }
-
-    /// E|z|² = `variance`.
-    pub(crate) fn circular(&mut self, variance: f64) -> Complex64 {
-        (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
-    }
 }

@@ -10,7 +10,8 @@ use cmod::{
 };
 use num_complex::Complex64;
 
-use super::rod::{DENSITY, DIAMETER, LENGTH, Noise, VirtualRod, lines, polypropylene};
+use super::rod::{DENSITY, DIAMETER, LENGTH, VirtualRod, lines, polypropylene};
+use crate::noise::Noise;
 
 const END_MASS: f64 = 2.9e-3;
 const UNCERTAINTY: SectionUncertainty = SectionUncertainty {

@@ -1,17 +1,20 @@
 //! Linear propagation against Monte Carlo: noise, specimen, and the variance that the coherence gives.
 
+use std::f64::consts::TAU;
+
 use cmod::estimate::{ComplexCovariance, coverage_factor};
 use cmod::two_point::{AveragedRatio, SpecimenUncertainty, variance_from_coherence};
 use cmod::validity::{AcceptanceLimits, Violation};
 use cmod::{ModulusLine, Specimen, TwoPoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
+use testbed::claim::{Claims, Within};
+use testbed::difference::largest;
+use testbed::hold;
 
-use super::rod::{ONE_DIMENSIONAL, acceleration_ratio, circular};
+use super::rod::acceleration_ratio;
+use crate::noise::Noise;
 
 /// Test 2 of paper A.
 const SPECIMEN: Specimen = Specimen {
@@ -114,20 +117,13 @@ fn linear_propagation_is_that_of_monte_carlo() {
             .unwrap()
             .estimate(&frequency_hz, &exact, &variance)
             .unwrap();
-        let mut random = ChaCha8Rng::seed_from_u64(1993);
+        let mut random = Noise::seeded(1993);
         let mut moments = [Moments::default(); 5];
         // errors of the second and the last line together
         let mut together = 0.0;
         for _ in 0..repetitions {
-            let ratio: Vec<Complex64> = exact
-                .iter()
-                .zip(&variance)
-                .map(|(ratio, variance)| ratio + circular(&mut random, *variance))
-                .collect();
-            let mut draw = |uncertainty: f64| -> f64 {
-                let normal: f64 = StandardNormal.sample(&mut random);
-                uncertainty * normal
-            };
+            let ratio = random.on(&exact, &variance);
+            let mut draw = |uncertainty: f64| uncertainty * random.normal();
             let believed = Specimen {
                 length: SPECIMEN.length + draw(uncertainty.length),
                 diameter: SPECIMEN.diameter + draw(uncertainty.diameter),
@@ -217,22 +213,53 @@ fn shifts_are_the_derivatives_by_the_specimen() {
     }
 }
 
-/// Ten blows on one line, as complex numbers: the variance from the coherence is right in the mean, and errors by its root are
-/// distributed as Student's t with 18 degrees of freedom, not normally.
 #[test]
-fn variance_from_ten_blows_is_unbiased_and_its_errors_are_students() {
+fn errors_of_known_size() {
+    let mut claims = Claims::default();
+    of_noise(&mut claims);
+    of_ten_blows(&mut claims);
+    hold!(claims);
+}
+
+fn of_noise(claims: &mut Claims) {
+    let frequency_hz = [400.0, 1060.0, 1900.0, 3150.0, 6000.0];
+    let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
+    let variance: Vec<f64> = ratio.iter().map(|psi| 1e-6 * psi.norm_sqr()).collect();
+    let estimate = TwoPoint::new(SPECIMEN)
+        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+        .and_then(|method| method.estimate(&frequency_hz, &ratio, &variance))
+        .unwrap();
+    assert_eq!(estimate.lines().len(), 5);
+    let mu = SPECIMEN.mass_ratio();
+    let error = |line: &ModulusLine| {
+        let omega = TAU * line.frequency_hz;
+        let x = polypropylene().propagation_coefficient(omega) * SPECIMEN.length;
+        let slope = x.sinh() + mu * (x.sinh() + x * x.cosh());
+        let expected = 2.0 * polypropylene().modulus(omega).norm() / (x * slope).norm()
+            * (0.5 * variance[line.index]).sqrt();
+        line.standard_error.storage_modulus / expected - 1.0
+    };
+    claims.by("dE/E = -2 dPsi/(x f'), f' = sinh x + mu (sinh x + x cosh x), x = gamma L");
+    claims.deviation(
+        "Test 2: standard error of E' from noise of Psi",
+        Within(4e-11, "the root is followed to 1e-12, and amplified"),
+        Ok(largest(estimate.lines().iter().map(error))),
+    );
+}
+
+/// Ten blows on one line, as complex numbers: errors by the root of their variance are Student's, not normal.
+fn of_ten_blows(claims: &mut Claims) {
     let (blows, repetitions) = (10_u32, 40_000_u32);
     let ratio = Complex64::new(0.4, -1.1);
     let noise = 0.05;
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    let (mut mean, mut true_variance) = (0.0, 0.0);
-    let (mut within_one, mut within_two, mut normal) = (0.0, 0.0, 0.0);
-    let factors = [0.683, 0.95].map(|p| coverage_factor(p, Some(18.0)).unwrap());
+    let mut random = Noise::seeded(7);
+    let (mut mean, mut true_variance, mut within) = (0.0, 0.0, [0.0; 3]);
+    let [one, two] = [0.683, 0.95].map(|p| coverage_factor(p, Some(18.0)).unwrap());
     for _ in 0..repetitions {
         let (mut cross, mut input, mut output) = (Complex64::ZERO, 0.0, 0.0);
         for _ in 0..blows {
-            let free = 1.0 + circular(&mut random, 0.04);
-            let impacted = ratio * free + circular(&mut random, noise * noise);
+            let free = 1.0 + random.circular(0.04);
+            let impacted = ratio * free + random.circular(noise * noise);
             cross += impacted * free.conj();
             input += free.norm_sqr();
             output += impacted.norm_sqr();
@@ -246,51 +273,45 @@ fn variance_from_ten_blows_is_unbiased_and_its_errors_are_students() {
         true_variance += error.norm_sqr();
         let sigma = (0.5 * variance).sqrt();
         for part in [error.re, error.im] {
-            within_one += f64::from(part.abs() <= factors[0] * sigma);
-            within_two += f64::from(part.abs() <= factors[1] * sigma);
-            normal += f64::from(part.abs() <= 1.959_964 * sigma);
+            for (within, factor) in within.iter_mut().zip([one, two, 1.959_964]) {
+                *within += f64::from(part.abs() <= factor * sigma) / f64::from(2 * repetitions);
+            }
         }
     }
-    // both means scatter by 1/40000^½ = 0.5 %, and 1/9^½ of that; four of it. By n in place of n - 1 the ratio were 0.9.
-    assert!(
-        (mean / true_variance - 1.0).abs() < 0.02,
-        "{}",
-        mean / true_variance
+    claims.by("40 000 sets of ten blows: variance of Psi by (1 - coherence)/((n - 1) coherence), Student's t");
+    claims.claim(
+        "variance of Psi from the coherence of ten blows over the true one",
+        "1",
+        1.0,
+        Within(
+            0.02,
+            "means of 40 000 scatter by 0.5 %, four of it; 0.9 by n in place of n - 1",
+        ),
+        Ok(mean / true_variance),
     );
-    let part = |count: f64| count / f64::from(2 * repetitions);
-    // 80 000 values: ± 0.16 % and ± 0.08 %, four of each
-    assert!(
-        (part(within_one) - 0.683).abs() < 0.0065,
-        "{}",
-        part(within_one)
-    );
-    assert!(
-        (part(within_two) - 0.95).abs() < 0.0032,
-        "{}",
-        part(within_two)
-    );
-    // the normal quantile covers 93.4 %
-    assert!((part(normal) - 0.9343).abs() < 0.0035, "{}", part(normal));
-}
-
-/// Noise in the acceleration of the free end lowers H₁ by up to 1 - γ², as the documentation says.
-#[test]
-fn noise_of_the_free_end_biases_by_at_most_the_lack_of_coherence() {
-    let ratio = Complex64::new(0.4, -1.1);
-    let mut random = ChaCha8Rng::seed_from_u64(8);
-    let (mut cross, mut input, mut output) = (Complex64::ZERO, 0.0, 0.0);
-    for _ in 0..200_000 {
-        let free = circular(&mut random, 1.0);
-        let measured = free + circular(&mut random, 0.01);
-        cross += ratio * free * measured.conj();
-        input += measured.norm_sqr();
-        output += (ratio * free).norm_sqr();
+    for (name, expected, within, found) in [
+        (
+            "the 68.3 % factor of 18 degrees of freedom",
+            0.683,
+            Within(0.0065, "80 000 values scatter by 0.16 %, four of it"),
+            within[0],
+        ),
+        (
+            "the 95 % factor of 18 degrees of freedom",
+            0.95,
+            Within(0.0032, "80 000 values scatter by 0.08 %, four of it"),
+            within[1],
+        ),
+        (
+            "the normal factor of 95 %",
+            0.9343,
+            Within(0.0035, "80 000 values scatter by 0.09 %, four of it"),
+            within[2],
+        ),
+    ] {
+        let what = format!("ten blows: errors of Psi within {name}");
+        claims.claim(what, "1", expected, within, Ok(found));
     }
-    let bias = 1.0 - (cross / input / ratio).norm();
-    let greatest = 1.0 - cross.norm_sqr() / (input * output);
-    // 1/(1 + 0.01) both; the mean of 200 000 errors of 0.1 scatters by 2e-4
-    assert!((bias - 0.01 / 1.01).abs() < 1e-3, "{bias}");
-    assert!((greatest - bias).abs() < 1e-3, "{greatest}");
 }
 
 /// Where the error of Ψ is so large that it bends, near kL = π and at low frequency, the line says so; the bend is the second
@@ -409,7 +430,7 @@ fn r15_common_errors_stand_beside_and_judge_no_line() {
             .and_then(|method| method.estimate(&frequency_hz, &ratio, &[variance; 60]))
             .unwrap()
     };
-    let usual = ONE_DIMENSIONAL;
+    let usual = AcceptanceLimits::ONE_DIMENSIONAL;
     let (without, with) = (
         estimate(0.0, 1e-8, usual),
         estimate(0.01 * SPECIMEN.density, 1e-8, usual),

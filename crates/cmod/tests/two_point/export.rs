@@ -1,8 +1,8 @@
 //! An estimate as columns and as curves.
 
-use cmod::estimate::{Method, PlottedQuantity};
+use cmod::estimate::PlottedQuantity;
 use cmod::two_point::SpecimenUncertainty;
-use cmod::{ModulusEstimate, Solver, Specimen, TwoPoint};
+use cmod::{ModulusEstimate, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
@@ -32,17 +32,6 @@ fn estimate() -> ModulusEstimate {
         .unwrap()
         .estimate(&frequency_hz, &ratio, &variance)
         .unwrap()
-}
-
-#[test]
-fn the_method_and_its_settings_are_carried_along() {
-    let estimate = estimate();
-    let Method::TwoPoint(method) = estimate.method() else {
-        unreachable!("made by the two-point method");
-    };
-    assert_eq!(method.specimen(), &SPECIMEN);
-    assert_eq!(method.solver(), Solver::Continuation);
-    assert_eq!(estimate.method().to_string(), "two-point method");
 }
 
 #[test]

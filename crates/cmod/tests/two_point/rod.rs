@@ -3,23 +3,9 @@
 use std::f64::consts::TAU;
 
 use cmod::Specimen;
-use cmod::validity::{
-    AcceptanceLimits, GREATEST_ERROR_AMPLIFICATION, GREATEST_LOSS_FACTOR_ERROR,
-    GREATEST_STORAGE_MODULUS_ERROR,
-};
 use num_complex::Complex64;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
-
-/// The usual limits, for waves without lateral inertia.
-pub(crate) const ONE_DIMENSIONAL: AcceptanceLimits = AcceptanceLimits {
-    storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
-    loss_factor: GREATEST_LOSS_FACTOR_ERROR,
-    error_amplification: GREATEST_ERROR_AMPLIFICATION,
-    ..AcceptanceLimits::NONE
-};
 
 /// â₁/â₂ of a rod of `medium` that carries `impacted_mass` [kg] at the struck end and the accelerometer of the `specimen` at
 /// the other.
@@ -47,11 +33,4 @@ where
     };
     let ratio = |&f: &f64| velocity(0.0, f) / velocity(specimen.length, f);
     frequency_hz.iter().map(ratio).collect()
-}
-
-/// E|z|² = `mean_square`, half in each part.
-pub(crate) fn circular(random: &mut ChaCha8Rng, mean_square: f64) -> Complex64 {
-    let re: f64 = StandardNormal.sample(random);
-    let im: f64 = StandardNormal.sample(random);
-    Complex64::new(re, im) * (0.5 * mean_square).sqrt()
 }

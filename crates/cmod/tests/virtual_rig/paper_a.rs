@@ -1,9 +1,6 @@
 //! Tests 1 to 10 of paper A.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
 use cmod::estimate::coverage_factor;
 use cmod::two_point::AveragedRatio;
@@ -18,10 +15,10 @@ use rodwave::experiment::end_accelerations::{
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, PowerLawPropagation};
 use rodwave::synthesis::{DampedSynthesis, FourierSynthesis};
-use serde::Deserialize;
 
 use super::coverage::Coverage;
 use super::instrument_chain::{BLOWS, OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
+use crate::golden::{constant, golden};
 
 /// Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;
@@ -30,48 +27,16 @@ const LEAD: usize = 64;
 /// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
-#[derive(Deserialize)]
-struct GoldenTable {
-    rows: Vec<GoldenRow>,
-}
-
-#[derive(Deserialize)]
-struct GoldenRow {
-    label: String,
-    text: BTreeMap<String, String>,
-    values: BTreeMap<String, GoldenValue>,
-}
-
-#[derive(Deserialize)]
-struct GoldenValue {
-    value: f64,
-}
-
-fn golden(name: &str) -> Vec<GoldenRow> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/golden")
-        .join(name);
-    let table: GoldenTable = ron::from_str(&fs::read_to_string(path).unwrap()).unwrap();
-    table.rows
-}
-
-fn accelerometer_mass() -> f64 {
-    let rows = golden("paper_a_constants.ron");
-    let row = rows.iter().find(|row| row.label == "accelerometer_mass");
-    row.unwrap().values["value"].value
-}
-
 /// Specimen and material of test `label`.
 fn test(label: u32) -> (Specimen, String) {
     let rows = golden("paper_a_table_2.ron");
     let row = rows.iter().find(|row| row.label == label.to_string());
     let row = row.unwrap();
-    let value = |name: &str| row.values[name].value;
     let specimen = Specimen {
-        length: value("length"),
-        diameter: value("diameter"),
-        density: value("density"),
-        accelerometer_mass: accelerometer_mass(),
+        length: row.value("length"),
+        diameter: row.value("diameter"),
+        density: row.value("density"),
+        accelerometer_mass: constant("paper_a_constants.ron", "accelerometer_mass").value,
     };
     (specimen, row.text["material"].clone())
 }
