@@ -1,198 +1,139 @@
 //! `cargo xtask traceability`: docs/traceability.md, every numbered item of the thesis with its code and its proof.
 //!
-//! docs/traceability.ron says where an item is implemented and which test proves it. Here every such reference is looked up in
-//! the parsed sources, the rows are compared with the list of what the thesis numbers, and citations of equations in the
-//! sources are compared with the same list. What implements an equation has to cite it, so that the way back is open too.
+//! Both are found by their citations: what implements an equation cites it in its documentation, and so does the test or the source of
+//! a claim that proves it. Tables and figures may be reproduced instead, by what compares its numbers with a snapshot.
 
 mod citation;
 mod error;
 mod numbered;
 mod page;
-mod reproduction;
-mod row;
-mod source;
-mod workspace;
+mod place;
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::fs;
 
-use crate::Outcome;
 use testbed::generated::{ensure_file_contents, workspace_root};
 
-use citation::Citation;
+use crate::Outcome;
+
 use error::{Fault, Faults};
 use numbered::{Kind, Numbered, Part};
-use reproduction::Reproductions;
-use row::Row;
-use workspace::{Unresolved, Workspace};
+use place::{Place, Role};
 
 /// The command that makes the page.
 const COMMAND: &str = "cargo xtask traceability";
-/// What is written by hand, from the root of the workspace.
-const ROWS: &str = "docs/traceability.ron";
-/// What is made of it.
+/// What is made.
 const PAGE: &str = "docs/traceability.md";
 
-/// Writes the page, or with `check` fails if it is not what would be written. Fails where a row is missing or does not resolve.
+/// An item of the thesis with everything that cites it.
+#[derive(Debug)]
+pub(crate) struct Traced {
+    pub(crate) item: Numbered,
+    pub(crate) places: BTreeSet<Place>,
+}
+
+impl Traced {
+    /// The fault of an item that lacks code or proof. The survey repeats the papers; a table or figure may be reproduced.
+    fn fault(&self) -> Option<Fault> {
+        if self.item.part == Part::Survey || !self.item.has_number() {
+            return None;
+        }
+        let has = |role| self.places.iter().any(|place| place.role == role);
+        let reproduced = self.item.kind != Kind::Equation && has(Role::Reproduced);
+        let missing = |what| Fault::NotCited {
+            item: self.item.clone(),
+            what,
+        };
+        match (has(Role::Implemented), has(Role::Proved)) {
+            _ if reproduced => None,
+            (true, true) => None,
+            (true, false) => Some(missing("test or claim that proves it")),
+            (false, _) => Some(missing("code that implements it")),
+        }
+    }
+}
+
+/// Writes the page, or with `check` fails if it is not what would be written. Fails where an item has no code or no proof.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
-    let rows = row::read(&root.join(ROWS))?;
-    let workspace = Workspace::read(root)?;
-    let reproductions = Reproductions::read(root, &workspace)?;
-    let mut faults = complete(&rows, &numbered::all());
-    for row in &rows {
-        faults.extend(faults_of(row, root, &workspace, &reproductions));
-    }
+    let mut items: Vec<Traced> = numbered::all()
+        .into_iter()
+        .map(|item| Traced {
+            item,
+            places: BTreeSet::new(),
+        })
+        .collect();
     let citations = citation::of_workspace(root)?;
-    faults.extend(rows.iter().filter_map(|row| not_cited(row, &citations)));
-    let equations = citations.len();
-    faults.extend(citations.into_iter().filter_map(Citation::fault));
+    let mut faults = Vec::new();
+    let mut text = (String::new(), String::new());
+    for citation in &citations {
+        if text.0 != citation.file {
+            text = (
+                citation.file.clone(),
+                fs::read_to_string(root.join(&citation.file))?,
+            );
+        }
+        match items
+            .iter_mut()
+            .find(|traced| traced.item == citation.cited)
+        {
+            Some(traced) => traced
+                .places
+                .extend(place::of(&citation.file, &text.1, citation.line)),
+            None => faults.push(citation.fault()),
+        }
+    }
+    faults.extend(items.iter().filter_map(Traced::fault));
     if !faults.is_empty() {
         return Err(Box::new(Faults(faults)));
     }
-    ensure_file_contents(&root.join(PAGE), &page::markdown(&rows), check, COMMAND)?;
+    ensure_file_contents(&root.join(PAGE), &page::markdown(&items), check, COMMAND)?;
     println!(
-        "{} items traced, {} references to code, {} to tests, {equations} citations checked: {PAGE} is {}",
-        rows.len(),
-        rows.iter().map(|row| row.implemented.len()).sum::<usize>(),
-        rows.iter().map(|row| row.proved.len()).sum::<usize>(),
+        "{} items traced by {} citations: {PAGE} is {}",
+        items.len(),
+        citations.len(),
         if check { "current" } else { "written" },
     );
     Ok(())
 }
 
-/// Whether each of the `expected` items has one row, in the order of the thesis, and no other has any.
-fn complete(rows: &[Row], expected: &[Numbered]) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    for item in expected {
-        match rows.iter().filter(|row| row.item() == *item).count() {
-            1 => {}
-            0 => faults.push(Fault::Missing { item: item.clone() }),
-            found => faults.push(Fault::Repeated {
-                item: item.clone(),
-                found,
-            }),
-        }
-    }
-    for row in rows {
-        let item = row.item();
-        if !expected.contains(&item) {
-            faults.push(Fault::NotOfTheThesis {
-                numbers: numbered::in_words(item.part, item.kind),
-                item,
-            });
-        }
-    }
-    if faults.is_empty()
-        && let Some((row, item)) = rows
-            .iter()
-            .zip(expected)
-            .find(|(row, item)| row.item() != **item)
-    {
-        faults.push(Fault::Order {
-            found: row.item(),
-            expected: item.clone(),
-        });
-    }
-    faults
-}
-
-/// The fault of an equation of a paper that no file of its implementation cites. The survey repeats the papers.
-fn not_cited(row: &Row, citations: &[Citation]) -> Option<Fault> {
-    let item = row.item();
-    if item.part == Part::Survey || item.kind != Kind::Equation || !item.has_number() {
-        return None;
-    }
-    let files: Vec<&str> = row
-        .implemented
-        .iter()
-        .filter_map(|reference| workspace::split(reference).map(|(file, _)| file))
-        .collect();
-    let cited = citations
-        .iter()
-        .map(Citation::of)
-        .any(|(cited, file)| *cited == item && files.contains(&file));
-    (!cited).then(|| Fault::NotCited {
-        item,
-        files: files.join(", "),
-    })
-}
-
-/// What is wrong with one row by itself.
-fn faults_of(
-    row: &Row,
-    root: &Path,
-    workspace: &Workspace,
-    reproductions: &Reproductions,
-) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    let item = row.item();
-    for (field, empty) in [
-        ("says", row.says.trim().is_empty()),
-        ("implemented", row.implemented.is_empty()),
-        ("proved", row.proved.is_empty()),
-    ] {
-        if empty {
-            faults.push(Fault::Empty {
-                item: item.clone(),
-                field,
-            });
-        }
-    }
-    let unresolved = |field, source: Unresolved| Fault::Unresolved {
-        item: item.clone(),
-        field,
-        source,
-    };
-    let mut public = row.implemented.is_empty();
-    for reference in &row.implemented {
-        match workspace.resolve(reference) {
-            Ok(found) if found.test => {
-                public = true; // one fault a reference
-                faults.push(Fault::TestAsCode {
-                    item: item.clone(),
-                    reference: reference.clone(),
-                });
-            }
-            // what the tasks do is part of no public interface
-            Ok(found) => public |= found.public || reference.starts_with("xtask/"),
-            Err(source) => {
-                public = true;
-                faults.push(unresolved("implemented", source));
-            }
-        }
-    }
-    if !public {
-        faults.push(Fault::Private {
-            item: item.clone(),
-            references: row.implemented.join(", "),
-        });
-    }
-    for reference in &row.proved {
-        match workspace.resolve(reference) {
-            Ok(found) if found.test => {}
-            Ok(_) => faults.push(Fault::NoTest {
-                item: item.clone(),
-                reference: reference.clone(),
-            }),
-            Err(source) => faults.push(unresolved("proved", source)),
-        }
-    }
-    for reference in &row.reproduced {
-        if let Err(source) = reproductions.resolve(reference) {
-            faults.push(unresolved("reproduced", source));
-        }
-    }
-    for link in row.links() {
-        let file = link.split('#').next().unwrap_or(link);
-        if !root.join("docs").join(file).is_file() {
-            faults.push(Fault::DeadLink {
-                item: item.clone(),
-                link: link.to_owned(),
-            });
-        }
-    }
-    faults
-}
-
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    fn traced(kind: Kind, roles: &[Role]) -> Traced {
+        let place = |role: &Role| Place {
+            role: *role,
+            file: "a.rs".to_owned(),
+            item: "a".to_owned(),
+        };
+        Traced {
+            item: Numbered {
+                part: Part::A,
+                kind,
+                number: "1".to_owned(),
+            },
+            places: roles.iter().map(place).collect(),
+        }
+    }
+
+    #[test]
+    fn an_equation_wants_code_and_proof_and_a_table_may_be_reproduced() {
+        use Role::{Implemented, Proved, Reproduced};
+        let fault =
+            |kind, roles: &[Role]| traced(kind, roles).fault().map(|fault| fault.to_string());
+        for roles in [&[] as &[Role], &[Proved], &[Reproduced, Proved]] {
+            assert_eq!(
+                fault(Kind::Equation, roles).as_deref(),
+                Some("paper A, eq. 1: cited by no code that implements it")
+            );
+        }
+        assert_eq!(
+            fault(Kind::Equation, &[Implemented, Reproduced]).as_deref(),
+            Some("paper A, eq. 1: cited by no test or claim that proves it")
+        );
+        assert_eq!(fault(Kind::Equation, &[Implemented, Proved]), None);
+        assert_eq!(fault(Kind::Figure, &[Reproduced]), None);
+        assert!(fault(Kind::Figure, &[Implemented]).is_some());
+    }
+}

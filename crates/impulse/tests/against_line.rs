@@ -1,9 +1,4 @@
 //! The same impacts by `rodwave::line`, which knows nothing of mobilities: characteristics in the time domain, with contact.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use impulse::{Impact, Prediction};
 use rodwave::chain::{AnalyticChain, Termination};

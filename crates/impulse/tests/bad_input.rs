@@ -1,8 +1,4 @@
 //! What is asked wrongly is refused with the reason, and never becomes a force.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use impulse::{
     ContactLaw, Impact, ImpactBody, ImpulseError, Kernel, LineBand, LowFrequency, MeasuredBody,

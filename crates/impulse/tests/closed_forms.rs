@@ -1,9 +1,4 @@
 //! Impacts with a closed form, or an independent solution of their differential equation.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::PI;
 

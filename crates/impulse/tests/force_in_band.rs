@@ -1,8 +1,4 @@
 //! The force in a band: one number whatever the step and the record; the end of a contact between samples.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::{PI, TAU};
 

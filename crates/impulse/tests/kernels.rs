@@ -1,8 +1,4 @@
 //! Mobilities in discrete time: closed forms, and the energy that no force can get out of a passive body.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use impulse::{
     ImpactBody, Kernel, LowFrequency, MeasuredBody, MobilityLaw, Quadrature, TimeGrid, WeighedMass,

@@ -1,8 +1,4 @@
 //! Screening and correction of measured mobilities, on chains of `rodwave` with faults of known size.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,5 @@
 //! Figures 5 and 6 of paper E on virtual bodies: the force from a measured and a predicted impulse response (I) and from two predicted
 //! ones (II), for the four cases.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use crate::virtual_laboratory;
 

@@ -1,8 +1,4 @@
 //! A march allocates its arrays before it begins, and nothing in a step.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use impulse::{ContactLaw, Impact, MobilityLaw};
 use num_complex::Complex64;

@@ -4,11 +4,6 @@
 //! the power laws of its eq. 7 stand for Nylon-6. The paper does not say what it took at 0 Hz. Here the bodies are weighed,
 //! `ZeroLine::EffectiveMass`: the total impulse of the stick force is V times the mass of the body, as the long rod is
 //! endless. Leaving the line out would shift the force by -VM/T.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::TAU;
 

@@ -2,11 +2,6 @@
 //!
 //! Eq. 7 gives a propagation coefficient on the frequency axis and no causal law; a constant loss factor at its level, $`\alpha/k`$ at 3
 //! kHz, is one. Reference values are of an independent computation with such a nylon (Laplace transform, layered recursion).
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use std::f64::consts::TAU;
 

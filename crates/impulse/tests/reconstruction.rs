@@ -1,10 +1,5 @@
 //! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line, inverted by frequency responses
 //! on the axis.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
 
 use crate::virtual_body;
 

@@ -1,10 +1,4 @@
 //! A mass that strikes a long viscoelastic rod, against Talbot's inversion in 40 digits: `fixtures/reference/mpmath`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a reference that cannot be read must fail the test"
-)]
 
 use impulse::{ForceHistory, Impact, MobilityLaw};
 use num_complex::Complex64;

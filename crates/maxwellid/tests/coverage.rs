@@ -1,11 +1,4 @@
 //! Intervals of 95 % cover the truth: 200 virtual tests of each law, of another solver, with noise on both histories.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a failing test should say so at once, and counts are small"
-)]
 
 use crate::virtual_rod;
 

@@ -1,11 +1,4 @@
 //! The criterion of paper D, summed up by hand from the two velocity histories: pattern, vectors, sum of squares, gradient, error.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "a failing test should say so at once, and counts are small"
-)]
 
 use crate::virtual_rod;
 

@@ -1,11 +1,4 @@
 //! Identification of virtual tests made by the lumped chain and the striker, and what it must refuse or doubt.
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a failing test should say so at once, and exact zeros are compared exactly"
-)]
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Noise, Provenance, RodTest, RodTestData,

@@ -1,5 +1,4 @@
 //! The estimate, its errors and its profile are of one minimum.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

@@ -1,11 +1,4 @@
 //! How a fit finds its way: starts, another period of the waveform, bounds, grids, minimisers.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "a failing test should say so at once, and counts are small"
-)]
 
 use crate::virtual_rod;
 

@@ -1,5 +1,4 @@
 //! Which law: the right one from two impact velocities, and doubts where they belong.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

@@ -1,5 +1,4 @@
 //! Confusion matrix and calibration of probabilities on data of independent generators, at two velocities.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

@@ -1,5 +1,4 @@
 //! Linear rods of constant loss factor, struck at one velocity: no nonlinear law is named.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

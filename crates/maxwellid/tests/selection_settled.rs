@@ -1,5 +1,4 @@
 //! Comparisons that do not depend on the order of anything, and laws that are never worse than their special cases.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

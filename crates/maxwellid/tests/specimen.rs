@@ -1,5 +1,4 @@
 //! How the parameters move with length and density of the specimen: by fits of the same histories to another specimen.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use std::sync::Arc;
 

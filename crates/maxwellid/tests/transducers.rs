@@ -1,11 +1,4 @@
 //! Transducers: displacements, their noise and range, gain, offset and delay; tests that contradict each other.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "a failing test should say so at once, and counts are small"
-)]
 
 use crate::virtual_rod;
 

@@ -1,5 +1,4 @@
 //! Profiles, advice on the next test, and the paper's classifier on virtual tests.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use crate::virtual_tests;
 

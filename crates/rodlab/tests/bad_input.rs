@@ -1,8 +1,4 @@
 //! What the program says, word for word, of an example in which one thing is wrong, and the status with which it ends.
-#![allow(
-    clippy::unwrap_used,
-    reason = "an example that cannot be copied is the failure that the test reports"
-)]
 
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,4 @@
 //! Materials and bodies of sheets against closed forms: each law as a long rod, each element at low frequency.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports"
-)]
 
 use crate::two_masses;
 

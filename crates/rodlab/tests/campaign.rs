@@ -1,9 +1,4 @@
 //! Many sheets: one bad test stops no other, what is done is not done again, and parts make a whole.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a call that should succeed and does not is the failure that the test reports"
-)]
 
 use std::collections::BTreeMap;
 use std::fs;

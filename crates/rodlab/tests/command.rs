@@ -1,8 +1,4 @@
 //! The program as a person calls it: what it says, what it writes, and the status with which it ends.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a call that should succeed and does not is the failure that the test reports"
-)]
 
 use std::fs;
 use std::path::Path;

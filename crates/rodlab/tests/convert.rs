@@ -1,7 +1,5 @@
 //! Files in other formats: what is kept to the last bit, and that what is not is said.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use std::fs;
 use std::path::Path;
 

@@ -1,8 +1,4 @@
 //! The four examples, by the commands of their README, against what their records were made of.
-#![allow(
-    clippy::unwrap_used,
-    reason = "an example that does not work is the failure that the test reports"
-)]
 
 use std::path::Path;
 use std::process::Command;

@@ -4,13 +4,6 @@
 //! tries all of them, which takes a quarter of an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
 //! in `docs/validation.md` of them.
 #![cfg(unix)]
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::print_stdout,
-    reason = "a test fails by a panic that says which fault was not withstood, and says what it skips"
-)]
 
 mod cut_records;
 mod cut_sheets;

@@ -1,8 +1,4 @@
 //! Impact forces from sheets, against closed forms.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a sheet that should have a result and has none is the failure that the test reports"
-)]
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;

@@ -1,10 +1,5 @@
 //! Forces from the acceleration of the struck one of two masses, which is integrated in time; the path is known in closed form or by
 //! calibration hits.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports; what is skipped is said"
-)]
 
 use crate::two_masses;
 

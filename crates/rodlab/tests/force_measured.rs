@@ -1,11 +1,4 @@
 //! The force when a measured body meets another: the body is struck by a virtual hammer first, and the impact is integrated in time.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports; counts of steps are small"
-)]
 
 use crate::two_masses;
 

@@ -3,15 +3,6 @@
 //! The body is two masses joined by a spring and a dashpot, free in space. Its histories are integrated in time; the accelerance
 //! they are compared with is the closed form in the frequency domain.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::indexing_slicing,
-    reason = "a test that cannot go on has failed, one that is skipped says so, and numbers of samples are small"
-)]
-
 use testbed::measured;
 
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,5 @@
 //! The part of a sheet about hits: limits that are stated, left out or left alone, and what the report says of them.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rodlab::hits::{FoundHits, HitKind, HitsSheet};

@@ -1,11 +1,4 @@
 //! Laws of struck rods from sheets and files: virtual tests of the lumped chain, inverted by the method of characteristics.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_precision_loss,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
-)]
 
 use crate::struck_rods;
 

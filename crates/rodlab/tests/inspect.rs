@@ -1,12 +1,5 @@
 //! What is said of files: of sound ones, and of those in which something is wrong.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    reason = "a test that cannot go on has failed, one that is skipped says so, and cut samples are small"
-)]
-
 use testbed::measured;
 
 use std::f64::consts::{PI, TAU};

@@ -1,10 +1,5 @@
 //! Mobilities from sheets: of virtual hits on two masses with a spring and a dashpot between, which are integrated in time and known in
 //! closed form; of files; of computed bodies.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports"
-)]
 
 use crate::two_masses;
 

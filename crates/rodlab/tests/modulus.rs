@@ -2,16 +2,6 @@
 //!
 //! The ends of the rod of paper A are by chain recursion and damped Fourier transform; the pulses in a long rod by an explicit march of
 //! masses, springs and dashpots. Neither knows the equations that the methods solve.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::print_stdout,
-    clippy::indexing_slicing,
-    reason = "a failing test should say so at once"
-)]
 
 use crate::virtual_rod;
 

@@ -1,9 +1,4 @@
 //! The files of an outcome: their names, their bytes, and the documented structure of `result.json`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a failing test should say so at once"
-)]
 
 #[allow(dead_code, reason = "the browser needs more of it")]
 use crate::rich;

@@ -1,7 +1,5 @@
 //! Files to calibrated records: what a file does not tell the sheet says, and what is said of one that does not suit.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use std::fs;
 use std::path::Path;
 

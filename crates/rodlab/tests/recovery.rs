@@ -1,11 +1,5 @@
 //! The job `recovery` as a laboratory runs it. The readings come from a march of the differential equation of the dashpot, not from
 //! the closed form that is fitted to them.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a failing test should say so at once"
-)]
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -2,11 +2,6 @@
 //!
 //! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without one the test says that it is skipped.
 //! With `RODLAB_KEEP` set to a folder, the pages that were opened stay there for looking at.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a failing test should say so at once"
-)]
 
 use crate::rich;
 use std::io::Write as _;

@@ -1,10 +1,4 @@
 //! Virtual tests from sheets: the records, and what the commands find that evaluate them.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_precision_loss,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports, and counts are small"
-)]
 
 use std::fs;
 use std::path::Path;

@@ -1,12 +1,6 @@
 //! A stated uncertainty reaches the result, or the sheet is refused: every quantity of every kind of sheet is stated with one.
 //!
 //! The quantities are found in the texts of the sheets, and the fields that take an uncertainty in the sources: nothing is listed here.
-#![allow(
-    clippy::unwrap_used,
-    clippy::cast_precision_loss,
-    clippy::indexing_slicing,
-    reason = "a sheet that should have a result and has none is the failure that the test reports"
-)]
 
 use crate::two_masses;
 

@@ -1,10 +1,5 @@
 //! The tour of `docs/tour.md`, command by command, on a copy of the examples: what the page says a command prints, it prints.
 #![cfg(unix)]
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a command of the tour that does not work is the failure that the test reports"
-)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -6,13 +6,14 @@
 
 mod number;
 
-use std::fs;
 use std::path::Path;
+use std::{fs, io};
+
+use testbed::papers::files;
 
 use self::number::{between, kind, number_or_range};
-use super::error::{Fault, TraceabilityError};
-use super::numbered::{Kind, Numbered, Part, in_words, numbers};
-use super::workspace::entries;
+use super::error::Fault;
+use super::numbered::{Kind, Numbered, Part, in_words};
 
 /// Where citations are looked for, from the root of the workspace.
 const PLACES: [&str; 7] = [
@@ -28,46 +29,42 @@ const PLACES: [&str; 7] = [
 /// A numbered item, named in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Citation {
-    file: String,
-    line: usize,
-    cited: Numbered,
+    pub(crate) file: String,
+    pub(crate) line: usize,
+    pub(crate) cited: Numbered,
 }
 
 impl Citation {
-    /// What is cited, and in which file.
-    pub(crate) fn of(&self) -> (&Numbered, &str) {
-        (&self.cited, &self.file)
-    }
-
     /// The fault of citing what the thesis does not have.
-    pub(crate) fn fault(self) -> Option<Fault> {
-        let known = numbers(self.cited.part, self.cited.kind);
-        (!known.contains(&self.cited.number)).then(|| Fault::Citation {
-            file: self.file,
+    pub(crate) fn fault(&self) -> Fault {
+        Fault::Citation {
+            file: self.file.clone(),
             line: self.line,
             expected: in_words(self.cited.part, self.cited.kind),
-            cited: self.cited,
-        })
+            cited: self.cited.clone(),
+        }
     }
 }
 
 /// Every citation in the files of the workspace at `root`.
-pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, TraceabilityError> {
+pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, Box<dyn std::error::Error>> {
     let mut citations = Vec::new();
-    let mut paths: Vec<String> = PLACES.map(str::to_owned).into();
+    let mut paths: Vec<_> = PLACES.map(|place| root.join(place)).into();
     while let Some(path) = paths.pop() {
-        if root.join(&path).is_dir() {
-            paths.extend(entries(root, &path)?);
-        } else if [".rs", ".md", ".ron"]
-            .iter()
-            .any(|ending| path.ends_with(ending))
+        if path.is_dir() {
+            paths.extend(files(&path)?);
+        } else if path
+            .extension()
+            .is_some_and(|ending| ["rs", "md", "ron"].iter().any(|known| ending == *known))
         {
-            let text =
-                fs::read_to_string(root.join(&path)).map_err(|source| TraceabilityError::Io {
-                    path: root.join(&path),
-                    source,
-                })?;
-            citations.extend(of_text(&path, &text));
+            let text = fs::read_to_string(&path).map_err(|error| {
+                io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+            })?;
+            let file = path
+                .strip_prefix(root)?
+                .to_string_lossy()
+                .replace('\\', "/");
+            citations.extend(of_text(&file, &text));
         }
     }
     citations.sort_by(|a, b| (&a.file, a.line).cmp(&(&b.file, b.line)));
@@ -403,17 +400,10 @@ mod tests {
 
     #[test]
     fn an_equation_that_is_not_there_is_a_fault_with_its_place() {
-        let faults: Vec<String> = of_text("a.rs", &"\nP D, eqs. 14-15".replace('P', "paper"))
-            .into_iter()
-            .filter_map(Citation::fault)
-            .map(|fault| fault.to_string())
-            .collect();
+        let citations = of_text("a.rs", &"\nP D, eqs. 14-15".replace('P', "paper"));
         assert_eq!(
-            faults,
-            [
-                "a.rs, line 2: `P D, eq. 15` is cited, expected eq. 1 to 14, δ"
-                    .replace("P ", "paper ")
-            ]
+            citations[1].fault().to_string(),
+            "a.rs, line 2: `P D, eq. 15` is cited, expected eq. 1 to 14, δ".replace("P ", "paper ")
         );
     }
 }

@@ -4,10 +4,8 @@
 
 use std::fmt;
 
-use serde::Deserialize;
-
 /// The survey or a paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Part {
     Survey,
     A,
@@ -63,7 +61,7 @@ impl fmt::Display for Part {
 }
 
 /// What carries a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Equation,
     Table,

@@ -1,9 +1,5 @@
 //! Virtual tests of two independent generators, with noise on both histories.
 #![allow(dead_code, reason = "each test file uses what it needs")]
-#![allow(
-    clippy::indexing_slicing,
-    reason = "an index out of bounds fails the test, as it should"
-)]
 
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
 use maxwellid::{Provenance, RodTest, RodTestData};

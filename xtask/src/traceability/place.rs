@@ -1,0 +1,162 @@
+//! Where a citation stands: in what implements, in what proves, in what reproduces, and in which item of the source.
+
+/// What a citation says of the cited item.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Role {
+    Implemented,
+    Proved,
+    Reproduced,
+}
+
+/// An item of a source file that cites.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place {
+    pub(crate) role: Role,
+    pub(crate) file: String,
+    /// `Type::method`, `function`, or the name of the module for its own documentation.
+    pub(crate) item: String,
+}
+
+/// The place of line `number` of `file`, counted from 1; none in what is no source of a crate or of a reproduction.
+pub(crate) fn of(file: &str, text: &str, number: usize) -> Option<Place> {
+    let lines: Vec<&str> = text.lines().collect();
+    let at = number.checked_sub(1).filter(|at| *at < lines.len())?;
+    let role = role(file, &lines[..=at])?;
+    Some(Place {
+        role,
+        file: file.to_owned(),
+        item: item(&lines, at).unwrap_or_else(|| module(file)),
+    })
+}
+
+fn role(file: &str, before: &[&str]) -> Option<Role> {
+    if !file.ends_with(".rs") {
+        return None;
+    }
+    if file.starts_with("xtask/src/reproduce") {
+        return Some(Role::Reproduced);
+    }
+    let (_, inside) = file.strip_prefix("crates/")?.split_once('/')?;
+    match inside.split('/').next()? {
+        "tests" => Some(Role::Proved),
+        "src" if before.contains(&"#[cfg(test)]") => Some(Role::Proved),
+        "src" => Some(Role::Implemented),
+        _ => None,
+    }
+}
+
+/// The item that the documentation in line `at` belongs to, or whose body the line is in.
+fn item(lines: &[&str], at: usize) -> Option<String> {
+    if lines[at].trim_start().starts_with("//!") {
+        return None;
+    }
+    let is_aside = |line: &&str| {
+        let line = line.trim_start();
+        line.is_empty() || line.starts_with("//") || line.starts_with("#[")
+    };
+    let below = (at..lines.len()).find(|&line| !is_aside(&lines[line]))?;
+    let (start, name) = match declared(lines[below]) {
+        Some(name) if is_aside(&lines[at]) || below == at => (below, name),
+        _ => above(lines, at, indentation(lines[at]))?,
+    };
+    let method = lines[start].trim_start().contains("fn ") && indentation(lines[start]) > 0;
+    match above(lines, start, indentation(lines[start])).filter(|_| method) {
+        Some((_, outer)) if outer != "tests" => Some(format!("{outer}::{name}")),
+        _ => Some(name),
+    }
+}
+
+/// The nearest declaration above line `at` that is indented less than `than`.
+fn above(lines: &[&str], at: usize, than: usize) -> Option<(usize, String)> {
+    (0..at)
+        .rev()
+        .filter(|&line| indentation(lines[line]) < than.max(1))
+        .find_map(|line| declared(lines[line]).map(|name| (line, name)))
+}
+
+fn indentation(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// The name that a line declares, of the type for an implementation.
+fn declared(line: &str) -> Option<String> {
+    let mut words = line
+        .split_whitespace()
+        .skip_while(|word| word.starts_with("pub") || ["async", "unsafe", "crate)"].contains(word));
+    let mut kind = words.next()?;
+    let mut name = words.next()?;
+    if kind == "const" && name == "fn" {
+        kind = name;
+        name = words.next()?;
+    }
+    if kind.starts_with("impl") {
+        let rest: Vec<&str> = line.split_whitespace().collect();
+        let named = rest.iter().position(|word| *word == "for").map_or_else(
+            || rest.iter().find(|word| !word.starts_with("impl")),
+            |of| rest.get(of + 1),
+        );
+        name = named?;
+    } else if ![
+        "fn", "struct", "enum", "trait", "const", "static", "type", "mod",
+    ]
+    .contains(&kind)
+    {
+        return None;
+    }
+    let end = name.find(|c: char| !c.is_alphanumeric() && c != '_');
+    let name = &name[..end.unwrap_or(name.len())];
+    (!name.is_empty()).then(|| name.to_owned())
+}
+
+fn module(file: &str) -> String {
+    let path = file.trim_end_matches("/mod.rs").trim_end_matches(".rs");
+    path.rsplit('/').next().unwrap_or(path).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "//! cited\n\n/// cited\n#[derive(Debug)]\npub struct Branch {\n    /// cited\n    pub k: f64,\n}\n\n\
+        impl<T> Solve for Branch<T> {\n    /// cited\n    pub const fn step(&self) {\n        // cited\n        let x = 1;\n    }\n}\n\n\
+        /// cited\nconst LIMIT: f64 = 1.0;\n\n#[cfg(test)]\nmod tests {\n    #[test]\n    fn cited() {}\n}\n";
+
+    #[test]
+    fn a_citation_belongs_to_the_item_that_it_documents_or_is_in() {
+        let found: Vec<(Role, String)> = SOURCE
+            .lines()
+            .zip(1..)
+            .filter(|(line, _)| line.contains("cited"))
+            .map(|(_, number)| of("crates/cmod/src/branch.rs", SOURCE, number).unwrap())
+            .map(|place| (place.role, place.item))
+            .collect();
+        let expected = [
+            "branch",
+            "Branch",
+            "Branch",
+            "Branch::step",
+            "Branch::step",
+            "LIMIT",
+        ]
+        .map(|item| (Role::Implemented, item.to_owned()));
+        assert_eq!(found[..6], expected);
+        assert_eq!(found[6..], [(Role::Proved, "cited".to_owned())]);
+    }
+
+    #[test]
+    fn the_folder_says_what_a_citation_means() {
+        let role = |file| of(file, "// cited", 1).map(|place| place.role);
+        assert_eq!(role("crates/cmod/tests/branch.rs"), Some(Role::Proved));
+        assert_eq!(
+            role("xtask/src/reproduce/paper_a.rs"),
+            Some(Role::Reproduced)
+        );
+        for file in [
+            "docs/theory/branches.md",
+            "xtask/src/main.rs",
+            "crates/cmod/examples/a.rs",
+        ] {
+            assert_eq!(role(file), None, "{file}");
+        }
+    }
+}
