@@ -5,6 +5,8 @@ mod files;
 mod histories;
 mod hits;
 mod measured_files;
+#[path = "scipy_reference.rs"]
+mod scipy_reference;
 mod sensors;
 mod several;
 mod shock;

@@ -1,11 +1,4 @@
 //! Tables in text: dialects as instruments write them, round trips, and the measured files where they are at hand.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::indexing_slicing,
-    reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
-)]
 
 use testbed::measured;
 

@@ -1,12 +1,5 @@
 //! What holds whatever a laboratory brings: laws over random records, and the ends of the range of numbers.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a failure here is the failure that the test reports"
-)]
-
 mod extremes_sizes;
 mod extremes_values;
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]

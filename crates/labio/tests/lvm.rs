@@ -1,11 +1,4 @@
 //! LabVIEW measurement files: dialects written out by hand, and the measured files where they are at hand.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::indexing_slicing,
-    reason = "a test fails by a panic and says what it skips; numbers of a text are exact"
-)]
 
 use testbed::measured;
 

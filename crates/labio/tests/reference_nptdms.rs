@@ -1,10 +1,4 @@
 //! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of them: `fixtures/reference/nptdms`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    reason = "a reference that cannot be read must fail the test, and values are exact"
-)]
 
 use labio::format::tdms::GROUP;
 use labio::format::{self};

@@ -1,11 +1,4 @@
 //! Tables that pandas wrote in several dialects, read without being told the dialect: `fixtures/reference/pandas`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::indexing_slicing,
-    reason = "a reference that cannot be read must fail the test, and values are exact"
-)]
 
 use labio::format;
 use labio::{Abscissa, Contents, Ordinate};

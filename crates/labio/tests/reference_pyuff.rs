@@ -1,11 +1,4 @@
 //! Universal files by pyuff read by this software, and the reverse: `fixtures/reference/pyuff`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::indexing_slicing,
-    reason = "a reference that cannot be read must fail the test, and values are exact"
-)]
 
 use labio::format::uff58::{ByteOrder, Encoding, Precision, STEP_HALF_UNIT, Uff58Writer};
 use labio::format::{self, Writer};

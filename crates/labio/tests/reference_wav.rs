@@ -1,10 +1,4 @@
 //! WAVE files by scipy.io.wavfile and libsndfile against what libsndfile reads of them: `fixtures/reference/wav`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    reason = "a reference that cannot be read must fail the test, and values are exact"
-)]
 
 use labio::format::wav::Wav;
 use labio::format::{self, Reader, Strictness, Writer};

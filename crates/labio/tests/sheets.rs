@@ -1,10 +1,6 @@
 //! Sheets: what a laboratory writes down of its sensors and triggers, read through the checks of the constructors.
 
 #![cfg(feature = "serde")]
-#![allow(
-    clippy::unwrap_used,
-    reason = "a sheet that should be read and is not is the failure that the test reports"
-)]
 
 use labio::hits::{Criteria, Extent, Slope, Trigger};
 use labio::{

@@ -1,11 +1,4 @@
 //! TDMS files put together byte by byte from the description of the format.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::indexing_slicing,
-    reason = "tests: a panic is the report, and values are exact"
-)]
 
 use testbed::measured;
 

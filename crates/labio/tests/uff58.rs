@@ -1,12 +1,5 @@
 //! Universal files as programs write them. Each file here is put together by hand from the description of data set 58, not
 //! by the writer under test.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::cast_possible_truncation,
-    reason = "tests: a panic is the report, values are exact, singles are meant"
-)]
 
 use testbed::measured;
 

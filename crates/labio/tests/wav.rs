@@ -1,12 +1,4 @@
 //! WAVE files: bytes put together by hand from the definition, an independent library, round trips and streams.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::float_cmp,
-    clippy::cast_possible_truncation,
-    clippy::indexing_slicing,
-    reason = "a test fails by a panic; fractions of full scale are dyadic numbers and exact"
-)]
 
 use std::io::Cursor;
 

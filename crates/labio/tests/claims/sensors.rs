@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
+use labio::instrument::{Converter, Instrument, NoiseSpectrum};
 use labio::{BridgeLayout, Quantity, Rating, Record, SensorChain, StrainBridge, Unit};
-use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::hits::{mean, record};
+use crate::units::{TABLE, dimension};
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, worst};
 use testbed::hold;
@@ -17,85 +17,44 @@ use testbed::hold;
 fn claims_hold() {
     let mut report = Claims::default();
     units(&mut report);
-    chains(&mut report);
-    bridges(&mut report);
-    filters(&mut report);
+    sheets(&mut report);
     recorders(&mut report);
     hold!(report);
 }
 
 fn units(report: &mut Claims) {
-    // unit, value of one in SI, the SI unit, where it is defined
-    let table = [
-        (
-            "lbf",
-            4.4482216152605,
-            "N",
-            "definition: 0.45359237 kg by 9.80665 m/s²",
-        ),
-        (
-            "psi",
-            4.4482216152605 / 0.00064516,
-            "Pa",
-            "definition: lbf over (0.0254 m)²",
-        ),
-        ("g", 9.80665, "m/s²", "definition of standard gravity, 1901"),
-        ("in/s", 0.0254, "m/s", "definition of the inch, 1959"),
-        (
-            "mV/g",
-            1e-3 / 9.80665,
-            "V s²/m",
-            "definition of standard gravity, 1901",
-        ),
-        ("pC/N", 1e-12, "C/N", "definition of the prefix"),
-        ("microstrain", 1e-6, "1", "definition of the prefix"),
-        (
-            "g²/Hz",
-            9.80665 * 9.80665,
-            "m²/s³",
-            "definition of standard gravity, 1901",
-        ),
-    ];
-    for (unit, expected, si, source) in table {
-        report.check(
-            Claim::new(format!("one {unit}"), source)
-                .expects(expected, si)
-                .within_part(2.0 * f64::EPSILON, "two roundings"),
-            || Ok(Unit::parse(unit)?.to_si(1.0)),
-        );
-    }
-    report.check(
-        Claim::new("-40 degrees Fahrenheit", "definition: -40 °C")
-            .expects(233.15, "K")
-            .within(2e-13, "rounding of a sum near 500"),
-        || Ok(Unit::parse("degF")?.to_si(-40.0)),
-    );
-}
-
-fn accelerometer(sensitivity: f64) -> Fallible<SensorChain> {
-    let rating = Rating::new(sensitivity, "mV/g")?.with_uncertainty(0.03 * sensitivity)?;
-    let gain = Rating::new(10.0, "1")?.with_uncertainty(0.4)?;
-    Ok(SensorChain::of_sensitivity(rating)?.with_gain(gain)?)
-}
-
-fn chains(report: &mut Claims) {
     report.check(
         Claim::new(
-            "accelerometer of 10 mV/g behind a gain of 10: acceleration at 1 V",
-            "definition: ten times standard gravity",
+            format!("dimension and value in SI of {} units and compounds as instruments write them, relative", TABLE.len()),
+            "definitions of inch, foot, pound, bar, standard gravity and the prefixes",
         )
-        .expects(98.0665, "m/s²")
-        .within_part(1e-14, "rounding"),
-        || Ok(accelerometer(10.0)?.si_from(1.0)),
+        .within(2.0 * f64::EPSILON, "roundings of a product and a quotient"),
+        || {
+            worst(TABLE, |(text, exponents, si)| {
+                let unit = Unit::parse(text)?;
+                if unit.dimension() != dimension(*exponents) {
+                    return Err(format!("{text} is of {}", unit.dimension()).into());
+                }
+                Ok(unit.to_si(1.0) / si - 1.0)
+            })
+        },
     );
     report.check(
         Claim::new(
-            "sensitivity known to 3 %, gain to 4 %: the chain",
-            "independent errors add in squares",
+            "0 °C, 32 °F, -40 °F in kelvin, and 373.15 K in °F",
+            "definitions: 273.15 K, 233.15 K, 212 °F",
         )
-        .expects(0.05, "1")
-        .within(1e-14, "rounding"),
-        || Ok(accelerometer(10.0)?.relative_uncertainty()),
+        .within(2e-13, "rounding of a sum near 500"),
+        || {
+            let (celsius, fahrenheit) = (Unit::parse("°C")?, Unit::parse("degF")?);
+            assert_eq!(celsius.quantity(), Some(Quantity::Temperature));
+            Ok(largest([
+                celsius.to_si(0.0) - 273.15,
+                fahrenheit.to_si(32.0) - 273.15,
+                fahrenheit.to_si(-40.0) - 233.15,
+                fahrenheit.of_si(373.15) - 212.0,
+            ]))
+        },
     );
 }
 
@@ -105,111 +64,59 @@ fn divided(arms: [f64; 4]) -> f64 {
     5.0 * (r3 / (r3 + r4) - r2 / (r1 + r2))
 }
 
-fn bridges(report: &mut Claims) {
+fn sheets(report: &mut Claims) {
+    report.check(
+        Claim::new(
+            "10 mV/g known to 3 % behind a gain of 10 known to 4 %: acceleration at 1 V and its uncertainty, relative",
+            "definition of standard gravity; independent errors add in squares",
+        )
+        .within(1e-15, "rounding"),
+        || {
+            let sensitivity = Rating::new(10.0, "mV/g")?.with_uncertainty(0.3)?;
+            let gain = Rating::new(10.0, "1")?.with_uncertainty(0.4)?;
+            let chain = SensorChain::of_sensitivity(sensitivity)?.with_gain(gain)?;
+            Ok(largest([
+                chain.si_from(1.0) / 98.0665 - 1.0,
+                chain.relative_uncertainty() / 0.05 - 1.0,
+            ]))
+        },
+    );
     let poisson_ratio = 0.35;
     // changes of the four resistors by the axial strain
     let layouts = [
-        ("quarter", BridgeLayout::Quarter, [0.0, 0.0, 1.0, 0.0]),
+        (BridgeLayout::Quarter, [0.0, 0.0, 1.0, 0.0]),
+        (BridgeLayout::HalfOpposite, [1.0, 0.0, 1.0, 0.0]),
         (
-            "half, opposite arms",
-            BridgeLayout::HalfOpposite,
-            [1.0, 0.0, 1.0, 0.0],
-        ),
-        (
-            "half, Poisson",
             BridgeLayout::HalfPoisson { poisson_ratio },
             [0.0, 0.0, 1.0, -poisson_ratio],
         ),
+        (BridgeLayout::HalfBending, [0.0, 0.0, 1.0, -1.0]),
         (
-            "half, bending",
-            BridgeLayout::HalfBending,
-            [0.0, 0.0, 1.0, -1.0],
-        ),
-        (
-            "full, Poisson",
             BridgeLayout::FullPoisson { poisson_ratio },
             [1.0, -poisson_ratio, 1.0, -poisson_ratio],
         ),
-        (
-            "full, bending",
-            BridgeLayout::FullBending,
-            [1.0, -1.0, 1.0, -1.0],
-        ),
+        (BridgeLayout::FullBending, [1.0, -1.0, 1.0, -1.0]),
     ];
-    for (name, layout, arms) in layouts {
-        report.check(
-            Claim::new(
-                format!(
-                    "strain from the voltage of a bridge, {name}: relative, to strains of a tenth"
-                ),
-                "Ohm's law in both dividers",
-            )
-            .within(1e-12, "differences of dividers near one half"),
-            || {
-                let bridge =
-                    StrainBridge::new(layout, Rating::new(2.1, "1")?, Rating::new(5.0, "V")?)?;
-                let chain = SensorChain::of_bridge(bridge);
+    report.check(
+        Claim::new(
+            "strain from the voltage of six layouts of a bridge, relative, to strains of a tenth",
+            "Ohm's law in both dividers",
+        )
+        .within(
+            3e-13,
+            "differences of dividers near one half, at a strain of 0.002",
+        ),
+        || {
+            worst(layouts, |(layout, arms)| {
+                let (factor, volts) = (Rating::new(2.1, "1")?, Rating::new(5.0, "V")?);
+                let chain = SensorChain::of_bridge(StrainBridge::new(layout, factor, volts)?);
                 worst([0.1, 0.002, -0.03], |strain| {
                     let voltage = divided(arms.map(|arm| 350.0 * (1.0 + arm * 2.1 * strain)));
                     Ok(chain.si_from(voltage) / strain - 1.0)
                 })
-            },
-        );
-    }
-}
-
-fn filters(report: &mut Claims) {
-    let frequencies = [100.0, 400.0, 700.0];
-    let s = |f: f64| Complex64::new(0.0, f / 400.0);
-    report.check(
-        Claim::new(
-            "Butterworth filter of fourth order at 400 Hz, 100 to 700 Hz",
-            "its quadratics, 2 sin π/8 and 2 sin 3π/8",
-        )
-        .within(1e-14, "rounding"),
-        || {
-            let filter = AntiAlias::butterworth(4, 400.0)?;
-            Ok(largest(frequencies.map(|f| {
-                let quadratic = |b: f64| 1.0 / (1.0 + b * s(f) + s(f) * s(f));
-                let exact =
-                    quadratic(2.0 * (PI / 8.0).sin()) * quadratic(2.0 * (3.0 * PI / 8.0).sin());
-                (filter.response(f) - exact).norm()
-            })))
+            })
         },
     );
-    report.check(
-        Claim::new(
-            "Bessel filter of fourth order at 400 Hz, 100 to 700 Hz",
-            "its polynomial, 105/(s⁴ + 10s³ + 45s² + 105s + 105)",
-        )
-        .within(1e-13, "rounding, and the half-power frequency to 16 digits"),
-        || {
-            let filter = AntiAlias::bessel(4, 400.0)?;
-            Ok(largest(frequencies.map(|f| {
-                let p = s(f) * 2.113_917_674_904_216;
-                let exact = 105.0 / ((((p + 10.0) * p + 45.0) * p + 105.0) * p + 105.0);
-                (filter.response(f) - exact).norm()
-            })))
-        },
-    );
-    for (name, filter) in [
-        ("Butterworth", AntiAlias::butterworth as fn(u32, f64) -> _),
-        ("Bessel", AntiAlias::bessel as fn(u32, f64) -> _),
-    ] {
-        report.check(
-            Claim::new(
-                format!("{name} filters of orders 1 to 12 at their frequency: power"),
-                "definition: one half",
-            )
-            .within(1e-12, "rounding of the polynomial"),
-            || {
-                worst(1..=12, |order| {
-                    let filter: AntiAlias = filter(order, 1234.0)?;
-                    Ok(filter.response(1234.0).norm_sqr() - 0.5)
-                })
-            },
-        );
-    }
 }
 
 /// Acceleration `of` time in channel `a`.
@@ -230,7 +137,7 @@ fn recorders(report: &mut Claims) {
             "pulse delayed by 0.37 ms, 42.1 ms and -13.13 ms between samples of 1 kHz",
             "the pulse at an earlier time",
         )
-        .within(1e-12, "its spectrum at half the rate, 1e-14"),
+        .within(1e-13, "its spectrum at half the rate, 1e-14"),
         || {
             let pulse = |t: f64| (-((t - 0.5) / 0.004).powi(2)).exp() * (TAU * 50.0 * t).sin();
             let history = history(1000.0, 1000, pulse)?;
@@ -248,18 +155,13 @@ fn recorders(report: &mut Claims) {
             "tone of 30 Hz through an aperture of 7 ms: mean over it",
             "closed form sin(πfT)/(πfT)",
         )
-        .within(1e-12, "transform of 65536 lines"),
+        .within(1e-13, "transform of 65536 lines"),
         || {
-            let tone = |t: f64| {
-                let fade = (t.min(2.0 - t) / 0.5).clamp(0.0, 1.0);
-                (PI * fade / 2.0).sin().powi(2) * (TAU * 30.0 * t).cos()
-            };
-            let history = history(10_000.0, 20_000, tone)?;
+            let history = history(10_000.0, 20_000, crate::instrument::tone(30.0))?;
             let wide = taken(&Instrument::new().sample(1000.0, 0.007)?, &history)?;
             let x = PI * 30.0 * 0.007;
-            Ok(largest((950..1050).map(|k| {
-                wide[k] - x.sin() / x * (TAU * 30.0 * k as f64 / 1000.0).cos()
-            })))
+            let exact = |k: usize| x.sin() / x * (TAU * 30.0 * k as f64 / 1000.0).cos();
+            Ok(largest((950..1050).map(|k| wide[k] - exact(k))))
         },
     );
     report.check(
@@ -276,35 +178,26 @@ fn recorders(report: &mut Claims) {
             Ok(mean(&squares))
         },
     );
-    let busy = |t: f64| 0.9 * (TAU * 17.3 * t).sin() * (TAU * 0.71 * t + 0.3).cos();
-    let error = move |converter: Converter| -> Fallible<f64> {
-        let history = history(10_000.0, 100_000, busy)?;
-        let converted = taken(&Instrument::new().convert(converter), &history)?;
-        let exact = history.channel("a")?;
-        let squares: Vec<f64> = converted
-            .iter()
-            .zip(exact.iter())
-            .map(|(a, b)| ((a - b) / converter.step()).powi(2))
-            .collect();
-        Ok(mean(&squares))
-    };
-    let spread = "five standard errors of 100000 squares";
     report.check(
         Claim::new(
-            "converter of 10 bits, busy signal: mean square error",
-            "closed form q²/12",
+            "converter of 10 bits without and with dither, busy signal: error of the mean square error",
+            "closed forms q²/12 and q²/4",
         )
-        .expects(1.0 / 12.0, "q²")
-        .within_part(5.0 * 0.0028, spread),
-        || error(Converter::new(10, 1.0)?),
-    );
-    report.check(
-        Claim::new(
-            "converter of 10 bits with dither, busy signal: mean square error",
-            "closed form q²/4",
-        )
-        .expects(0.25, "q²")
-        .within_part(5.0 * 0.0038, spread),
-        || error(Converter::new(10, 1.0)?.with_dither()),
+        .expects(0.0, "standard errors of 100000 squares")
+        .within(5.0, "five of them"),
+        || {
+            let busy = |t: f64| 0.9 * (TAU * 17.3 * t).sin() * (TAU * 0.71 * t + 0.3).cos();
+            let history = history(10_000.0, 100_000, busy)?;
+            let plain = Converter::new(10, 1.0)?;
+            let cases = [(plain, 1.0 / 12.0, 0.0028), (plain.with_dither(), 0.25, 0.0038)];
+            worst(cases, |(converter, expected, standard_error)| {
+                let converted = taken(&Instrument::new().convert(converter), &history)?;
+                let exact = history.channel("a")?;
+                let pairs = converted.iter().zip(exact.iter());
+                let squares = pairs.map(|(a, b)| ((a - b) / converter.step()).powi(2));
+                let found = mean(&squares.collect::<Vec<_>>());
+                Ok((found / expected - 1.0) / standard_error)
+            })
+        },
     );
 }

@@ -1,5 +1,7 @@
 //! Several inputs at once, and several tests made into one.
 
+use std::error::Error;
+
 use labio::{
     Channel, FrequencyResponse, MergedResponse, MultiInputResponse, Provenance, Quantity, Record,
     SpectrumAverager, Window,
@@ -63,61 +65,45 @@ fn several_inputs(report: &mut Claims) {
             "the gains",
         )
         .within(
-            1e-9,
+            1e-13,
             "rounding, amplified by lines where six averages make inputs nearly dependent",
         ),
         || {
             let response = three_inputs(64, 6, 0.0, 1)?;
             worst(GAINS.iter().enumerate(), |(input, gain)| {
-                Ok(largest(
-                    response.values.row(input).iter().map(|h| (h - gain).norm()),
-                ))
+                let values = response.values.row(input);
+                Ok(largest(values.iter().map(|h| (h - gain).norm())))
             })
         },
     );
-    // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 1.6 u - 1.7 v + 1.5 w + e
-    let parts = [1.6_f64.powi(2), 1.7_f64.powi(2), 1.5_f64.powi(2)];
-    let total = parts.iter().sum::<f64>() + 1.0;
-    let why = "four standard errors over 513 lines, and the bias q(1 - γ²)/n";
     report.check(
         Claim::new(
-            "three dependent inputs, noise on the output: multiple coherence",
-            "closed form of the model",
+            "three dependent inputs, noise on the output: multiple coherence, and partial coherence of the last",
+            "closed form of the model; the parts of the coherence in their order add up",
         )
-        .expects(1.0 - 1.0 / total, "1")
-        .within(0.011, why),
-        || Ok(mean(&three_inputs(1024, 200, 1.0, 3)?.multiple_coherence)),
-    );
-    report.check(
-        Claim::new(
-            "three dependent inputs, noise on the output: partial coherence of the last",
-            "closed form of the model",
-        )
-        .expects(2.25 / 3.25, "1")
-        .within(0.011, why),
-        || {
-            Ok(mean(
-                &three_inputs(1024, 200, 1.0, 3)?
-                    .partial_coherence
-                    .row(2)
-                    .to_vec(),
-            ))
-        },
-    );
-    report.check(
-        Claim::new("three dependent inputs: parts of the coherence in their order, sum less the multiple one", "they add up")
-            .within(1e-12, "rounding"),
+        .within(0.011, "four standard errors over 513 lines, and the bias q(1 - γ²)/n"),
         || {
             let response = three_inputs(1024, 200, 1.0, 3)?;
-            Ok(largest(response.multiple_coherence.iter().enumerate().map(|(line, multiple)| {
-                response.ordered_coherence.column(line).sum() - multiple
-            })))
+            for (line, multiple) in response.multiple_coherence.iter().enumerate() {
+                let parts = response.ordered_coherence.column(line).sum();
+                assert!((parts - multiple).abs() < 1e-14, "line {line}");
+            }
+            // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 1.6 u - 1.7 v + 1.5 w + e
+            let total = 1.6_f64.powi(2) + 1.7_f64.powi(2) + 1.5_f64.powi(2) + 1.0;
+            let last = response.partial_coherence.row(2).to_vec();
+            Ok(largest([
+                mean(&response.multiple_coherence) - (1.0 - 1.0 / total),
+                mean(&last) - 2.25 / 3.25,
+            ]))
         },
     );
     report.check(
-        Claim::new("three dependent inputs, ten hits: scatter of the gains over lines by the stated variance", "definition of a variance")
-            .expects(1.0, "1")
-            .within(0.09, "four standard errors over 4095 lines with heavy tails"),
+        Claim::new(
+            "three dependent inputs, ten hits: scatter of the gains over lines by the stated variance",
+            "definition of a variance",
+        )
+        .expects(1.0, "1")
+        .within(0.09, "four standard errors over 4095 lines with heavy tails"),
         || {
             let response = three_inputs(8192, 10, 1.0, 4)?;
             let (mut scatter, mut stated) = (0.0, 0.0);
@@ -133,27 +119,20 @@ fn several_inputs(report: &mut Claims) {
 }
 
 fn merging(report: &mut Claims) {
-    // two tests of a gain of 2, one with ten times the power of noise of the other
-    let tests = || -> Fallible<[FrequencyResponse; 2]> {
-        Ok([
-            noisy(21, 2048, 20, 0.0, 0.01)?.h1("x", "y")?,
-            noisy(22, 2048, 20, 0.0, 0.1)?.h1("x", "y")?,
-        ])
-    };
-    let square_error = |response: &FrequencyResponse| {
-        let squares: Vec<f64> = response
-            .values
-            .iter()
-            .map(|h| (h - 2.0).norm_sqr())
-            .collect();
-        mean(&squares)
-    };
     report.check(
-        Claim::new("two tests merged by inverse variance: squared error by that of the better test", "closed form: noise powers of 1 and 10 give 10/11")
-            .expects(10.0 / 11.0, "1")
-            .within(0.05, "4/n that the estimated weights cost, and four standard errors of a ratio of like errors"),
+        Claim::new(
+            "two tests merged by inverse variance: squared error by that of the better test",
+            "closed form: noise powers of 1 and 10 give 10/11",
+        )
+        .expects(10.0 / 11.0, "1")
+        .within(0.05, "4/n that the estimated weights cost, and four standard errors of a ratio of like errors"),
         || {
-            let tests = tests()?;
+            let test = |seed, noise| Ok::<_, Box<dyn Error + Send + Sync>>(noisy(seed, 2048, 20, 0.0, noise)?.h1("x", "y")?);
+            let tests = [test(21, 0.01)?, test(22, 0.1)?];
+            let square_error = |response: &FrequencyResponse| {
+                let squares = response.values.iter().map(|h| (h - 2.0).norm_sqr());
+                mean(&squares.collect::<Vec<_>>())
+            };
             let merged = MergedResponse::by_inverse_variance(&tests)?.response;
             Ok(square_error(&merged) / square_error(&tests[0]))
         },

@@ -1,0 +1,45 @@
+//! Series put together and taken apart.
+
+use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, Unit};
+
+pub(crate) fn even(start: f64, step: f64) -> Abscissa {
+    Abscissa::Even { start, step }
+}
+
+pub(crate) fn axis(label: &str, unit_text: &str) -> SeriesAxis {
+    SeriesAxis {
+        label: label.to_owned(),
+        unit: Unit::parse(unit_text).ok(),
+        unit_text: unit_text.to_owned(),
+    }
+}
+
+pub(crate) fn values(series: &Series) -> &[f64] {
+    match &series.ordinate {
+        Ordinate::Real(values) => values,
+        Ordinate::Complex(_) => panic!("expected real numbers"),
+    }
+}
+
+pub(crate) fn real(contents: &Contents, index: usize) -> &[f64] {
+    values(&contents.series[index])
+}
+
+pub(crate) fn property<'a>(properties: &'a [(String, String)], name: &str) -> Option<&'a str> {
+    let found = properties.iter().find(|(key, _)| key == name);
+    found.map(|(_, value)| value.as_str())
+}
+
+/// What each reading refused, a line each; what was read instead stands in its line.
+pub(crate) fn refusals(read: impl IntoIterator<Item = Result<Contents, LabioError>>) -> String {
+    let said = read.into_iter().map(|read| match read {
+        Ok(contents) => format!("read {:?}", contents.series),
+        Err(error) => error.to_string(),
+    });
+    said.collect::<Vec<_>>().join("\n")
+}
+
+pub(crate) fn defects(contents: &Contents) -> String {
+    let said = contents.defects.iter().map(ToString::to_string);
+    said.collect::<Vec<_>>().join("\n")
+}
