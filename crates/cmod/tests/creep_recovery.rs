@@ -9,9 +9,11 @@ use cmod::recovery::{
     LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElementParameters,
 };
 use proptest::prelude::{prop_assert, prop_oneof, proptest};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::claim::{Claims, Within};
+use testbed::difference::largest;
+use testbed::hold;
+
+use crate::noise::Noise;
 
 const TRUTH: ThreeElementParameters = ThreeElementParameters {
     series_modulus: 3100e6,
@@ -102,8 +104,8 @@ fn clean_tests() -> Vec<RecoveryTest> {
 }
 
 fn noisy_tests(seed: u64, virgin: f64, clean: &[Vec<f64>]) -> Vec<RecoveryTest> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = Noise::seeded(seed);
+    let mut normal = || random.normal();
     // the virgin loss factor was measured once, before all tests
     let common = virgin * normal();
     LOADS
@@ -120,22 +122,27 @@ fn noisy_tests(seed: u64, virgin: f64, clean: &[Vec<f64>]) -> Vec<RecoveryTest> 
 }
 
 #[test]
-fn without_noise_the_joint_fit_finds_the_parameters() {
-    let fit = RecoveryFit::new(&clean_tests(), GIVEN, ErrorScale::Stated).unwrap();
+fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
+    let tests = clean_tests();
+    let mut claims = Claims::default();
+    claims.by("tests of another solver without noise");
+    // its difference of η, and ln B moves 17 times as much as m
+    let of_generator = Within(3e-6, "the viscosity of the generator has 1e-6");
+    let worst = |found: &ThreeElementParameters| {
+        largest([
+            found.parallel_modulus / TRUTH.parallel_modulus - 1.0,
+            found.exponent - TRUTH.exponent,
+            (found.coefficient / TRUTH.coefficient).ln(),
+        ])
+    };
+    let fit = RecoveryFit::new(&tests, GIVEN, ErrorScale::Stated).unwrap();
     assert_eq!(fit.ending, Ending::Converged);
-    let found = fit.model.parameters();
-    // the generator's own error is 1e-6 (its difference of η), and enters the parameters at about that size
-    assert!(
-        (found.parallel_modulus / TRUTH.parallel_modulus - 1.0).abs() < 1e-4,
-        "{fit}"
+    claims.deviation(
+        "five tests together: parts of E_2 and B, and error of m, worst",
+        of_generator,
+        Ok(worst(&fit.model.parameters())),
     );
-    assert!((found.exponent - TRUTH.exponent).abs() < 1e-4, "{fit}");
-    // ln B moves 17 times as much as m
-    assert!(
-        (found.coefficient / TRUTH.coefficient).ln().abs() < 2e-3,
-        "{fit}"
-    );
-    let verdicts = fit.estimates.map(|estimate| estimate.verdict);
+    let verdicts = fit.estimates.clone().map(|estimate| estimate.verdict);
     assert_eq!(
         verdicts,
         [
@@ -147,29 +154,39 @@ fn without_noise_the_joint_fit_finds_the_parameters() {
         ],
         "{fit}"
     );
-}
 
-#[test]
-fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
-    let fit = paper_procedure(&clean_tests(), 1, 3100e6, (0.2, 5.0)).unwrap();
+    claims.by("paper C, section 3: E_2 and B from one test, m from the others");
+    let fit = paper_procedure(&tests, 1, 3100e6, (0.2, 5.0)).unwrap();
     assert!(!fit.at_end_of_range);
-    assert!((fit.parameters.exponent - 1.8).abs() < 1e-3, "{fit:?}");
     assert!((fit.parameters.parallel_modulus / 13100.0 - 1.0).abs() < 1e-3);
     assert!((fit.parameters.coefficient / 4.55e-21).ln().abs() < 2e-2);
     assert!((fit.reference.recovery_time - 598.021).abs() < 0.1);
+    claims.claim(
+        "procedure of the paper: m",
+        "1",
+        TRUTH.exponent,
+        Within(5e-5, "the scan of m"),
+        Ok(fit.parameters.exponent),
+    );
     // an exponent that the others do not have stays visible as one at the end of the range
-    let outside = paper_procedure(&clean_tests(), 1, 3100e6, (2.5, 5.0)).unwrap();
+    let outside = paper_procedure(&tests, 1, 3100e6, (2.5, 5.0)).unwrap();
     assert!(outside.at_end_of_range);
     assert!(outside.others_chi_squared > 100.0 * fit.others_chi_squared.max(1e-6));
+
+    claims.by("paper C, section 3: one test has an infinite number of sets of parameters");
+    claims.deviation(
+        "Test 2 alone: curves with m = 0.5, 1.8 and 4 against the readings",
+        of_generator,
+        Ok(one_test_gives_two_numbers(&tests)),
+    );
+    hold!(claims);
 }
 
 /// "for a specific stress level and load duration there is an infinite number of sets of parameter values".
-#[test]
-fn one_test_gives_two_numbers() {
-    let all = clean_tests();
+fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     let one = &all[1..2];
     let curve = SingleTestFit::new(&one[0]).unwrap();
-    let mut sets = Vec::new();
+    let (mut sets, mut worst) = (Vec::new(), 0.0_f64);
     for m in [0.5, 1.8, 4.0] {
         let parameters = curve.parameters_for(&one[0], m, 3100e6).unwrap();
         let recovery = cmod::recovery::ThreeElement::new(parameters)
@@ -178,7 +195,7 @@ fn one_test_gives_two_numbers() {
             .unwrap();
         for (t, measured) in TIMES.iter().zip(one[0].change()) {
             let found = recovery.loss_factor_change(TAU * FREQUENCY_HZ, *t);
-            assert!((found / measured - 1.0).abs() < 1e-4, "m = {m}, {t} s");
+            worst = worst.max((found / measured - 1.0).abs());
         }
         sets.push(parameters.parallel_modulus);
     }
@@ -215,6 +232,7 @@ fn one_test_gives_two_numbers() {
         fit.estimates[3].verdict,
         Verdict::NotIdentifiable(Reason::OneLoad)
     );
+    worst
 }
 
 #[test]

@@ -5,6 +5,9 @@ use std::f64::consts::{PI, TAU};
 use cmod::CmodError;
 use cmod::multi_point::advice::{ExpectedWaves, common_spacing, predict, singular_frequencies};
 use num_complex::Complex64;
+use testbed::claim::{Claims, Within};
+use testbed::difference::largest;
+use testbed::hold;
 
 use super::frame::{lines, polypropylene};
 
@@ -38,87 +41,98 @@ fn summary(positions: &[f64]) -> (f64, f64, f64) {
     )
 }
 
-/// An independent computation for polypropylene, 0.2 m, 1 % of the incident wave, 0.5-20 kHz. Its material and its reflected
-/// wave are not stated, so not its digits are asked for but, with waves of our own, its size: medians within 25 %, bands
-/// within 4 points, the line next to the singular one within 50 %.
 #[test]
-fn what_unequal_distances_and_more_gauges_gain() {
-    let near = |found: f64, expected: f64, tolerance: f64| {
-        assert!(
-            (found / expected - 1.0).abs() < tolerance,
-            "{found} for {expected}"
-        );
-    };
-    for (positions, median, below, singular) in [
-        (&THREE_EQUAL[..], 6.3e-3, 0.68, 2.8e-2),
-        (&THREE_UNEQUAL, 5.0e-3, 0.83, 2.8e-3),
-        (&FIVE_EQUAL, 2.6e-3, 0.85, f64::NAN),
-    ] {
-        let found = summary(positions);
-        near(found.0, median, 0.25);
-        assert!((found.1 - below).abs() < 0.04, "{} for {below}", found.1);
-        if singular.is_finite() {
-            near(found.2, singular, 0.5);
-        }
-    }
-    // five on a grid of half the spacing are not singular there, nor five at unequal distances
-    let five_unequal = summary(&[-0.1, -0.072, -0.01, 0.059, 0.1]);
-    assert!(five_unequal.0 < summary(&FIVE_EQUAL).0 * 1.05);
-    assert!(five_unequal.2 < 0.1 * summary(&THREE_EQUAL).2);
+fn plans_of_positions() {
+    let mut claims = Claims::default();
+    what_unequal_distances_and_more_gauges_gain(&mut claims);
+    three_equal_distances(&mut claims);
+    grids(&mut claims);
+    hold!(claims);
 }
 
-/// E|δγ|² = σ² (½ + |Ψ|²)/(a²|q₀|²|sinh γa|²), from the errors of Ψ = (q₁ + q₂)/(2q₀).
-#[test]
-fn the_prediction_for_three_equal_distances_is_the_closed_form() {
+/// The material and the reflected wave of the independent computation are not stated: not its digits are asked for but, with waves of our
+/// own, its size.
+fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
+    let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
+    claims.by("errors of sets of positions over 0.2 m, computed apart for 1 % of noise (its material and reflection are not stated)");
+    claims.deviation(
+        "three equal, three unequal and five equal distances: median error of the propagation coefficient, worst part",
+        Within(0.25, "another reflected wave moves it by a quarter"),
+        Ok(largest([
+            equal.0 / 6.3e-3 - 1.0,
+            unequal.0 / 5.0e-3 - 1.0,
+            five.0 / 2.6e-3 - 1.0,
+        ])),
+    );
+    claims.deviation(
+        "three equal, three unequal and five equal distances: part of the band with errors below 1 %, worst",
+        Within(0.04, "another reflected wave moves it by four points"),
+        Ok(largest([equal.1 - 0.68, unequal.1 - 0.83, five.1 - 0.85])),
+    );
+    claims.deviation(
+        "three equal and three unequal distances: error at ka = 0.987 pi, worst part",
+        Within(0.5, "another reflected wave moves it by half"),
+        Ok(largest([equal.2 / 2.8e-2 - 1.0, unequal.2 / 2.8e-3 - 1.0])),
+    );
+    // five on a grid of half the spacing are not singular there, nor five at unequal distances
+    let five_unequal = summary(&[-0.1, -0.072, -0.01, 0.059, 0.1]);
+    assert!(five_unequal.0 < five.0 * 1.05);
+    assert!(five_unequal.2 < 0.1 * equal.2);
+}
+
+/// From the errors of Ψ = (q₁ + q₂)/(2q₀).
+fn three_equal_distances(claims: &mut Claims) {
     let medium = polypropylene();
-    let frequency_hz = lines(500.0, 50.0, 200);
     let waves = ExpectedWaves {
         incident_at: 0.0,
         reflector_at: 0.3,
         reflection: Complex64::new(-0.6, 0.2),
     };
+    let frequency_hz = lines(500.0, 50.0, 200);
     let found = predict(&medium, &THREE_EQUAL, waves, 0.01, &frequency_hz).unwrap();
-    for prediction in found {
-        let gamma = medium.propagation_coefficient(TAU * prediction.frequency_hz);
-        let middle = 1.0 + waves.reflection * (-gamma * 0.6).exp();
-        let psi = (gamma * 0.1).cosh();
-        let variance = 1e-4 * (0.5 + psi.norm_sqr())
-            / (0.01 * middle.norm_sqr() * (gamma * 0.1).sinh().norm_sqr());
-        let expected = variance.sqrt() / gamma.norm();
-        assert!((prediction.relative_deviation / expected - 1.0).abs() < 1e-9);
-    }
+    assert_eq!(found.len(), 200);
+    claims.by("variance of gamma by (1/2 + Psi^2) sigma^2/(a e_0 sinh(gamma a))^2, moduli");
+    claims.deviation(
+        "predicted error of three equal distances, 0.5 to 10 kHz",
+        Within(2e-13, "rounding of a projection near singular lines"),
+        Ok(largest(found.iter().map(|prediction| {
+            let gamma = medium.propagation_coefficient(TAU * prediction.frequency_hz);
+            let middle = 1.0 + waves.reflection * (-gamma * 0.6).exp();
+            let psi = (gamma * 0.1).cosh();
+            let variance = 1e-4 * (0.5 + psi.norm_sqr())
+                / (0.01 * middle.norm_sqr() * (gamma * 0.1).sinh().norm_sqr());
+            let expected = variance.sqrt() / gamma.norm();
+            prediction.relative_deviation / expected - 1.0
+        }))),
+    );
 }
 
-#[test]
-fn grids_and_their_singular_frequencies() {
-    let spacing = |positions: &[f64]| common_spacing(positions, 1e-6).unwrap();
+fn grids(claims: &mut Claims) {
     for (positions, expected) in [
         (&THREE_EQUAL[..], 0.1),
         (&FIVE_EQUAL, 0.05),
         (&THREE_UNEQUAL, 0.01), // 70 mm and 130 mm
         (&[0.0, 0.06, 0.15], 0.03),
     ] {
-        assert!((spacing(positions).unwrap() - expected).abs() < 1e-9);
+        let spacing = common_spacing(positions, 1e-6).unwrap();
+        assert!((spacing.unwrap() - expected).abs() < 1e-9);
     }
     // the golden section has no common measure: what is left is below a millimetre
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    assert!(
-        common_spacing(&[0.0, 0.2 * golden, 0.2], 1e-4)
-            .unwrap()
-            .is_none()
-    );
+    let golden = [0.0, 0.1 * (5.0_f64.sqrt() - 1.0), 0.2];
+    assert!(common_spacing(&golden, 1e-4).unwrap().is_none());
 
     let medium = polypropylene();
-    let found = singular_frequencies(&medium, &THREE_EQUAL, 1e-6, 20e3).unwrap();
+    let singular = |positions| singular_frequencies(&medium, positions, 1e-6, 20e3).unwrap();
+    let found = singular(&THREE_EQUAL);
     assert_eq!(found.len(), 2); // half waves of 0.1 m at 1680 m/s: every 8.4 kHz
-    for (number, frequency_hz) in found.iter().enumerate() {
-        let phase = medium.wave_number(TAU * frequency_hz) * 0.1;
-        assert!((phase / PI - (number + 1) as f64).abs() < 1e-9);
-    }
-    assert!(
-        singular_frequencies(&medium, &THREE_UNEQUAL, 1e-6, 20e3)
-            .unwrap()
-            .is_empty()
+    assert!(singular(&THREE_UNEQUAL).is_empty());
+    claims.by("singular lines: k a = n pi");
+    claims.deviation(
+        "three equal distances of 0.1 m: both singular frequencies up to 20 kHz",
+        Within(1e-12, "bisection"),
+        Ok(largest((1..).zip(&found).map(|(n, f)| {
+            medium.wave_number(TAU * f) * 0.1 / (f64::from(n) * PI) - 1.0
+        }))),
     );
 }
 

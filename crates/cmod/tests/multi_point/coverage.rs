@@ -42,18 +42,26 @@ impl Coverage {
 
     /// 68.3 % ± 5 % and 95.4 % ± 2 %; the sampling error of 5000 and more is below 0.7 %.
     fn check(&self, name: &str) {
-        let (one, two) = (self.one / self.count, self.two / self.count);
+        self.check_within(name, [0.05, 0.02]);
+    }
+
+    fn check_within(&self, name: &str, tolerance: [f64; 2]) {
         assert!(self.count > 5000.0, "{name}: {} values", self.count);
-        assert!(
-            (one - 0.683).abs() < 0.05,
-            "{name}: {one:.3} within 1 sigma"
-        );
-        assert!(
-            (two - 0.954).abs() < 0.02,
-            "{name}: {two:.3} within 2 sigma"
-        );
+        for ((found, expected), tolerance) in [(self.one, 0.683), (self.two, 0.9545)]
+            .into_iter()
+            .zip(tolerance)
+        {
+            let part = found / self.count;
+            assert!(
+                (part - expected).abs() < tolerance,
+                "{name}: {part:.4} for {expected}"
+            );
+        }
     }
 }
+
+/// Some 25 000 values scatter by 0.3 % and 0.13 %, four of each.
+const OF_25_000: [f64; 2] = [0.012, 0.0055];
 
 /// Lines of 500 Hz to 8 kHz and noise of the gauges, by the root mean square of all strains.
 fn set_up(
@@ -87,6 +95,9 @@ fn closed_form_states_its_errors() {
             estimate.valid().for_each(|line| coverage.add_line(line));
         }
         coverage.check(&format!("{structure:?}"));
+        if structure == Structure::II {
+            coverage.check_within("II", OF_25_000);
+        }
     }
 }
 
@@ -121,8 +132,11 @@ fn least_squares_state_their_errors() {
             }
         }
         coverage.check(&format!("{structure:?}"));
+        if structure == Structure::I {
+            coverage.check_within("I", OF_25_000);
+        }
         // 15 200 lines with 4 degrees of freedom each: the mean has a standard error of 0.6 %
-        assert!((chi_square / freedom - 1.0).abs() < 0.03);
+        assert!((chi_square / freedom - 1.0).abs() < 0.024);
         // one line in a thousand: 15 ± 4
         assert!(misfits < 0.003 * lines, "{misfits} of {lines}");
     }
@@ -183,42 +197,6 @@ fn truth(spectra: &[Vec<Complex64>], positions: &[f64], line: &ModulusLine) -> T
     found.unwrap().waves
 }
 
-/// The estimates of structures I, II and free differ by no more than their errors say: paper B, figure 4.
-#[test]
-fn the_estimate_does_not_depend_on_the_ends() {
-    let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
-    let mut estimates = Vec::new();
-    for structure in STRUCTURES {
-        let (frequency_hz, spectra, noise) = set_up(structure, &positions, &[1e-2; 5]);
-        let of_seed = |seed| {
-            let strains = noisy(&spectra, &noise, seed);
-            let method = MultiPoint::new(rod(&positions))
-                .unwrap()
-                .with_limits(AcceptanceLimits::NONE)
-                .unwrap();
-            let result = method.estimate(&clean(&frequency_hz, &[&strains], &noise));
-            result.unwrap().modulus().lines().to_vec()
-        };
-        let first = 1000 * estimates.len() as u64;
-        let lines: Vec<_> = (first..first + SEEDS).flat_map(of_seed).collect();
-        estimates.push(lines);
-    }
-    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-        let mut coverage = Coverage::default();
-        for (a, b) in estimates[a].iter().zip(&estimates[b]) {
-            assert_eq!(a.index, b.index);
-            if a.validity.is_valid() && b.validity.is_valid() {
-                let difference = a.modulus - b.modulus;
-                let storage =
-                    (a.standard_error.storage_modulus).hypot(b.standard_error.storage_modulus);
-                coverage.add(difference.re, storage);
-                coverage.add(difference.im, storage);
-            }
-        }
-        coverage.check(&format!("{a}, {b}"));
-    }
-}
-
 /// A fifth of the lines is rubbish and the others have 5 % noise: the count of waves stays right on all the others.
 #[test]
 fn the_branch_survives_bad_lines() {
@@ -274,46 +252,5 @@ fn the_branch_survives_bad_lines() {
             );
         }
         assert!(valid > 200, "seed {seed}: {valid} valid lines");
-    }
-}
-
-/// What the method is for: ten tests of 0.1 % noise give E' within 1 % and the loss factor within 5 % in any structure,
-/// wherever a line is valid by the usual limits. Those are most of the band.
-#[test]
-fn storage_modulus_and_loss_factor_are_good_where_promised() {
-    let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
-    let frequency_hz = lines(500.0, 100.0, 76);
-    for structure in STRUCTURES {
-        let spectra = strains(structure, &positions, &frequency_hz);
-        let of_line = |index: usize| {
-            let power: f64 = spectra.iter().map(|s| s[index].norm_sqr()).sum();
-            1e-3 * (power / 5.0).sqrt()
-        };
-        let noise: Vec<Vec<f64>> = vec![(0..76).map(of_line).collect(); 5];
-        let method = MultiPoint::new(rod(&positions)).unwrap();
-        for seed in 0..20 {
-            let tests: Vec<_> = (0..10)
-                .map(|test| noisy(&spectra, &noise, 100 * seed + test))
-                .collect();
-            let tests: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
-            let result = method
-                .estimate(&clean(&frequency_hz, &tests, &noise))
-                .unwrap();
-            let mut valid = 0;
-            for line in result.modulus().valid() {
-                valid += 1;
-                let exact = polypropylene().modulus(TAU * line.frequency_hz);
-                let name = format!("{structure:?}, seed {seed}, {} Hz", line.frequency_hz);
-                let storage = line.modulus.re / exact.re - 1.0;
-                assert!(storage.abs() < 0.01, "{name}: E' off by {storage}");
-                let loss = line.loss_factor / (exact.im / exact.re) - 1.0;
-                assert!(loss.abs() < 0.05, "{name}: loss factor off by {loss}");
-            }
-            // 72 of the 76 lines have wavelengths below 5 · 0.4 m; near the nodes of a structure errors are larger
-            assert!(
-                valid >= 55,
-                "{structure:?}, seed {seed}: {valid} valid lines"
-            );
-        }
     }
 }

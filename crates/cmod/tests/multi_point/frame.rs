@@ -4,15 +4,14 @@ use std::f64::consts::TAU;
 
 use cmod::{GaugeSpectra, GaugedRod};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::Termination;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::HalfSine;
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
+
+use crate::noise::Noise;
 
 pub(crate) const DENSITY: f64 = 919.0;
 pub(crate) const DIAMETER: f64 = 0.016;
@@ -89,16 +88,14 @@ pub(crate) fn noisy(
     noise: &[Vec<f64>],
     seed: u64,
 ) -> Vec<Vec<Complex64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut spectrum = |(clean, noise): (&Vec<Complex64>, &Vec<f64>)| {
-        let value = |(value, noise): (&Complex64, &f64)| {
-            let re: f64 = StandardNormal.sample(&mut random);
-            let im: f64 = StandardNormal.sample(&mut random);
-            value + Complex64::new(re, im) * (noise * 0.5_f64.sqrt())
-        };
-        clean.iter().zip(noise).map(value).collect()
-    };
-    clean.iter().zip(noise).map(&mut spectrum).collect()
+    let mut random = Noise::seeded(seed);
+    let spectra = clean.iter().zip(noise);
+    spectra
+        .map(|(clean, noise)| {
+            let variance: Vec<f64> = noise.iter().map(|noise| noise * noise).collect();
+            random.on(clean, &variance)
+        })
+        .collect()
 }
 
 /// One test without noise.
