@@ -39,23 +39,27 @@ const TIMES: [f64; 12] = [
 /// A twentieth of tan δ₀ = 0.025.
 const NOISE: f64 = 1.25e-3;
 
-/// The dashpot's stress by the classical Runge-Kutta method on its own differential equation of stress and strain, in steps of
-/// the duration by `steps`; the load is constant.
+/// A step of h of dx/dt by the classical Runge-Kutta method.
+fn step(rate: impl Fn(f64, f64) -> f64, t: f64, x: f64, h: f64) -> f64 {
+    let a = rate(t, x);
+    let b = rate(t + 0.5 * h, x + 0.5 * h * a);
+    let c = rate(t + 0.5 * h, x + 0.5 * h * b);
+    let d = rate(t + h, x + h * c);
+    x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+}
+
+/// Strain rate of the dashpot under a stress of both springs and a strain of the dashpot: its own differential equation.
+fn rate(stress: f64, strain: f64) -> f64 {
+    let s = stress - TRUTH.parallel_modulus * strain;
+    TRUTH.coefficient * s.abs().powf(TRUTH.exponent) * s
+}
+
+/// Strain of the dashpot after a constant load.
 fn march(dashpot_strain: f64, stress: f64, duration: f64, steps: u32) -> f64 {
-    let rate = |strain: f64| {
-        let s = stress - TRUTH.parallel_modulus * strain;
-        TRUTH.coefficient * s.signum() * s.abs().powf(TRUTH.exponent + 1.0)
-    };
     let h = duration / f64::from(steps);
-    let mut strain = dashpot_strain;
-    for _ in 0..steps {
-        let a = rate(strain);
-        let b = rate(strain + 0.5 * h * a);
-        let c = rate(strain + 0.5 * h * b);
-        let d = rate(strain + h * c);
-        strain += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
-    }
-    strain
+    (0..steps).fold(dashpot_strain, |strain, _| {
+        step(|_, strain| rate(stress, strain), 0.0, strain, h)
+    })
 }
 
 /// Δtan δ without noise: the exact loss factor of springs and differential dashpot, marched in time.
@@ -369,20 +373,12 @@ fn a_periodic_load_joins_the_fit() {
         duration: 300.0,
     }])
     .unwrap();
-    let mut strain = 0.0;
-    let rate = |t: f64, strain: f64| {
-        let s: f64 = 32e6 + 13e6 * (TAU * 4.0 * t).sin() - TRUTH.parallel_modulus * strain;
-        TRUTH.coefficient * s.abs().powf(TRUTH.exponent) * s
-    };
     let h = 1.0 / 128.0;
-    for step in 0..38_400_u32 {
-        let t = h * f64::from(step);
-        let a = rate(t, strain);
-        let b = rate(t + 0.5 * h, strain + 0.5 * h * a);
-        let c = rate(t + 0.5 * h, strain + 0.5 * h * b);
-        let d = rate(t + h, strain + h * c);
-        strain += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
-    }
+    let stress = |t: f64| 32e6 + 13e6 * (TAU * 4.0 * t).sin();
+    let mut strain = (0..38_400_u32).fold(0.0, |strain, k| {
+        let t = h * f64::from(k);
+        step(|t, strain| rate(stress(t), strain), t, strain, h)
+    });
     let mut before = 0.0;
     let change: Vec<f64> = TIMES
         .iter()
@@ -507,19 +503,14 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     // Fourier coefficients of the stress of the spring beside the dashpot, for an impact of either sign: half their difference is
     // free of the recovery that goes on meanwhile
     let response = |amplitude: f64| {
-        let rate = |t: f64, v: f64| {
-            let s = resting + amplitude * (omega * t).sin() - v;
-            TRUTH.parallel_modulus * TRUTH.coefficient * s.abs().powf(TRUTH.exponent) * s
-        };
+        let stress = |t: f64| resting + amplitude * (omega * t).sin();
+        let rate =
+            |t: f64, v: f64| TRUTH.parallel_modulus * rate(stress(t), v / TRUTH.parallel_modulus);
         let (mut v, mut sum) = (0.0, num_complex::Complex64::ZERO);
-        for step in 0..periods * steps {
-            let t = h * f64::from(step);
+        for k in 0..periods * steps {
+            let t = h * f64::from(k);
             sum += num_complex::Complex64::from_polar(v, -omega * t);
-            let a = rate(t, v);
-            let b = rate(t + 0.5 * h, v + 0.5 * h * a);
-            let c = rate(t + 0.5 * h, v + 0.5 * h * b);
-            let d = rate(t + h, v + h * c);
-            v += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+            v = step(rate, t, v, h);
         }
         sum * 2.0 / f64::from(periods * steps)
     };

@@ -22,7 +22,6 @@ pub(crate) struct Row {
 #[derive(Deserialize)]
 pub(crate) struct Value {
     pub(crate) value: f64,
-    pub(crate) tolerance: f64,
     pub(crate) unit: String,
 }
 

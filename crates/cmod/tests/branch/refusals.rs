@@ -20,69 +20,74 @@ fn refusal(length: f64, frequency_hz: &[f64], lines: usize, variance: Option<&[f
 #[test]
 fn records_that_do_not_fit() {
     let f = [10.0, 20.0];
-    assert_eq!(
-        BranchTracker::new().track(&[]).unwrap_err().to_string(),
-        "no line to evaluate"
-    );
-    assert_eq!(refusal(1.0, &[], 0, None), "no line to evaluate");
-    assert_eq!(
-        refusal(0.0, &f, 2, None),
-        "length [m] is 0, expected a finite value above 0"
-    );
-    assert_eq!(
-        refusal(1.0, &f, 3, None),
-        "observed ratio has 3 lines, expected 2 as the frequencies have"
-    );
-    assert_eq!(
-        refusal(1.0, &f, 2, Some(&[1.0])),
-        "variance has 1 lines, expected 2 as the frequencies have"
-    );
-    assert_eq!(
-        refusal(1.0, &f, 2, Some(&[1.0, -1.0])),
-        "variance of line 1 is -1, expected 0 or above"
-    );
-    // reversed and repeated frequencies
-    assert_eq!(
-        refusal(1.0, &[20.0, 10.0], 2, None),
-        "frequency of line 1 is 10 Hz, expected more than 20 Hz of the line before"
-    );
-    assert_eq!(
-        refusal(1.0, &[20.0, 20.0], 2, None),
-        "frequency of line 1 is 20 Hz, expected more than 20 Hz of the line before"
-    );
-    assert_eq!(
-        refusal(1.0, &[f64::NAN, 20.0], 2, None),
-        "frequency of line 0 is NaN Hz, expected a finite value, 0 or above"
-    );
+    let nothing = BranchTracker::new().track(&[]).unwrap_err().to_string();
+    for (found, expected) in [
+        (nothing, "no line to evaluate"),
+        (refusal(1.0, &[], 0, None), "no line to evaluate"),
+        (
+            refusal(0.0, &f, 2, None),
+            "length [m] is 0, expected a finite value above 0",
+        ),
+        (
+            refusal(1.0, &f, 3, None),
+            "observed ratio has 3 lines, expected 2 as the frequencies have",
+        ),
+        (
+            refusal(1.0, &f, 2, Some(&[1.0])),
+            "variance has 1 lines, expected 2 as the frequencies have",
+        ),
+        (
+            refusal(1.0, &f, 2, Some(&[1.0, -1.0])),
+            "variance of line 1 is -1, expected 0 or above",
+        ),
+        (
+            refusal(1.0, &[20.0, 10.0], 2, None),
+            "frequency of line 1 is 10 Hz, expected more than 20 Hz of the line before",
+        ),
+        (
+            refusal(1.0, &[20.0, 20.0], 2, None),
+            "frequency of line 1 is 20 Hz, expected more than 20 Hz of the line before",
+        ),
+        (
+            refusal(1.0, &[f64::NAN, 20.0], 2, None),
+            "frequency of line 0 is NaN Hz, expected a finite value, 0 or above",
+        ),
+    ] {
+        assert_eq!(found, expected);
+    }
 }
 
 #[test]
 fn anchors_that_cannot_be() {
-    let text = |result: Result<BranchTracker, cmod::CmodError>| result.unwrap_err().to_string();
-    assert_eq!(
-        text(BranchTracker::new().with_wave_speed(-1.0, 0.1)),
-        "wave speed [m/s] is -1, expected a finite value above 0"
-    );
-    assert_eq!(
-        text(BranchTracker::new().with_wave_speed(1e3, 0.0)),
-        "relative error of the wave speed is 0, expected a finite value above 0"
-    );
-    assert_eq!(
-        text(BranchTracker::new().with_wave_number(0.0, 1.0, 1.0)),
-        "frequency of the known wave number [Hz] is 0, expected a finite value above 0"
-    );
-    assert_eq!(
-        text(BranchTracker::new().with_wave_number(1.0, 1.0, f64::NAN)),
-        "standard error of the wave number [rad/m] is NaN, expected a finite value above 0"
-    );
-    assert_eq!(
-        text(BranchTracker::new().with_branch(1.0, Branch::in_quadrant(0), 0.0)),
-        "length [m] is 0, expected a finite value above 0"
-    );
-    assert_eq!(
-        text(BranchTracker::new().with_least_confidence(0.3)),
-        "least confidence is 0.3, expected 0.5 or above, below 1"
-    );
+    let tracker = BranchTracker::new;
+    for (found, expected) in [
+        (
+            tracker().with_wave_speed(-1.0, 0.1),
+            "wave speed [m/s] is -1, expected a finite value above 0",
+        ),
+        (
+            tracker().with_wave_speed(1e3, 0.0),
+            "relative error of the wave speed is 0, expected a finite value above 0",
+        ),
+        (
+            tracker().with_wave_number(0.0, 1.0, 1.0),
+            "frequency of the known wave number [Hz] is 0, expected a finite value above 0",
+        ),
+        (
+            tracker().with_wave_number(1.0, 1.0, f64::NAN),
+            "standard error of the wave number [rad/m] is NaN, expected a finite value above 0",
+        ),
+        (
+            tracker().with_branch(1.0, Branch::in_quadrant(0), 0.0),
+            "length [m] is 0, expected a finite value above 0",
+        ),
+        (
+            tracker().with_least_confidence(0.3),
+            "least confidence is 0.3, expected 0.5 or above, below 1",
+        ),
+    ] {
+        assert_eq!(found.unwrap_err().to_string(), expected);
+    }
 }
 
 /// Nothing but missing lines, or lines of noise: no root, or no belief.

@@ -102,9 +102,7 @@ fn two_points() {
             let method = TwoPoint::new(specimen)?
                 .with_solver(solver)
                 .with_specimen_uncertainty(uncertainty)?;
-            estimated(&a[4..], |f, ratio, variance| {
-                method.estimate(f, ratio, variance)
-            })
+            estimated(&a[4..], |f, r, v| method.estimate(f, r, v))
         });
     }
     findings.sweep("AveragedRatio", &[0.99, 10.0, 1.0], |a| {
@@ -178,16 +176,12 @@ fn neighbours_of_two_points() {
             let method = FreeEnd::new(rod(a), quantity(first, a[3]), quantity(second, a[4]))?
                 .with_wave_speed(a[5])?
                 .with_uncertainty(uncertainty)?;
-            estimated(&a[6..], |f, ratio, variance| {
-                method.estimate(f, ratio, variance)
-            })
+            estimated(&a[6..], |f, r, v| method.estimate(f, r, v))
         });
     }
     findings.sweep("FreeEnd without a wave speed", &sound, |a| {
         let method = FreeEnd::new(rod(a), acceleration(a[3]), acceleration(a[4]))?;
-        estimated(&a[6..], |f, ratio, variance| {
-            method.estimate(f, ratio, variance)
-        })
+        estimated(&a[6..], |f, r, v| method.estimate(f, r, v))
     });
     findings.sweep(
         "OneGauge",
@@ -196,9 +190,7 @@ fn neighbours_of_two_points() {
             let method = OneGauge::new(rod(a), strain(a[3]))?
                 .with_wave_speed(a[4])?
                 .with_uncertainty(uncertainty)?;
-            estimated(&a[5..], |f, ratio, variance| {
-                method.estimate(f, ratio, variance)
-            })
+            estimated(&a[5..], |f, r, v| method.estimate(f, r, v))
         },
     );
     findings.sweep(
@@ -213,9 +205,7 @@ fn neighbours_of_two_points() {
             let method = SeparatePulses::new(rod)?
                 .with_wave_speed(a[3])?
                 .with_uncertainty(uncertainty)?;
-            estimated(&a[4..], |f, ratio, variance| {
-                method.estimate(f, ratio, variance)
-            })
+            estimated(&a[4..], |f, r, v| method.estimate(f, r, v))
         },
     );
     findings.sweep(
@@ -223,9 +213,7 @@ fn neighbours_of_two_points() {
         &[0.02, 1150.0, 1e-3, 1.0, 1.0, 1.0, 1e-6],
         |a| {
             let method = Resonances::new(rod(a), a[3])?.with_uncertainty(uncertainty)?;
-            estimated(&a[4..], |f, ratio, variance| {
-                method.estimate(f, ratio, variance)
-            })
+            estimated(&a[4..], |f, r, v| method.estimate(f, r, v))
         },
     );
     findings.sweep_pairs("noise_of_cut_pulse", &[1e-3, 0.1, -0.2, 50.0], |a| {

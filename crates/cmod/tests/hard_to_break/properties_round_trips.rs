@@ -10,8 +10,8 @@ use cmod::estimate::{PlottedQuantity, coverage_factor};
 use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
-    EndSection, FreeEnd, GaugeSpectra, GaugedRod, ModulusEstimate, MultiPoint, OneGauge, PulsedRod,
-    RodWithFreeEnd, SeparatePulses, ThreePoint, TwoPoint,
+    EndSection, FreeEnd, ModulusEstimate, OneGauge, PulsedRod, RodWithFreeEnd, SeparatePulses,
+    TwoPoint,
 };
 
 use super::specimen::{Specimen, strain_of_two_waves};
@@ -159,50 +159,12 @@ proptest! {
             prop_assert!((one.modulus * pascal / other.modulus - 1.0).norm() < allowed);
         }
     }
-
-    /// Strains of three equidistant gauges, and of five at any places.
-    #[test]
-    fn strains_of_several_gauges(specimen in any_specimen(), re in -0.9..0.9_f64, im in -0.4..0.4_f64, shift in 0.3..0.9_f64) {
-        let reflected = Complex64::new(re, im);
-        let frequency_hz: Vec<f64> = frequencies(&specimen).iter().map(|f| 0.5 * f).collect();
-        let length = specimen.length;
-        let spectra = |positions: &[f64]| -> Vec<Vec<Complex64>> {
-            let at = |x: &f64| frequency_hz.iter().map(|f| strain_of_two_waves(specimen.gamma(*f), *x, reflected)).collect();
-            positions.iter().map(at).collect()
-        };
-        let rod = |positions: &[f64]| GaugedRod {
-            positions: positions.to_vec(),
-            diameter: specimen.diameter,
-            density: specimen.density,
-        };
-        let three = [-length, 0.0, length];
-        let seen = spectra(&three);
-        let estimate = ThreePoint::new(rod(&three)).unwrap().with_limits(AcceptanceLimits::NONE).unwrap()
-            .estimate(&GaugeSpectra { frequency_hz: &frequency_hz, tests: &[&seen], noise: &vec![vec![1e-9; LINES]; 3] }).unwrap();
-        for line in estimate.valid() {
-            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
-            prop_assert!(error < 1e-13 * (10.0 + line.error_amplification), "{} Hz: {error:e}", line.frequency_hz);
-        }
-        prop_assert!(estimate.valid().count() > LINES / 4);
-        let several = [-length, -0.61 * length, 0.1 * length, shift * length, 1.3 * length];
-        let seen = spectra(&several);
-        let estimate = MultiPoint::new(rod(&several)).unwrap().with_limits(AcceptanceLimits::NONE).unwrap()
-            .with_wave_speed(1.02 * std::f64::consts::TAU * frequency_hz[0] / specimen.gamma(frequency_hz[0]).im).unwrap()
-            .estimate(&GaugeSpectra { frequency_hz: &frequency_hz, tests: &[&seen], noise: &vec![vec![1e-9; LINES]; 5] }).unwrap();
-        for line in estimate.modulus().valid() {
-            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
-            // the minimum of a sum of squares is found to the root of rounding of its slope
-            prop_assert!(error < 1e-10 * (10.0 + line.error_amplification), "{} Hz: {error:e}", line.frequency_hz);
-        }
-        prop_assert!(estimate.modulus().valid().count() > LINES / 4);
-    }
 }
 
 /// tan δ from 1e-9 to 10 for every method: what is called valid is right, to rounding as the method magnifies it, and where the losses
 /// cannot be seen in rounding the line is no more called valid than its stated error allows.
 #[test]
 fn all_but_lossless_and_all_but_fluid() {
-    let mut table = Vec::new();
     for exponent in [-9, -8, -7, -6, -5, -4, -3, -2, -1, 0, 1] {
         let specimen = Specimen {
             loss_factor: 10f64.powi(exponent),
@@ -228,6 +190,15 @@ fn all_but_lossless_and_all_but_fluid() {
             .iter()
             .map(|f| strain_of_two_waves(specimen.gamma(*f), 0.4, Complex64::ZERO))
             .collect();
+        // the wave reflected by the free end over the one that arrived: the way there and back, strains change sign
+        let reflected: Vec<Complex64> = frequency_hz
+            .iter()
+            .map(|f| -strain_of_two_waves(specimen.gamma(*f), 0.8, Complex64::ZERO))
+            .collect();
+        let gauge = EndSection {
+            distance: 0.4,
+            quantity: Quantity::Strain,
+        };
         let pulses = SeparatePulses::new(PulsedRod {
             distance: 0.4,
             diameter: specimen.diameter,
@@ -241,15 +212,18 @@ fn all_but_lossless_and_all_but_fluid() {
             pulses
                 .and_then(|method| method.with_wave_speed(speed))
                 .and_then(|method| method.estimate(&frequency_hz, &decay, &variance)),
+            OneGauge::new(rod, gauge)
+                .and_then(|method| method.with_wave_speed(speed))
+                .and_then(|method| method.estimate(&frequency_hz, &reflected, &variance)),
         ];
         for (method, estimate) in estimates.into_iter().enumerate() {
             let estimate = estimate.unwrap();
-            let mut worst: f64 = 0.0;
             for line in estimate.valid() {
                 let storage = (line.modulus.re / specimen.modulus - 1.0).abs();
                 let loss = (line.loss_factor / specimen.loss_factor - 1.0).abs();
                 // a rounding of Ψ moves E by 1e-16 of it, magnified, in any direction: of tan δ that is 1/tan δ times more
-                let rounding = 1e-15 * (10.0 + line.error_amplification);
+                let roundings = if method == 3 { 1e-14 } else { 1e-15 };
+                let rounding = roundings * (10.0 + line.error_amplification);
                 let seen = rounding * (1.0 + specimen.loss_factor + specimen.loss_factor.recip());
                 assert!(
                     storage < rounding * (1.0 + specimen.loss_factor.powi(2)),
@@ -259,56 +233,15 @@ fn all_but_lossless_and_all_but_fluid() {
                     loss < seen * (1.0 + specimen.loss_factor),
                     "method {method}, tan δ 1e{exponent}: {loss:e}"
                 );
-                worst = worst.max(loss);
             }
-            table.push((method, exponent, estimate.valid().count(), worst));
-        }
-    }
-    // from 1e-6 to 0.1 every method has lines that it vouches for
-    for (method, exponent, valid, _) in &table {
-        if (-6..=-1).contains(exponent) {
-            assert!(
-                *valid > LINES / 4,
-                "method {method}, tan δ 1e{exponent}: {valid} valid lines"
-            );
-        }
-    }
-}
-
-/// One gauge at half the distance: whatever is called valid is right.
-#[test]
-fn one_gauge_from_lossless_to_fluid() {
-    for exponent in [-9, -6, -3, -1, 0, 1] {
-        let specimen = Specimen {
-            loss_factor: 10f64.powi(exponent),
-            ..Specimen::polymer()
-        };
-        let frequency_hz = frequencies(&specimen);
-        let rod = RodWithFreeEnd {
-            diameter: specimen.diameter,
-            density: specimen.density,
-            end_mass: 0.0,
-        };
-        let section = EndSection {
-            distance: 0.4,
-            quantity: Quantity::Strain,
-        };
-        // the wave reflected by the free end over the one that arrived: the way there and back, strains change sign
-        let ratio: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| -strain_of_two_waves(specimen.gamma(*f), 0.8, Complex64::ZERO))
-            .collect();
-        let speed = std::f64::consts::TAU * frequency_hz[9] / specimen.gamma(frequency_hz[9]).im;
-        let estimate = OneGauge::new(rod, section)
-            .and_then(|method| method.with_wave_speed(speed))
-            .and_then(|method| method.estimate(&frequency_hz, &ratio, &vec![1e-30; LINES]))
-            .unwrap();
-        for line in estimate.valid() {
-            let error = (line.modulus / specimen.complex_modulus() - 1.0).norm();
-            assert!(
-                error < 1e-14 * (10.0 + line.error_amplification),
-                "tan δ 1e{exponent}: {error:e}"
-            );
+            // of one gauge fewer lines are within five distances
+            if (-6..=-1).contains(&exponent) && method < 3 {
+                let valid = estimate.valid().count();
+                assert!(
+                    valid > LINES / 4,
+                    "method {method}, tan δ 1e{exponent}: {valid} valid lines"
+                );
+            }
         }
     }
 }
@@ -345,21 +278,6 @@ fn a_hundred_thousand_lines() {
         .estimate(&frequency_hz, &ratio, &vec![1e-12; 100_000])
         .unwrap();
     is_modulus_of(&estimate, &specimen, 50_000);
-}
-
-/// Lines asked from several threads are the lines asked from one.
-#[test]
-fn threads_make_no_difference() {
-    let specimen = Specimen::polymer();
-    let alone = estimated(&specimen);
-    std::thread::scope(|scope| {
-        let others: Vec<_> = (0..4)
-            .map(|_| scope.spawn(|| estimated(&specimen)))
-            .collect();
-        for other in others {
-            assert_eq!(other.join().unwrap(), alone);
-        }
-    });
 }
 
 /// A table written and read again has every number to its last bit.

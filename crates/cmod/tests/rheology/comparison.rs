@@ -5,7 +5,7 @@ use rodwave::modulus::{
     ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, Maxwell, Zener,
 };
 
-use super::measured::{Noise, logarithmic, measured};
+use super::measured::{logarithmic, with_noise};
 
 const LAWS: [Law; 6] = [
     Law::KelvinVoigt,
@@ -24,12 +24,7 @@ fn true_law_is_preferred() {
     let frequency = logarithmic(20.0, 50e3, 150);
     let mut first = 0;
     for seed in 0..10 {
-        let data = measured(
-            |omega| law.at(omega),
-            &frequency,
-            Noise::circular(0.003),
-            seed,
-        );
+        let data = with_noise(&law, &frequency, 0.003, seed);
         let comparison = Comparison::new(&data, &LAWS, &FitOptions::default()).unwrap();
         assert!(comparison.refused.is_empty());
         let total: f64 = comparison.rows.iter().map(|row| row.weight).sum();
@@ -61,12 +56,7 @@ fn true_law_is_preferred() {
 #[test]
 fn table_names_what_was_refused() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
-    let data = measured(
-        |omega| law.at(omega),
-        &[100.0, 900.0],
-        Noise::circular(0.003),
-        0,
-    );
+    let data = with_noise(&law, &[100.0, 900.0], 0.003, 0);
     let comparison = Comparison::new(&data, &LAWS, &FitOptions::default()).unwrap();
     assert_eq!(comparison.refused.len(), 1);
     assert_eq!(comparison.refused[0].0, Law::HavriliakNegami);
@@ -91,12 +81,7 @@ fn l7_same_function_counts_once() {
     ];
     let mut right = 0;
     for seed in 0..40 {
-        let data = measured(
-            |omega| law.at(omega),
-            &frequency,
-            Noise::circular(0.005),
-            seed,
-        );
+        let data = with_noise(&law, &frequency, 0.005, seed);
         let comparison = Comparison::new(&data, &laws, &FitOptions::default()).unwrap();
         right += u32::from(comparison.best().unwrap().law.law() == Law::Zener);
         let twin = comparison.rows.iter().find(|row| row.same_as.is_some());
@@ -142,12 +127,7 @@ fn l8_simple_laws_are_named() {
         let mut right = 0;
         let mut covered = 0;
         for seed in 0..20 {
-            let data = measured(
-                |omega| law.at(omega),
-                &frequency,
-                Noise::circular(0.01),
-                seed,
-            );
+            let data = with_noise(law, &frequency, 0.01, seed);
             let comparison = Comparison::new(&data, &laws, &options).unwrap();
             let best = comparison.best().unwrap();
             right += u32::from(best.law.law() == name);

@@ -7,22 +7,13 @@ use cmod::rheology::{
 use num_complex::Complex64;
 use rodwave::medium::PropagationLaw;
 use rodwave::modulus::{
-    ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, KelvinVoigt,
-    MaxwellBranch, PowerLawPropagation, Zener,
+    ComplexModulus, FractionalZener, HavriliakNegami, KelvinVoigt, PowerLawPropagation, Zener,
 };
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
-use super::measured::{Noise, logarithmic, measured};
-
-fn two_branches() -> GeneralisedMaxwell {
-    let branch = |modulus, relaxation_time| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    };
-    GeneralisedMaxwell::new(2.0e9, vec![branch(0.4e9, 2e-5), branch(0.3e9, 1e-3)]).unwrap()
-}
+use super::measured::{Noise, logarithmic, measured, series};
 
 type Truth = (Law, Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
 
@@ -33,7 +24,7 @@ fn truths() -> Vec<Truth> {
     let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
     let skew = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5).unwrap();
     let nylon = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    let series = two_branches();
+    let series = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)]);
     vec![
         (
             Law::KelvinVoigt,

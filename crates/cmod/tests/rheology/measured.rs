@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::{ModulusData, ModulusPoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
+
+use crate::noise;
 
 /// Frequencies at equal ratios.
 pub(crate) fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {
@@ -47,14 +47,13 @@ pub(crate) fn points(
     noise: Noise,
     seed: u64,
 ) -> Vec<ModulusPoint> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = noise::Noise::seeded(seed);
     frequency_hz
         .iter()
         .map(|&frequency_hz| {
             let modulus = law(TAU * frequency_hz);
             let (a, b) = (noise.storage * modulus.norm(), noise.loss * modulus.norm());
-            let x: f64 = StandardNormal.sample(&mut random);
-            let y: f64 = StandardNormal.sample(&mut random);
+            let (x, y) = (random.normal(), random.normal());
             let r = noise.correlation;
             let error = Complex64::new(a * x, b * (r * x + (1.0 - r * r).sqrt() * y));
             ModulusPoint {
@@ -77,4 +76,24 @@ pub(crate) fn measured(
     seed: u64,
 ) -> ModulusData {
     ModulusData::new(&points(law, frequency_hz, noise, seed)).unwrap()
+}
+
+/// With circular noise of this share of the modulus.
+pub(crate) fn with_noise(
+    law: &dyn ComplexModulus,
+    frequency_hz: &[f64],
+    share: f64,
+    seed: u64,
+) -> ModulusData {
+    measured(|w| law.at(w), frequency_hz, Noise::circular(share), seed)
+}
+
+/// A generalised Maxwell law of these moduli and relaxation times.
+pub(crate) fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
+    let branch = |&(modulus, relaxation_time): &(f64, f64)| MaxwellBranch {
+        modulus,
+        relaxation_time,
+    };
+    let branches = branches.iter().map(branch).collect();
+    GeneralisedMaxwell::new(equilibrium, branches).unwrap()
 }

@@ -1,22 +1,9 @@
 //! What the data do not determine, and that the fit says so.
 
 use cmod::rheology::{FitOptions, IntervalMethod, Law, PronyFit, Reason, RheologicalFit, Verdict};
-use rodwave::modulus::{
-    ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, MaxwellBranch, Zener,
-};
+use rodwave::modulus::{ComplexModulus, FractionalZener, HavriliakNegami, Zener};
 
-use super::measured::{Noise, logarithmic, measured};
-
-fn series(equilibrium: f64, branches: &[(f64, f64)]) -> GeneralisedMaxwell {
-    let branches = branches
-        .iter()
-        .map(|&(modulus, relaxation_time)| MaxwellBranch {
-            modulus,
-            relaxation_time,
-        })
-        .collect();
-    GeneralisedMaxwell::new(equilibrium, branches).unwrap()
-}
+use super::measured::{Noise, logarithmic, measured, series, with_noise};
 
 /// Two relaxation times of ratio 1.3 with 1 %: one is enough, and with two forced nothing of the pair is identified.
 #[test]
@@ -24,12 +11,7 @@ fn close_relaxation_times_are_not_resolved() {
     let law = series(2.0e9, &[(0.4e9, 1e-4), (0.4e9, 1.3e-4)]);
     let frequency = logarithmic(20.0, 50e3, 100);
     for seed in 0..5 {
-        let data = measured(
-            |omega| law.at(omega),
-            &frequency,
-            Noise::circular(0.01),
-            seed,
-        );
+        let data = with_noise(&law, &frequency, 0.01, seed);
         let chosen = PronyFit::new(&data, &FitOptions::default()).unwrap();
         assert_eq!(chosen.fit.law.prony_series().unwrap().branches().len(), 1);
         assert!(
@@ -56,12 +38,7 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
     let frequency = logarithmic(100.0, 20e3, 100); // ωτ <= 0.025
     let (mut one_sided, mut covered) = (0, 0);
     for seed in 0..20 {
-        let data = measured(
-            |omega| law.at(omega),
-            &frequency,
-            Noise::circular(0.001),
-            seed,
-        );
+        let data = with_noise(&law, &frequency, 0.001, seed);
         let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
         let time = fit.parameter("relaxation time").unwrap();
         let increment = fit.parameter("modulus increment").unwrap();
@@ -93,7 +70,7 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
 fn relaxation_below_the_band_hides_the_spring() {
     let law = series(2.0e9, &[(0.4e9, 5e-5), (1.0e9, 0.3)]);
     let frequency = logarithmic(100.0, 20e3, 100); // ωτ >= 188
-    let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.001), 1);
+    let data = with_noise(&law, &frequency, 0.001, 1);
     let fit = PronyFit::with_order(&data, 2, &FitOptions::default())
         .unwrap()
         .fit;
@@ -126,12 +103,7 @@ fn profiles_cover() {
     let seeds = 200;
     let (mut covered, mut profiles) = (0, 0);
     for seed in 0..seeds {
-        let data = measured(
-            |omega| law.at(omega),
-            &frequency,
-            Noise::circular(0.08),
-            seed,
-        );
+        let data = with_noise(&law, &frequency, 0.08, seed);
         let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
         let time = fit.parameter("relaxation time").unwrap();
         covered += u32::from(time.interval.contains(2e-5));
@@ -147,7 +119,7 @@ fn profiles_cover() {
 fn profiles_can_be_left_out() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
     let frequency = logarithmic(100.0, 20e3, 100);
-    let data = measured(|omega| law.at(omega), &frequency, Noise::circular(0.001), 0);
+    let data = with_noise(&law, &frequency, 0.001, 0);
     let options = FitOptions::default().with_profiles(false);
     let fit = RheologicalFit::new(&data, Law::Zener, &options).unwrap();
     let time = fit.parameter("relaxation time").unwrap();
@@ -163,12 +135,7 @@ fn l2_spring_below_a_slow_relaxation_is_never_identified() {
     for time in [1.0, 10.0] {
         let law = Zener::new(2.0e9, 3.0e9, time).unwrap();
         for seed in 0..30 {
-            let data = measured(
-                |omega| law.at(omega),
-                &frequency,
-                Noise::circular(0.001),
-                seed,
-            );
+            let data = with_noise(&law, &frequency, 0.001, seed);
             let fit = RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap();
             let relaxed = fit.parameter("relaxed modulus").unwrap();
             assert!(!relaxed.verdict.is_identified(), "{seed}: {fit}");
@@ -236,8 +203,7 @@ fn l9_identified_parameters_of_weak_data_cover() {
         for (from, noise) in [(200.0, 0.02), (2e3, 0.01)] {
             let frequency = logarithmic(from, 20.0 * from, 30);
             for seed in 0..seeds {
-                let circular = Noise::circular(noise);
-                let data = measured(|omega| law.at(omega), &frequency, circular, seed);
+                let data = with_noise(law, &frequency, noise, seed);
                 let fit = RheologicalFit::new(&data, name, &FitOptions::default()).unwrap();
                 for (parameter, truth) in fit.parameters.iter().zip(truth) {
                     all += 1.0;
