@@ -4,19 +4,14 @@ use testbed::measured;
 
 use labio::format::csv::{Csv, CsvAbscissa, CsvDialect, CsvOptions, CsvSeparator, read_with};
 use labio::format::{DecimalMark, Reader, Strictness, Writer};
-use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
+use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
+use crate::series::{axis, defects, even, property, real, refusals};
+
 fn read(bytes: impl AsRef<[u8]>) -> Result<Contents, LabioError> {
     Csv.read(bytes.as_ref(), Strictness::Strict)
-}
-
-fn real(contents: &Contents, index: usize) -> &[f64] {
-    match &contents.series[index].ordinate {
-        Ordinate::Real(values) => values,
-        Ordinate::Complex(_) => panic!("expected real numbers"),
-    }
 }
 
 fn names(contents: &Contents) -> Vec<String> {
@@ -27,11 +22,6 @@ fn names(contents: &Contents) -> Vec<String> {
         .collect()
 }
 
-fn property<'a>(contents: &'a Contents, name: &str) -> Option<&'a str> {
-    let found = contents.properties.iter().find(|(key, _)| key == name);
-    found.map(|(_, value)| value.as_str())
-}
-
 #[test]
 fn oscilloscopes_are_read_with_their_preambles() {
     // PicoScope: units in parentheses, a blank line, an overload as infinity
@@ -40,52 +30,31 @@ fn oscilloscopes_are_read_with_their_preambles() {
     let contents = read(pico).unwrap();
     assert_eq!(names(&contents), ["Channel A [V]", "Channel B [mV]"]);
     assert_eq!(real(&contents, 0)[1], f64::INFINITY);
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: -0.5,
-            step: 0.5
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(-0.5, 0.5));
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");
     assert_eq!(contents.series[0].kind, SeriesKind::TimeResponse);
 
     // Tektronix: the interval stands beside times in few digits
     let tek = "Model,DPO4034\nSample Interval,4e-10,s\nRecord Length,4\n\nTIME,CH1\n-1.0e-09,0.5\n-6.0e-10,0.6\n-2.0e-10,0.7\n2.0e-10,0.8\n";
     let contents = read(tek).unwrap();
+    assert_eq!(contents.series[0].abscissa, even(-1.0e-9, 4e-10));
+    assert_eq!(property(&contents.properties, "Model"), Some("DPO4034"));
     assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: -1.0e-9,
-            step: 4e-10
-        }
+        property(&contents.properties, "Sample Interval"),
+        Some("4e-10 s")
     );
-    assert_eq!(property(&contents, "Model"), Some("DPO4034"));
-    assert_eq!(property(&contents, "Sample Interval"), Some("4e-10 s"));
 
     // Tektronix, older: the preamble stands in the columns before the first samples
     let old = "Record Length,2.5e+03,,0.0,0.02,\nSample Interval,1.0e-1,,0.1,0.04,\n,,,0.2,0.06,\n,,,0.3,0.08,\n";
     let contents = read(old).unwrap();
     assert_eq!(real(&contents, 0), [0.02, 0.04, 0.06, 0.08]);
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 0.1
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(0.0, 0.1));
 
     // LeCroy
     let lecroy = "LECROYWS424,12345,Waveform\nSegments,1,SegmentSize,3\nSegment,TrigTime,TimeSinceSegment1\n#1,26-Feb-2007 15:05:48,0\nTime,Ampl\n0,0.25\n1e-3,0.5\n2e-3,0.75\n";
     let contents = read(lecroy).unwrap();
     assert_eq!(names(&contents), ["Ampl []"]);
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 1e-3
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(0.0, 1e-3));
 }
 
 #[test]
@@ -157,13 +126,7 @@ fn complex_numbers_and_short_columns_are_columns() {
         Complex64::new(0.0, 0.0),
     ];
     assert_eq!(contents.series[0].ordinate, Ordinate::Complex(values));
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 1.0
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(0.0, 1.0));
     assert_eq!(real(&contents, 1), [0.5]);
 }
 
@@ -191,21 +154,12 @@ fn times_in_few_digits_are_no_clock() {
         read_with(rough.as_bytes(), Strictness::Strict, &options)
     };
     let step = 1.0 / 51200.0;
-    assert_eq!(
-        given(step).unwrap().series[0].abscissa,
-        Abscissa::Even { start: 0.0, step }
-    );
+    assert_eq!(given(step).unwrap().series[0].abscissa, even(0.0, step));
     // rounded before they were printed in more digits
     let twice = b"f,H\n0.0000e0,1\n7.8100e-1,2\n1.5600e0,3\n2.3400e0,4\n";
     let options = CsvOptions::default().with_abscissa(CsvAbscissa::Step(0.78125));
     let contents = read_with(twice, Strictness::Strict, &options).unwrap();
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 0.78125
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(0.0, 0.78125));
     insta::assert_snapshot!(given(2e-5).unwrap_err(), @"csv, line 2, column 1: abscissa is 4.49e-4 in row 24, expected 4.6e-4 within half a step, by the step of 2e-5");
 }
 
@@ -218,13 +172,7 @@ fn what_is_known_beforehand_overrides_what_is_found() {
         .with_abscissa(CsvAbscissa::Column(2));
     let contents = read_with(text.as_bytes(), Strictness::Strict, &options).unwrap();
     assert_eq!(real(&contents, 1), [0.914, 0.537]);
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 5.0,
-            step: 1.0
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(5.0, 1.0));
     let index = CsvOptions::default().with_abscissa(CsvAbscissa::Index);
     assert_eq!(
         read_with(text.as_bytes(), Strictness::Strict, &index)
@@ -263,13 +211,8 @@ fn what_is_known_beforehand_overrides_what_is_found() {
             9,
         )),
     ]
-    .map(|options| {
-        read_with(text.as_bytes(), Strictness::Strict, &options)
-            .unwrap_err()
-            .to_string()
-    })
-    .join("\n");
-    insta::assert_snapshot!(wrong, @r"
+    .map(|options| read_with(text.as_bytes(), Strictness::Strict, &options));
+    insta::assert_snapshot!(refusals(wrong), @r"
     column of the abscissa, from 1 to the number of columns: found 4, expected 3
     csv, line 1: row of names or units is `1 2`, expected 3 cells, as the rows of numbers have
     csv, line 9: row of names or units is not in the header, expected one of its 1 lines
@@ -280,7 +223,7 @@ fn what_is_known_beforehand_overrides_what_is_found() {
 
 #[test]
 fn what_is_wrong_is_said_with_its_place() {
-    let refusals = [
+    let wrong = [
         "",
         "\n \n",
         "nothing but words\n",
@@ -295,12 +238,8 @@ fn what_is_wrong_is_said_with_its_place() {
         "t,F\n0,1\n1+1j,1\n2,1\n",
         "# abscissa = even, start 0.0, step 0.5\nt,F\n0.0,1\n0.6,2\n",
     ]
-    .map(|text| match read(text) {
-        Ok(contents) => format!("read {:?}", contents.series),
-        Err(error) => error.to_string(),
-    })
-    .join("\n");
-    insta::assert_snapshot!(refusals, @r"
+    .map(read);
+    insta::assert_snapshot!(refusals(wrong), @r"
     the csv file holds no data
     the csv file holds no data
     csv, line 1: table is not found, expected rows of numbers within the first 1000 lines
@@ -325,8 +264,7 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
     assert_eq!((force[0], force[3]), (1.0, 4.0));
     assert!(force[1].is_nan() && force[2].is_nan());
     assert_eq!(real(&contents, 1), [5.0, 6.0, 7.0, 8.0]);
-    let defects: Vec<String> = contents.defects.iter().map(ToString::to_string).collect();
-    insta::assert_snapshot!(defects.join("\n"), @r"
+    insta::assert_snapshot!(defects(&contents), @r"
     csv, line 3, column 2: cell is `oops`, expected a number
     csv, line 5, column 2: cell is a number under 1 empty, expected no gap in the column
     csv, line 6: row is `end of file`, expected a row of 3 numbers
@@ -371,23 +309,13 @@ fn only_tables_are_recognised() {
     assert_eq!(real(&read(&wide).unwrap(), 0).len(), 2000);
 }
 
-fn axis(label: &str, unit_text: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit: labio::Unit::parse(unit_text)
-            .ok()
-            .filter(|_| !unit_text.is_empty()),
-        unit_text: unit_text.to_owned(),
-    }
-}
-
-fn write(contents: &Contents) -> Result<Vec<u8>, LabioError> {
+pub(crate) fn write(contents: &Contents) -> Result<Vec<u8>, LabioError> {
     let mut bytes = Vec::new();
     Csv.write(contents, &mut bytes)?;
     Ok(bytes)
 }
 
-fn sample() -> Contents {
+pub(crate) fn sample() -> Contents {
     let mut contents = Contents::of_format("csv");
     contents
         .properties
@@ -395,10 +323,7 @@ fn sample() -> Contents {
     let series = |name: &str, kind, ordinate| Series {
         name: name.to_owned(),
         kind,
-        abscissa: Abscissa::Even {
-            start: -0.1,
-            step: 0.1,
-        },
+        abscissa: even(-0.1, 0.1),
         ordinate,
         abscissa_axis: axis("Time", "s"),
         ordinate_axis: axis("", ""),
@@ -459,12 +384,7 @@ fn what_a_table_cannot_hold_is_refused() {
                 .iter_mut()
                 .for_each(|s| s.ordinate = Ordinate::Real(Vec::new()));
         }),
-        with(|c| {
-            c.series[0].abscissa = Abscissa::Even {
-                start: 0.0,
-                step: 0.2,
-            }
-        }),
+        with(|c| c.series[0].abscissa = even(0.0, 0.2)),
         with(|c| c.series[1].abscissa_axis.unit_text = "ms".to_owned()),
         with(|c| c.series[1].name = "two\nlines".to_owned()),
         with(|c| c.series[1].name = " padded".to_owned()),
@@ -483,12 +403,9 @@ fn what_a_table_cannot_hold_is_refused() {
             }
         }),
         with(|c| {
-            c.series.iter_mut().for_each(|s| {
-                s.abscissa = Abscissa::Even {
-                    start: f64::NAN,
-                    step: 0.2,
-                }
-            });
+            c.series
+                .iter_mut()
+                .for_each(|s| s.abscissa = even(f64::NAN, 0.2));
         }),
     ]
     .join("\n");
@@ -581,28 +498,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn no_bytes_make_it_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200), tolerant in any::<bool>()) {
-        let strictness = if tolerant { Strictness::Tolerant } else { Strictness::Strict };
-        let _ = Csv.read(&bytes, strictness);
-        let _ = Csv.recognises(&bytes);
-    }
-
-    #[test]
-    fn no_text_makes_it_panic(text in "[0-9eE+\\-.,;\t|\"\n #%()jtF= ]{0,80}", tolerant in any::<bool>()) {
-        let strictness = if tolerant { Strictness::Tolerant } else { Strictness::Strict };
-        let _ = Csv.read(text.as_bytes(), strictness);
-    }
-
-    #[test]
-    fn no_mutation_makes_it_panic(cut in 0..250_usize, at in 0..250_usize, byte in any::<u8>()) {
-        let mut bytes = write(&sample()).unwrap();
-        bytes.truncate(cut.max(1));
-        let at = at % bytes.len();
-        bytes[at] = byte;
-        let _ = read(&bytes);
-        let _ = Csv.read(&bytes, Strictness::Tolerant);
-    }
 }
 
 /// A pulse in units of the last digit that is written.
@@ -630,13 +525,7 @@ fn r18_a_preamble_with_empty_rows_stands_beside_its_table() {
     let contents = read(&file).unwrap();
     assert_eq!(contents.series.len(), 1);
     let series = &contents.series[0];
-    assert_eq!(
-        series.abscissa,
-        Abscissa::Even {
-            start: -6.4e-7,
-            step: 8e-9
-        }
-    );
+    assert_eq!(series.abscissa, even(-6.4e-7, 8e-9));
     assert_eq!(series.abscissa_axis.unit_text, "s");
     assert_eq!(series.kind, SeriesKind::TimeResponse);
     let values = real(&contents, 0);
@@ -716,14 +605,7 @@ fn r18_names_above_numbers_between_blanks_keep_their_units() {
             );
             assert_eq!(series.abscissa_axis.label, "time", "{header}");
             assert_eq!(series.abscissa_axis.unit_text, "s", "{header}");
-            assert_eq!(
-                series.abscissa,
-                Abscissa::Even {
-                    start: 0.0,
-                    step: 1.0 / 51_200.0
-                },
-                "{header}"
-            );
+            assert_eq!(series.abscissa, even(0.0, 1.0 / 51_200.0), "{header}");
         }
         let expected: Vec<f64> = (0..200).map(|k| 0.25 * pulse(k)).collect();
         assert_eq!(real(&contents, 1), expected);
@@ -787,13 +669,7 @@ fn r18_times_of_single_precision_take_a_stated_rate() {
     let file = format!("Time/s,gauge\n{rounded}");
     assert!(read(&file).is_err());
     let contents = labio::format::read_bytes_at(file.as_bytes(), 12.5e6).unwrap();
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: -1.98e-4,
-            step: 8e-8
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(-1.98e-4, 8e-8));
 }
 
 #[test]
@@ -939,25 +815,4 @@ fn the_measured_tables_read() {
       strictly: reads
       2 series of 6401, over frequency [Hz]: uneven, 0 to 5000; General real(accelerance) [] .. imag(accelerance) []
     ");
-}
-
-#[test]
-fn every_sweep_of_the_polymer_reads_but_its_last_line() {
-    for temperature in (0..=105).step_by(5) {
-        let Some(bytes) = measured(&format!("dma/glassy-polymer/T{temperature}.txt")) else {
-            return;
-        };
-        let contents = Csv.read(&bytes, Strictness::Tolerant).unwrap();
-        assert_eq!(contents.defects.len(), 1, "{temperature}");
-        let storage = contents.series.iter().position(|s| s.name == "E'").unwrap();
-        assert_eq!(contents.series[storage].ordinate_axis.unit_text, "MPa");
-        if temperature == 25 {
-            // as the description of the data set says
-            let range = real(&contents, storage);
-            let (low, high) = range
-                .iter()
-                .fold((f64::MAX, 0.0_f64), |(l, h), &x| (l.min(x), h.max(x)));
-            assert_eq!((low.round(), high.round()), (2721.0, 2908.0));
-        }
-    }
 }

@@ -6,9 +6,9 @@ mod extremes_values;
 mod hostile;
 mod hostile_files;
 mod properties_histories;
-mod properties_npz;
 mod properties_responses;
 mod properties_spectra;
+mod spoilt_files;
 
 use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
 use ndarray::Array2;

@@ -4,8 +4,10 @@ use testbed::measured;
 
 use labio::format::lvm::Lvm;
 use labio::format::{Reader, Strictness};
-use labio::{Abscissa, Contents, LabioError, Ordinate, SeriesKind};
+use labio::{Abscissa, Contents, LabioError, SeriesKind};
 use proptest::prelude::*;
+
+use crate::series::{defects, even, property, real, refusals};
 
 const SEPARATORS: [(char, &str); 3] = [('\t', "Tab"), (',', "Comma"), (';', "Semicolon")];
 
@@ -46,20 +48,6 @@ fn read(text: &str) -> Result<Contents, LabioError> {
     Lvm.read(text.as_bytes(), Strictness::Strict)
 }
 
-fn real(contents: &Contents, index: usize) -> &[f64] {
-    match &contents.series[index].ordinate {
-        Ordinate::Real(values) => values,
-        Ordinate::Complex(_) => panic!("expected real numbers"),
-    }
-}
-
-fn property<'a>(properties: &'a [(String, String)], name: &str) -> Option<&'a str> {
-    properties
-        .iter()
-        .find(|(key, _)| key == name)
-        .map(|(_, value)| value.as_str())
-}
-
 #[test]
 fn packets_under_one_header_become_blocks() {
     for (separator, name) in SEPARATORS {
@@ -74,13 +62,7 @@ fn packets_under_one_header_become_blocks() {
         assert_eq!(real(&contents, 3), [4.0, 5.0]);
         let last = &contents.series[3];
         assert_eq!(last.kind, SeriesKind::TimeResponse);
-        assert_eq!(
-            last.abscissa,
-            Abscissa::Even {
-                start: 0.5,
-                step: 0.25
-            }
-        );
+        assert_eq!(last.abscissa, even(0.5, 0.25));
         assert_eq!(last.ordinate_axis.unit_text, "m/s^2");
         assert_eq!(property(&last.properties, "block"), Some("2"));
         assert_eq!(property(&last.properties, "Date"), Some("2020/01/02"));
@@ -99,13 +81,7 @@ fn lines_may_end_as_they_like_and_numbers_have_a_comma() {
     let text = format!("{header}{}", rest.replace('.', ",")).replace('\n', "\r\n");
     let contents = read(&text).unwrap();
     assert_eq!(real(&contents, 1), [-22.5, 3.0]);
-    assert_eq!(
-        contents.series[0].abscissa,
-        Abscissa::Even {
-            start: 0.5,
-            step: 0.25
-        }
-    );
+    assert_eq!(contents.series[0].abscissa, even(0.5, 0.25));
     // no tag for the decimal mark: the numbers of the header say it
     let untagged = text.replace("Decimal_Separator;,\r\n", "");
     assert_eq!(real(&read(&untagged).unwrap(), 1), [-22.5, 3.0]);
@@ -132,9 +108,8 @@ X_Value|a|slow|b|Comment
 #[test]
 fn a_rounded_column_of_times_gives_way_to_the_tags() {
     let contents = read(&file(ONE_X, ',', "Comma")).unwrap();
-    let even = |step| Abscissa::Even { start: 0.0, step };
-    assert_eq!(contents.series[0].abscissa, even(0.333333333));
-    assert_eq!(contents.series[1].abscissa, even(1.0));
+    assert_eq!(contents.series[0].abscissa, even(0.0, 0.333333333));
+    assert_eq!(contents.series[1].abscissa, even(0.0, 1.0));
     assert_eq!(real(&contents, 1), [7.0]);
     assert_eq!(real(&contents, 2), [4.0, 5.0, 6.0]);
 }
@@ -147,13 +122,7 @@ fn a_column_of_times_that_contradicts_the_tags_is_taken_as_it_stands() {
     assert_eq!(contents.series[0].abscissa, uneven);
     assert_eq!(contents.series[2].abscissa, uneven);
     // the column is that of the first channel, and of those with the same tags
-    assert_eq!(
-        contents.series[1].abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 1.0
-        }
-    );
+    assert_eq!(contents.series[1].abscissa, even(0.0, 1.0));
 }
 
 #[test]
@@ -161,13 +130,7 @@ fn packets_with_a_column_of_times_start_where_it_says() {
     let more = "10.000000|8|9|8|\n10.333333|8||8|\n10.666667|8||8|\n";
     let contents = read(&file(&format!("{ONE_X}{more}"), '\t', "Tab")).unwrap();
     assert_eq!(contents.series.len(), 6);
-    assert_eq!(
-        contents.series[3].abscissa,
-        Abscissa::Even {
-            start: 10.0,
-            step: 0.333333333
-        }
-    );
+    assert_eq!(contents.series[3].abscissa, even(10.0, 0.333333333));
     let on = "1.000000|8|9|8|\n1.333333|8||8|\n1.666667|8||8|\n";
     let contents = read(&file(&format!("{ONE_X}{on}"), '\t', "Tab")).unwrap();
     // the slow channel has one sample a packet, and no column of its own
@@ -211,22 +174,10 @@ fn segments_have_headers_and_columns_of_their_own() {
     let contents = read(&file(MULTI_X, '\t', "Tab")).unwrap();
     assert_eq!(contents.series.len(), 3);
     assert_eq!(real(&contents, 1), [4.0, 5.0, 6.0]);
-    assert_eq!(
-        contents.series[1].abscissa,
-        Abscissa::Even {
-            start: 1.0,
-            step: 0.2
-        }
-    );
+    assert_eq!(contents.series[1].abscissa, even(1.0, 0.2));
     let last = &contents.series[2];
     // as written, with what it may stand for
-    assert_eq!(
-        last.abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 0.000977
-        }
-    );
+    assert_eq!(last.abscissa, even(0.0, 0.000977));
     assert_eq!(
         property(&last.properties, "customary rate"),
         Some("1024 Hz, a power of two")
@@ -242,7 +193,7 @@ fn segments_have_headers_and_columns_of_their_own() {
 fn what_is_wrong_is_said_with_its_place() {
     let tab = file(NO_X, '\t', "Tab");
     let comma = file(ONE_X, ',', "Comma");
-    let refusals = [
+    let wrong = [
         String::new(),
         "LabVIEW".to_owned(),
         tab[..60].to_owned(),
@@ -267,12 +218,8 @@ fn what_is_wrong_is_said_with_its_place() {
         comma.replace("0.333333,2,,5", "one third,2,,5"),
         comma.replace("0.333333,2,,5", "NaN,2,,5"),
     ]
-    .map(|text| match read(&text) {
-        Ok(contents) => format!("read: {:?}", contents.series[0].abscissa),
-        Err(error) => error.to_string(),
-    })
-    .join("\n");
-    insta::assert_snapshot!(refusals, @r"
+    .map(|text| read(&text));
+    insta::assert_snapshot!(refusals(wrong), @r"
     lvm, line 1: first line is ``, expected `LabVIEW Measurement`
     lvm, line 1: first line is `LabVIEW`, expected `LabVIEW Measurement`
     lvm, line 4: tag is `Separ`, expected a tag, a separator and a value
@@ -309,39 +256,18 @@ fn a_tolerant_reading_lists_what_it_passed_over() {
     assert_eq!(values[0], -22.5);
     assert!(values[1].is_nan());
     assert_eq!(real(&contents, 2), [3.5]);
-    let defects: Vec<String> = contents.defects.iter().map(ToString::to_string).collect();
-    insta::assert_snapshot!(defects.join("\n"), @r"
+    insta::assert_snapshot!(defects(&contents), @r"
     lvm, line 22, column 3: end A is `3..`, expected a number
     lvm, line 23: Samples is 3 rows, expected 2 rows or a multiple, as announced
     ");
 }
 
+/// A file of every layout.
+pub(crate) fn whole() -> [Vec<u8>; 3] {
+    [NO_X, ONE_X, MULTI_X].map(|text| file(text, '\t', "Tab").into_bytes())
+}
+
 proptest! {
-    #[test]
-    fn no_bytes_make_it_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-        let _ = Lvm.read(&bytes, Strictness::Strict);
-        let mut headed = b"LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\n".to_vec();
-        headed.extend(bytes);
-        let _ = Lvm.read(&headed, Strictness::Tolerant);
-    }
-
-    #[test]
-    fn no_mutation_makes_it_panic(
-        which in 0..3_usize,
-        cut in 0..700_usize,
-        at in 0..700_usize,
-        byte in any::<u8>(),
-        tolerant in any::<bool>(),
-    ) {
-        let text = [NO_X, ONE_X, MULTI_X][which];
-        let mut bytes = file(text, '\t', "Tab").into_bytes();
-        bytes.truncate(cut.max(1));
-        let at = at % bytes.len();
-        bytes[at] = byte;
-        let strictness = if tolerant { Strictness::Tolerant } else { Strictness::Strict };
-        let _ = Lvm.read(&bytes, strictness);
-    }
-
     /// Whatever is cut off behind the header, a strict reading never returns fewer samples than were announced.
     #[test]
     fn a_cut_is_noticed(cut in 1..40_usize) {
@@ -354,122 +280,47 @@ proptest! {
     }
 }
 
-fn measured(file: &str) -> Option<Vec<u8>> {
-    Some(std::fs::read(measured::folder()?.join(file)).unwrap())
-}
-
 #[test]
 fn the_measured_files_read() {
-    // file; series; samples of the first and the last; step and rate behind it; defects of a tolerant reading
-    type Row = (
-        &'static str,
-        usize,
-        usize,
-        usize,
-        Option<f64>,
-        Option<&'static str>,
-        usize,
-    );
-    let rows: [Row; 11] = [
-        (
-            "hammer/long_single_header_multi_ch.lvm",
-            6,
-            8192,
-            8192,
-            Some(0.000977),
-            Some("1024 Hz, a power of two"),
-            0,
-        ),
-        (
-            "shock/Test_001.lvm",
-            6,
-            51200,
-            5,
-            Some(1.953125e-5),
-            None,
-            0,
-        ),
-        (
-            "shock/Test_002.lvm",
-            6,
-            51200,
-            5,
-            Some(1.953125e-5),
-            None,
-            0,
-        ),
-        (
-            "shock/Test_003.lvm",
-            6,
-            51200,
-            5,
-            Some(1.953125e-5),
-            None,
-            0,
-        ),
-        (
-            "shock/Test_017.lvm",
-            6,
-            51200,
-            5,
-            Some(1.953125e-5),
-            None,
-            0,
-        ),
-        (
-            "lvm/multi_time_column.lvm",
-            2,
-            3,
-            3,
-            Some(1.953125e-5),
-            None,
-            1,
-        ),
-        (
-            "lvm/no_decimal_separator.lvm",
-            3,
-            4,
-            4,
-            Some(0.00025),
-            None,
-            0,
-        ),
-        ("lvm/short.lvm", 2, 10, 10, Some(3.90625e-5), None, 0),
-        (
-            "lvm/short_new_line_end.lvm",
-            2,
-            10,
-            10,
-            Some(3.90625e-5),
-            None,
-            0,
-        ),
-        ("lvm/with_comments.lvm", 3, 9, 9, None, None, 0),
-        ("lvm/with_empty_fields.lvm", 7, 7, 7, Some(0.001), None, 1),
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    // file; series; samples of the first and the last; step and rate behind it; whether strictly read, or with one defect
+    let (shock, power) = (Some(1.953125e-5), Some("1024 Hz, a power of two"));
+    #[rustfmt::skip]
+    let rows = [
+        ("hammer/long_single_header_multi_ch.lvm", 6, [8192, 8192], Some(0.000977), power, true),
+        ("shock/Test_001.lvm", 6, [51200, 5], shock, None, true),
+        ("shock/Test_002.lvm", 6, [51200, 5], shock, None, true),
+        ("shock/Test_003.lvm", 6, [51200, 5], shock, None, true),
+        ("shock/Test_017.lvm", 6, [51200, 5], shock, None, true),
+        ("lvm/multi_time_column.lvm", 2, [3, 3], shock, None, false),
+        ("lvm/no_decimal_separator.lvm", 3, [4, 4], Some(0.00025), None, true),
+        ("lvm/short.lvm", 2, [10, 10], Some(3.90625e-5), None, true),
+        ("lvm/short_new_line_end.lvm", 2, [10, 10], Some(3.90625e-5), None, true),
+        ("lvm/with_comments.lvm", 3, [9, 9], None, None, true),
+        ("lvm/with_empty_fields.lvm", 7, [7, 7], Some(0.001), None, false),
     ];
-    for (name, n_series, first, last, step, rate, defects) in rows {
-        let Some(bytes) = measured(name) else { return };
+    for (name, n_series, [first, last], step, rate, is_whole) in rows {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
         assert!(Lvm.recognises(&bytes[..bytes.len().min(4096)]), "{name}");
         let contents = Lvm.read(&bytes, Strictness::Tolerant).unwrap();
-        let said: Vec<String> = contents.defects.iter().map(ToString::to_string).collect();
-        assert_eq!(said.len(), defects, "{name}: {said:?}");
-        assert_eq!(read_strictly(&bytes).is_ok(), defects == 0, "{name}");
-        assert_eq!(contents.series.len(), n_series, "{name}");
-        assert_eq!(contents.series[0].ordinate.len(), first, "{name}");
-        assert_eq!(contents.series[n_series - 1].ordinate.len(), last, "{name}");
-        let even = match contents.series[0].abscissa {
+        assert_eq!(contents.defects.len(), usize::from(!is_whole), "{name}");
+        let strictly = Lvm.read(&bytes, Strictness::Strict);
+        assert_eq!(strictly.is_ok(), is_whole, "{name}");
+        let series = &contents.series;
+        assert_eq!(series.len(), n_series, "{name}");
+        let lengths = [
+            series[0].ordinate.len(),
+            series[n_series - 1].ordinate.len(),
+        ];
+        assert_eq!(lengths, [first, last], "{name}");
+        let even = match series[0].abscissa {
             Abscissa::Even { step, .. } => Some(step),
             Abscissa::Uneven(_) => None,
         };
         assert_eq!(even, step, "{name}");
-        assert_eq!(
-            property(&contents.series[0].properties, "customary rate"),
-            rate,
-            "{name}"
-        );
+        let found = property(&series[0].properties, "customary rate");
+        assert_eq!(found, rate, "{name}");
     }
-}
-
-fn read_strictly(bytes: &[u8]) -> Result<Contents, LabioError> {
-    Lvm.read(bytes, Strictness::Strict)
 }

@@ -1,38 +1,28 @@
 //! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of them: `fixtures/reference/nptdms`.
 
+use labio::format;
 use labio::format::tdms::GROUP;
-use labio::format::{self};
-use labio::{Abscissa, Contents, Ordinate, Series};
+use labio::{Contents, Ordinate, Series};
 use num_complex::Complex64;
+
+use crate::series::{even, property};
 
 const VALUES: &str = include_str!("../../../fixtures/reference/nptdms/values.csv");
 const PROPERTIES: &str = include_str!("../../../fixtures/reference/nptdms/properties.csv");
 
-const FILES: [(&str, &[u8]); 6] = [
-    (
-        "types",
-        include_bytes!("../../../fixtures/reference/nptdms/types.tdms"),
-    ),
-    (
-        "properties",
-        include_bytes!("../../../fixtures/reference/nptdms/properties.tdms"),
-    ),
-    (
-        "segments",
-        include_bytes!("../../../fixtures/reference/nptdms/segments.tdms"),
-    ),
-    (
-        "interleaved",
-        include_bytes!("../../../fixtures/reference/nptdms/interleaved.tdms"),
-    ),
-    (
-        "big_endian",
-        include_bytes!("../../../fixtures/reference/nptdms/big_endian.tdms"),
-    ),
-    (
-        "daqmx",
-        include_bytes!("../../../fixtures/reference/nptdms/daqmx.tdms"),
-    ),
+macro_rules! files {
+    ($($name:literal),*) => {
+        [$(($name, include_bytes!(concat!("../../../fixtures/reference/nptdms/", $name, ".tdms")).as_slice())),*]
+    };
+}
+
+const FILES: [(&str, &[u8]); 6] = files![
+    "types",
+    "properties",
+    "segments",
+    "interleaved",
+    "big_endian",
+    "daqmx"
 ];
 
 fn contents(file: &str) -> Contents {
@@ -40,13 +30,6 @@ fn contents(file: &str) -> Contents {
     let contents = format::read_bytes(bytes).unwrap();
     assert_eq!(contents.format, "tdms");
     contents
-}
-
-fn property<'a>(properties: &'a [(String, String)], name: &str) -> Option<&'a str> {
-    properties
-        .iter()
-        .find(|(key, _)| key == name)
-        .map(|(_, value)| value.as_str())
 }
 
 fn find<'a>(contents: &'a Contents, group: &str, channel: &str) -> &'a Series {
@@ -135,12 +118,8 @@ fn properties_are_npt_dms_s() {
 fn a_waveform_has_its_axis() {
     let contents = contents("properties");
     let series = find(&contents, "rod", "a1");
-    assert_eq!(
-        series.abscissa,
-        Abscissa::Even {
-            start: -0.001,
-            step: 1.0 / 51_200.0
-        }
-    );
+    assert_eq!(series.abscissa, even(-0.001, 1.0 / 51_200.0));
     assert_eq!(series.ordinate_axis.unit_text, "m/s^2");
+    assert_eq!(series.abscissa_axis.unit_text, "s");
+    assert_eq!(series.kind, labio::SeriesKind::TimeResponse);
 }

@@ -1,7 +1,9 @@
 //! Tables that pandas wrote in several dialects, read without being told the dialect: `fixtures/reference/pandas`.
 
+use labio::Abscissa;
 use labio::format;
-use labio::{Abscissa, Contents, Ordinate};
+
+use crate::series::real;
 
 const VALUES: &str = include_str!("../../../fixtures/reference/pandas/values.csv");
 
@@ -33,13 +35,6 @@ fn rows(file: &str) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn column(contents: &Contents, index: usize) -> &[f64] {
-    match &contents.series[index].ordinate {
-        Ordinate::Real(values) => values,
-        Ordinate::Complex(_) => panic!("expected real values"),
-    }
-}
-
 /// Separator, decimal mark, encoding, names and units are found; every number is the double that pandas makes of it.
 #[test]
 fn cells_are_pandas_s() {
@@ -56,11 +51,11 @@ fn cells_are_pandas_s() {
         assert_eq!(names, [("F", "N"), ("a", "m/s^2")], "{file}");
         let rows = rows(file);
         for series in 0..2 {
-            assert_eq!(column(&contents, series).len(), rows.len(), "{file}");
+            assert_eq!(real(&contents, series).len(), rows.len(), "{file}");
         }
         for (index, row) in rows.iter().enumerate() {
-            assert_eq!(column(&contents, 0)[index], row[1], "{file}, row {index}");
-            assert_eq!(column(&contents, 1)[index], row[2], "{file}, row {index}");
+            assert_eq!(real(&contents, 0)[index], row[1], "{file}, row {index}");
+            assert_eq!(real(&contents, 1)[index], row[2], "{file}, row {index}");
             compared += 2;
         }
     }
