@@ -1,9 +1,8 @@
 //! Claims of the crate `rodwave`.
 
-mod bodies;
 mod causality;
 mod direct_problem;
-mod experiments;
+pub(crate) mod experiments;
 mod impact_level;
 mod inelastic;
 mod line;

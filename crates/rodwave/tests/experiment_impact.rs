@@ -1,54 +1,45 @@
 //! The virtual impact of paper E against closed forms and balances.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
-
 use std::f64::consts::PI;
 
 use rodwave::chain::{AnalyticChain, Termination};
-use rodwave::element::{Circle, CrossSection};
+use rodwave::element::CrossSection;
 use rodwave::experiment::impact_of_two_bodies::{
     ContactEnd, GENERATOR, ImpactOfTwoBodies, ImpactRecord,
 };
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, Elastic};
+use rodwave::modulus::ConstantQ;
+
+use crate::bodies::{circle, steel};
 
 /// Impact velocity [m/s].
-const VELOCITY: f64 = 2.0;
+pub(crate) const VELOCITY: f64 = 2.0;
 
-fn steel() -> Medium<Elastic> {
-    Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap()
+pub(crate) fn impedance(diameter_mm: f64) -> f64 {
+    CrossSection::from(circle(1e-3 * diameter_mm)).area() * (206e9_f64 * 7780.0).sqrt()
 }
 
-fn circle(diameter_mm: f64) -> Circle {
-    Circle::of_diameter(1e-3 * diameter_mm).unwrap()
-}
-
-fn impedance(diameter_mm: f64) -> f64 {
-    CrossSection::from(circle(diameter_mm)).area() * (206e9_f64 * 7780.0).sqrt()
-}
-
-fn transit_time(length: f64) -> f64 {
+pub(crate) fn transit_time(length: f64) -> f64 {
     length / (206e9_f64 / 7780.0).sqrt()
 }
 
-fn rod(diameter_mm: f64, length: f64) -> AnalyticChain {
+pub(crate) fn rod(diameter_mm: f64, length: f64) -> AnalyticChain {
     AnalyticChain::analytic_from_impact_face()
-        .rod(&steel(), circle(diameter_mm), length)
+        .rod(&steel(), circle(1e-3 * diameter_mm), length)
         .end(Termination::Free)
         .unwrap()
 }
 
-fn long_rod(diameter_mm: f64) -> AnalyticChain {
+pub(crate) fn long_rod(diameter_mm: f64) -> AnalyticChain {
     AnalyticChain::analytic_from_impact_face()
-        .rod(&steel(), circle(diameter_mm), 0.15)
-        .end(Termination::semi_infinite(&steel(), circle(diameter_mm)))
+        .rod(&steel(), circle(1e-3 * diameter_mm), 0.15)
+        .end(Termination::semi_infinite(
+            &steel(),
+            circle(1e-3 * diameter_mm),
+        ))
         .unwrap()
 }
 
-fn run<'a>(
+pub(crate) fn run<'a>(
     first: &'a AnalyticChain,
     second: &'a AnalyticChain,
     duration: f64,
@@ -63,7 +54,7 @@ fn run<'a>(
 }
 
 /// Largest deviation from `exact` at samples further than 16 intervals, 6.4 standard deviations of the Gaussian, from all `jumps`.
-fn deviation(
+pub(crate) fn deviation(
     record: &ImpactRecord<'_>,
     samples: &[f64],
     jumps: &[f64],
@@ -82,57 +73,14 @@ fn deviation(
         })
 }
 
-/// A free rod against a long one of the same kind: ZV/2 for one round trip, then nothing, and the striker stands still. All
-/// momentum and all energy have gone into the long rod.
-#[test]
-fn rod_against_a_long_rod_of_its_kind() {
-    let (striker, long) = (rod(10.0, 0.5), long_rod(10.0));
-    let record = run(&striker, &long, 1e-3, 5e-7);
-    assert_eq!(record.generator, GENERATOR);
-    let trip = 2.0 * transit_time(0.5);
-    let plateau = 0.5 * impedance(10.0) * VELOCITY;
-    let step = |level: f64| move |t: f64| if t > 0.0 && t < trip { level } else { 0.0 };
-    let jumps = [0.0, trip];
-    // plateaus: the alias of the next period, 1.1e-7, is zero here; 6.4 standard deviations leave 1e-10; rounding 1e-9
-    assert!(deviation(&record, &record.force, &jumps, step(plateau)) < 1e-8 * plateau);
-    let second = &record.second_velocity;
-    assert!(deviation(&record, second, &jumps, step(0.5 * VELOCITY)) < 1e-6 * VELOCITY);
-    let first = &record.first_velocity;
-    let face = |t: f64| {
-        if t < 0.0 {
-            VELOCITY
-        } else {
-            step(0.5 * VELOCITY)(t)
-        }
-    };
-    // V/s less the answer of a free body, whose 1/(sM) has the alias of a constant: e^{-16} V
-    assert!(deviation(&record, first, &jumps, face) < 1e-6 * VELOCITY);
-    let momentum = striker.free_mass().unwrap() * VELOCITY;
-    // what the Gaussian does is symmetric: the sum of samples is exact to the alias and the noise
-    assert!((record.impulse() / momentum - 1.0).abs() < 1e-6);
-    // The square of a rounded jump falls short of the jump by Pσ/√π at each side, 2 · 1.25e-6 / √π of 1.94e-4 in all.
-    let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
-    let energy = 0.5 * momentum * VELOCITY;
-    assert!((record.work_on_second() / energy - 1.0 + shortfall).abs() < 1e-5);
-    // and the pulse travels down the rod
-    let delay = transit_time(0.1);
-    let later = record.transmitted_force(0, 0.1).unwrap();
-    let travelled = |t: f64| step(plateau)(t - delay);
-    assert!(deviation(&record, &later, &[delay, delay + trip], travelled) < 1e-6 * plateau);
-}
-
 /// Two free rods of one cross-section: the shorter one is stopped, the longer one has its momentum and moves on average
 /// with V L₁/L₂, ringing for ever between 0 and V.
 #[test]
 fn two_free_elastic_rods() {
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));
     let record = run(&short, &long, 3e-3, 5e-7);
+    assert_eq!(record.generator, GENERATOR);
     let (trip, period) = (2.0 * transit_time(0.3), 2.0 * transit_time(0.7));
-    // the faces stay together without force until the echo from the far end of the longer rod pulls
-    let ContactEnd::Separated { time } = record.end else {
-        panic!("{:?}", record.end)
-    };
-    assert!((time - period).abs() < 16.0 * 5e-7, "{time}");
     // A jump to tension: what is compressive is a rounding of the zero before it.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
@@ -241,7 +189,7 @@ fn masses_with_a_contact_spring() {
 fn balances_of_a_damped_cone() {
     let nylon = Medium::new(1150.0, ConstantQ::new(3.0e9, 0.094, 2e4).unwrap()).unwrap();
     let cone = AnalyticChain::analytic_from_impact_face()
-        .cone(&nylon, circle(30.0), circle(75.0), 0.400)
+        .cone(&nylon, circle(0.030), circle(0.075), 0.400)
         .end(Termination::Free)
         .unwrap();
     let (long, z) = (long_rod(10.0), impedance(10.0));

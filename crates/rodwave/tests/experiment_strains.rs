@@ -1,20 +1,17 @@
 //! The virtual test of paper B: the three-point relation whatever the ends are, closed forms, and impulses.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
-
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 use proptest::prelude::*;
 use rodwave::chain::Termination;
 use rodwave::element::{Circle, CrossSection};
-use rodwave::experiment::end_accelerations::{HalfSine, Pulse, RaisedCosine};
+use rodwave::experiment::end_accelerations::{HalfSine, RaisedCosine};
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember, GENERATOR};
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation, Zener};
+use rodwave::modulus::{ConstantQ, Zener};
 use rodwave::synthesis::DampedSynthesis;
+
+use crate::bodies::nylon;
 
 /// Length [m] and middle section [m] of the bar of paper B.
 const LENGTH: f64 = 0.800;
@@ -50,8 +47,7 @@ proptest! {
         frequency_hz in 100.0..10e3_f64,
         forced in any::<bool>(),
     ) {
-        let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-        let nylon = Medium::new(1150.0, law).unwrap();
+        let nylon = nylon();
         let positions = [MIDDLE - distance, MIDDLE, MIDDLE + distance];
         let member = FrameMember::new(&nylon, section(), LENGTH, &positions, right.termination())
             .unwrap()
@@ -111,9 +107,6 @@ fn strain_obeys_the_wave_equation() {
 fn structures_one_and_two() {
     let bar = Medium::new(919.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
     let beam = EndSupport::PAPER_B_BEAM;
-    // a beam of 0.0156 kg and 70 N/m: 11 Hz, far below the 500 Hz where the paper begins
-    let own_frequency = (beam.stiffness / beam.mass).sqrt() / TAU;
-    assert!((10.0..12.0).contains(&own_frequency), "{own_frequency}");
     let positions = [0.3, 0.4, 0.5];
     let pulse = RaisedCosine::new(50.0, 2e-4).unwrap();
     let synthesis = DampedSynthesis::new(20e-3, 2e-6).unwrap();
@@ -147,41 +140,6 @@ fn structures_one_and_two() {
     // the alias of the next period is 1.1e-7
     assert!(difference(0, 300) < 1e-6);
     assert!(difference(300, 10_001) > 0.1);
-}
-
-/// A long elastic rod: ε(x, t) = -F(t - x/c)/(AE) and -v(t - x/c)/c; before a wall the echo comes back with the same sign.
-#[test]
-fn elastic_rod_in_closed_form() {
-    let steel = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
-    let speed = (206e9_f64 / 7780.0).sqrt();
-    let pulse = RaisedCosine::new(100.0, 1e-4).unwrap();
-    let positions = [0.0, 0.2, LENGTH];
-    let synthesis = DampedSynthesis::new(4e-4, 1e-7).unwrap();
-    let excitations = [
-        (Excitation::Force(&pulse), area() * 206e9),
-        (Excitation::Velocity(&pulse), speed),
-    ];
-    let end = Termination::semi_infinite(&steel, section());
-    for (right, echo) in [(end, 0.0), (Termination::Fixed, 1.0)] {
-        let member = FrameMember::analytic(&steel, section(), LENGTH, &positions, right).unwrap();
-        for (excitation, divisor) in &excitations {
-            let record = member.record(excitation, &synthesis).unwrap();
-            for (x, strains) in positions.iter().zip(&record.strains) {
-                for (n, strain) in strains.iter().enumerate() {
-                    let t = n as f64 * 1e-7;
-                    // until the echo comes back from the struck end, 0.31 ms
-                    if t > 3e-4 {
-                        break;
-                    }
-                    let away = pulse.at(t - x / speed);
-                    let back = pulse.at(t - (2.0 * LENGTH - x) / speed);
-                    let exact = -(away + echo * back) / divisor;
-                    // the curvature of the pulse jumps by 2(π/d)² of the peak: a band limit at 1/(2Δt) errs by (Δt/d)² or less
-                    assert!((strain - exact).abs() < 2e-6 * 100.0 / divisor, "{x} {t}");
-                }
-            }
-        }
-    }
 }
 
 /// Momentum: with masses at both ends and nothing to the ground the force leaves V = I/(m_L + M + m_R), the rod has carried
@@ -269,14 +227,6 @@ fn impossible_members_are_refused() {
     let bar = Medium::new(919.0, ConstantQ::new(2.6e9, 0.1, 1e4).unwrap()).unwrap();
     let member =
         |positions: &[f64]| FrameMember::new(&bar, section(), LENGTH, positions, Termination::Free);
-    assert_eq!(
-        member(&[0.1, 0.9]).unwrap_err().to_string(),
-        "element 0: distance of the section [m] is 0.9, expected between 0 and the length of the element"
-    );
-    assert_eq!(
-        member(&[]).unwrap_err().to_string(),
-        "the list of positions has 0 samples, expected at least 1"
-    );
     let pulse = HalfSine::new(1.0, 1e-4).unwrap();
     let at_rest = member(&[0.1])
         .unwrap()

@@ -1,12 +1,4 @@
-//! The striker of paper D against closed forms of wave theory and the balances of momentum and energy.
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a failing test should say so at once, and exact zeros are compared exactly"
-)]
-
+//! The striker of paper D by lumped chains: balances of momentum and energy, refinement.
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
@@ -17,36 +9,6 @@ fn test<L: InelasticLaw>(law: L, length: f64) -> ImpactTest<L> {
         rod: InelasticRod::new(length, 910.0, 2.58e9, law).unwrap(),
         diameter: 0.0155,
         section_distance: length - 0.008,
-    }
-}
-
-#[test]
-fn the_force_falls_in_the_steps_of_the_striker() {
-    // Between an elastic striker (Zs) and a longer rod (Zr) the force starts at V/(1/Zs + 1/Zr) and is multiplied by
-    // (Zs - Zr)/(Zs + Zr) with each round trip of the striker, 2 L/c.
-    let test = test(Elastic, 0.4);
-    let history = test.run(0.2e-3, 0.2e-3).unwrap();
-    let zs = test.striker.impedance();
-    let zr = 0.25 * std::f64::consts::PI * 0.0155_f64.powi(2) * test.rod.specific_impedance();
-    let trip = 2.0 * 0.030 / (69e9_f64 / 2700.0).sqrt();
-    let mut expected = 10.0 / (1.0 / zs + 1.0 / zr);
-    for n in 0..8_u8 {
-        // mean over the middle third of the plateau: the ringing of the grid averages out to 1 %
-        let from = (f64::from(n) + 1.0 / 3.0) * trip / history.step;
-        let to = (f64::from(n) + 2.0 / 3.0) * trip / history.step;
-        let plateau: Vec<f64> = history
-            .contact_force
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| (from..to).contains(&f64::from(u32::try_from(*k).unwrap())))
-            .map(|(_, f)| *f)
-            .collect();
-        let mean = plateau.iter().sum::<f64>() / f64::from(u32::try_from(plateau.len()).unwrap());
-        assert!(
-            (mean / expected - 1.0).abs() < 0.01,
-            "plateau {n}: {mean} {expected}"
-        );
-        expected *= (zs - zr) / (zs + zr);
     }
 }
 
@@ -67,21 +29,6 @@ fn momentum_is_kept_and_energy_is_never_created() {
     assert!(balances(Elastic).abs() < 1e-15);
     assert!(balances(Maxwell::new(1.5e6).unwrap()) > 0.05);
     assert!(balances(MaxwellNorton::new(2.108, 7e13).unwrap()) > 0.02);
-}
-
-#[test]
-fn the_contact_opens_when_the_wave_returns() {
-    let test = test(Elastic, 0.2);
-    let history = test.run(0.2e-3, 0.6e-3).unwrap();
-    let round_trip = 2.0 * test.rod.transit_time();
-    let last = history
-        .contact_force
-        .iter()
-        .rposition(|f| *f > 0.0)
-        .unwrap();
-    let end = f64::from(u32::try_from(last).unwrap()) * history.step;
-    // the tensile wave from the free end lifts the face off; grid ringing may hold it for a few cells' time
-    assert!((end - round_trip).abs() < 10e-6, "{end} {round_trip}");
 }
 
 #[test]
@@ -113,20 +60,4 @@ fn a_refined_grid_gives_the_same_section_velocity() {
         .fold(0.0, f64::max);
     // first order at the jump: half a cell of the coarser grid is 0.15 us, 0.5 % of the rise over 10 us
     assert!(difference < 0.005 * 18.0, "{difference}");
-}
-
-#[test]
-fn impossible_tests_are_refused() {
-    let mut bad = test(Elastic, 0.4);
-    bad.section_distance = 0.5;
-    assert_eq!(
-        bad.run(1e-3, 1e-3).unwrap_err().to_string(),
-        "distance of the section from the free end [m] is 0.5, expected above 0 and at most the length of the rod"
-    );
-    let mut bad = test(Elastic, 0.4);
-    bad.striker.velocity = f64::NAN;
-    assert_eq!(
-        bad.run(1e-3, 1e-3).unwrap_err().to_string(),
-        "striker velocity [m/s] is NaN, expected a finite value above 0"
-    );
 }

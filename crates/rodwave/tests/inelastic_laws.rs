@@ -1,14 +1,5 @@
 //! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E F(σ), the semigroup
 //! property, dissipation, and finite differences for every derivative.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::float_cmp,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a failing test should say so at once, and exact zeros are compared exactly"
-)]
-
 use rodwave::inelastic::{
     Elastic, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
 };
@@ -61,10 +52,10 @@ fn battery<L: InelasticLaw>(law: &L) {
                 );
                 continue;
             }
-            // steps of 1e-3 of a time constant of a fourth-order scheme
+            // steps of 1e-3 of a time constant of a fourth-order scheme leave 1e-12
             let expected = integrate(law, stress, duration);
             assert!(
-                (relaxed / expected - 1.0).abs() < 1e-9,
+                (relaxed / expected - 1.0).abs() < 1e-11,
                 "{context}, expected {expected}"
             );
             assert!(
@@ -189,45 +180,14 @@ fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
 }
 
 #[test]
-fn elastic() {
+fn every_law() {
     battery(&Elastic);
-}
-
-#[test]
-fn maxwell() {
     battery(&Maxwell::new(2.5e6).unwrap());
-}
-
-#[test]
-fn norton() {
     for exponent in [0.7, 0.999_999, 1.0, 1.000_001, 1.55, 2.108, 3.5] {
         battery(&MaxwellNorton::from_reference_rate(exponent, 4.0, 10e6).unwrap());
     }
-}
-
-#[test]
-fn gurevich_rabinovich() {
     for sharpness in [-1.5, -1e-9, 0.0, 1e-9, 1e-4, 0.3, 1.4, 4.0] {
         battery(&MaxwellGurevichRabinovich::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
-    }
-}
-
-#[test]
-fn nonlinear_laws_tend_to_the_linear_one() {
-    let linear = Maxwell::from_reference_rate(4.0, 10e6)
-        .unwrap()
-        .flow(MODULUS, 1e-4);
-    let norton = MaxwellNorton::from_reference_rate(1.0, 4.0, 10e6).unwrap();
-    let gurevich = MaxwellGurevichRabinovich::from_reference_rate(0.0, 4.0, 10e6).unwrap();
-    for stress in STRESSES {
-        let expected = linear.relax(stress);
-        for found in [
-            norton.flow(MODULUS, 1e-4).relax(stress),
-            gurevich.flow(MODULUS, 1e-4).relax(stress),
-        ] {
-            // three evaluations of the same exponential
-            assert!((found / expected - 1.0).abs() < 1e-15, "{found} {expected}");
-        }
     }
 }
 
@@ -237,22 +197,8 @@ fn extreme_steps_neither_overflow_nor_create_stress() {
     let law = MaxwellGurevichRabinovich::new(1e6, 1e5).unwrap();
     let relaxed = law.flow(MODULUS, 1e-6).relax(5e7);
     assert!(relaxed > 0.0 && relaxed < 1e6, "{relaxed}");
-    // κ < 1: extinct in finite time
-    let norton = MaxwellNorton::from_reference_rate(0.5, 4.0, 10e6).unwrap();
-    assert_eq!(norton.flow(MODULUS, 1.0).relax(1e6), 0.0);
     // a step without length changes nothing
     assert_eq!(law.flow(MODULUS, 0.0).relax(5e6), 5e6);
-}
-
-#[test]
-fn printed_parameters_survive_the_round_trip() {
-    // values of Table 4 read literally: the prefix exa on Pa^κ s, tera on Pa
-    let norton = MaxwellNorton::new(2.108, 38.16e18).unwrap();
-    assert!((norton.coefficient() / 38.16e18 - 1.0).abs() < 1e-13);
-    let gurevich = MaxwellGurevichRabinovich::new(314.6e9, 7.082e12).unwrap();
-    assert!((gurevich.viscosity() / 314.6e9 - 1.0).abs() < 1e-13);
-    assert!((gurevich.activation_stress() / 7.082e12 - 1.0).abs() < 1e-13);
-    assert!((Maxwell::new(40.85e9).unwrap().viscosity() / 40.85e9 - 1.0).abs() < 1e-13);
 }
 
 #[test]

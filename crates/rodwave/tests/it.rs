@@ -1,6 +1,7 @@
 //! Integration tests of rodwave: one program, a module for each subject.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::indexing_slicing,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -9,6 +10,7 @@
 )]
 
 mod bad_input;
+mod bodies;
 mod chain;
 mod claims;
 mod direct_problem;

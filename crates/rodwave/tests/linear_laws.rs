@@ -1,27 +1,25 @@
 //! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium makes of it.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
-#![allow(
-    clippy::float_cmp,
-    reason = "symmetries and limits hold to the last bit"
-)]
-
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
 use rodwave::modulus::{
-    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell,
-    HavriliakNegami, KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation,
-    SpringPot, Tabulated, Zener,
+    ComplexModulus, ConstantQ, DifferentiableModulus, Elastic, FractionalMaxwell, FractionalZener,
+    GeneralisedMaxwell, HavriliakNegami, KelvinVoigt, LaplaceModulus, Maxwell, MaxwellBranch,
+    PowerLawPropagation, SpringPot, Tabulated, Zener,
 };
+
+use crate::bodies::{self, nylon, nylon_law};
+use crate::modulus_derivatives::{Battery, every_law};
 
 const DENSITY: f64 = 1150.0;
 
 /// From far below to far above every characteristic frequency of the laws below.
-fn frequencies() -> impl Iterator<Item = f64> {
+pub(crate) fn frequencies() -> impl Iterator<Item = f64> {
     (0..=60).map(|j| 10f64.powf(-1.0 + 0.15 * f64::from(j)))
+}
+
+fn prony() -> GeneralisedMaxwell {
+    bodies::prony(2.4e9, &[(0.1e9, 1e-2), (0.2e9, 1e-3), (0.2e9, 1e-4)])
 }
 
 /// A law with its limits: E(0), and E(∞) where that is finite.
@@ -30,15 +28,6 @@ struct Case {
     law: Box<dyn LaplaceModulus>,
     static_modulus: f64,
     unrelaxed_modulus: Option<f64>,
-}
-
-fn prony() -> GeneralisedMaxwell {
-    let branches = [(0.1e9, 1e-2), (0.2e9, 1e-3), (0.2e9, 1e-4)];
-    let branches = branches.map(|(modulus, relaxation_time)| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    });
-    GeneralisedMaxwell::new(2.4e9, branches.to_vec()).unwrap()
 }
 
 fn laplace_laws() -> Vec<Case> {
@@ -73,13 +62,9 @@ fn laplace_laws() -> Vec<Case> {
     cases
 }
 
-fn nylon() -> PowerLawPropagation {
-    PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap()
-}
-
 /// A table of paper E's Nylon-6, narrower than the frequencies of the battery.
 fn table() -> Tabulated {
-    let medium = Medium::new(DENSITY, nylon()).unwrap();
+    let medium = nylon();
     let omega: Vec<f64> = (0..20).map(|j| 1e3 * 1.3f64.powi(j)).collect();
     let modulus: Vec<_> = omega.iter().map(|&omega| medium.modulus(omega)).collect();
     Tabulated::new(&omega, &modulus).unwrap()
@@ -119,78 +104,6 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
     }
 }
 
-/// Where a law contains another, both have the same values; rounding of some ten operations.
-#[test]
-fn laws_contain_each_other() {
-    let zener = Zener::new(2.5e9, 2.9e9, 1e-4).unwrap();
-    let branch = |modulus, relaxation_time| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    };
-    type Law = Box<dyn LaplaceModulus>;
-    let pairs: [(&str, Law, Law); 6] = [
-        (
-            "Prony series of one branch",
-            Box::new(GeneralisedMaxwell::new(2.5e9, vec![branch(0.4e9, 1e-4)]).unwrap()),
-            Box::new(zener),
-        ),
-        (
-            "Prony series without a spring",
-            Box::new(GeneralisedMaxwell::new(0.0, vec![branch(2.7e9, 1e-4)]).unwrap()),
-            Box::new(Maxwell::new(2.7e9, 2.7e5).unwrap()),
-        ),
-        (
-            "fractional Zener with α = 1",
-            Box::new(FractionalZener::new(2.5e9, 2.9e9, 1e-4, 1.0).unwrap()),
-            Box::new(zener),
-        ),
-        (
-            "Havriliak-Negami with α = β = 1",
-            Box::new(HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 1.0, 1.0).unwrap()),
-            Box::new(zener),
-        ),
-        (
-            "Havriliak-Negami with β = 1",
-            Box::new(HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.3, 1.0).unwrap()),
-            Box::new(FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.3).unwrap()),
-        ),
-        (
-            "constant Q",
-            Box::new(ConstantQ::new(2.7e9, 0.2, 1e4).unwrap()),
-            Box::new(
-                SpringPot::new(2.7e9, 2.0 / std::f64::consts::PI * 0.2_f64.atan(), 1e4).unwrap(),
-            ),
-        ),
-    ];
-    for (name, special, general) in pairs {
-        for omega in frequencies() {
-            for s in [
-                Complex64::new(0.0, omega),
-                Complex64::new(0.3 * omega, omega),
-            ] {
-                assert!(
-                    close(special.at_s(s), general.at_s(s), 1e-14),
-                    "{name} at {s}"
-                );
-            }
-        }
-    }
-}
-
-/// tan δ = E''/E' over eight decades, and |E| = E₀ at ω₀ (Kjartansson's definition).
-#[test]
-fn constant_q_has_one_loss_factor() {
-    for loss_factor in [1e-3, 0.07, 0.5, 10.0] {
-        let law = ConstantQ::new(2.6e9, loss_factor, 6283.0).unwrap();
-        for omega in frequencies() {
-            let modulus = law.at(omega);
-            // The rounding 1e-16 of the exponent, near 1 for tan δ = 10, is multiplied by 1 + tan² δ = 101.
-            assert!((modulus.im / modulus.re / loss_factor - 1.0).abs() < 1e-13);
-        }
-        assert!((law.at(6283.0).norm() / 2.6e9 - 1.0).abs() < 1e-15);
-    }
-}
-
 /// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann equations.
 #[test]
 fn laplace_laws_are_analytic_in_the_right_half_plane() {
@@ -218,9 +131,10 @@ fn laplace_laws_are_analytic_in_the_right_half_plane() {
 }
 
 /// A wave in a passive medium decays, and the damped transform of a decaying wave decays faster.
-#[test]
-fn waves_decay_along_x_in_the_right_half_plane() {
-    fn check<M: LaplaceModulus>(name: &str, law: M) {
+struct WavesDecay;
+
+impl Battery for WavesDecay {
+    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
         let medium = Medium::new(DENSITY, law).unwrap();
         for omega in frequencies() {
             let axis = medium.propagation_coefficient(omega);
@@ -235,21 +149,11 @@ fn waves_decay_along_x_in_the_right_half_plane() {
             );
         }
     }
-    check("elastic", Elastic::new(2.7e9).unwrap());
-    check("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
-    check("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
-    check("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
-    check("Prony series", prony());
-    check("spring-pot", SpringPot::new(2.7e9, 0.4, 1e4).unwrap());
-    check("constant Q", ConstantQ::new(2.7e9, 0.1, 1e4).unwrap());
-    check(
-        "fractional Zener",
-        FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap(),
-    );
-    check(
-        "Havriliak-Negami",
-        HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap(),
-    );
+}
+
+#[test]
+fn waves_decay_along_x_in_the_right_half_plane() {
+    every_law(&WavesDecay);
 }
 
 /// Paper E, eqs. 4-6 and what is said below them, for every law a medium can have.
@@ -308,39 +212,23 @@ fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
     }
 }
 
+struct Relations;
+
+impl Battery for Relations {
+    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
+        medium_battery(name, law);
+    }
+}
+
 #[test]
 fn every_medium_obeys_the_relations_of_paper_e() {
-    medium_battery("elastic", Elastic::new(2.7e9).unwrap());
-    medium_battery("Maxwell", Maxwell::new(2.7e9, 2.7e5).unwrap());
-    medium_battery("Kelvin-Voigt", KelvinVoigt::new(2.7e9, 2.7e4).unwrap());
-    medium_battery("Zener", Zener::new(2.5e9, 2.9e9, 1e-4).unwrap());
-    medium_battery("Prony series", prony());
-    medium_battery("spring-pot", SpringPot::new(2.7e9, 0.4, 1e4).unwrap());
-    medium_battery("constant Q", ConstantQ::new(2.7e9, 0.1, 1e4).unwrap());
-    medium_battery(
-        "fractional Zener",
-        FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap(),
-    );
-    medium_battery(
-        "Havriliak-Negami",
-        HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap(),
-    );
+    every_law(&Relations);
     medium_battery("table", table().held());
-    medium_battery("power laws of Nylon-6", nylon());
+    medium_battery("power laws of Nylon-6", nylon_law());
     medium_battery(
         "power laws without losses",
         PowerLawPropagation::new(0.0, 1.0, 6e-4, 1.0).unwrap(),
     );
-}
-
-/// (A 2), (B 3) in the printed, real form.
-#[test]
-fn the_modulus_has_the_printed_real_and_imaginary_parts() {
-    let (alpha, k, omega) = (0.21_f64, 4.1_f64, 6e3_f64);
-    let modulus = modulus_from_propagation(Complex64::new(alpha, k), omega, DENSITY).unwrap();
-    let common = DENSITY * omega * omega / (k * k + alpha * alpha).powi(2);
-    assert!((modulus.re / (common * (k * k - alpha * alpha)) - 1.0).abs() < 1e-14);
-    assert!((modulus.im / (common * 2.0 * k * alpha) - 1.0).abs() < 1e-14);
 }
 
 #[test]
@@ -354,7 +242,7 @@ fn at_zero_frequency_every_quantity_is_its_limit() {
     let zener = Medium::new(DENSITY, Zener::new(2.5e9, 2.9e9, 1e-4).unwrap()).unwrap();
     // The dispersion at ωτ = 1e-7 is of order (ωτ)² = 1e-14.
     assert!((zener.phase_velocity(0.0) / zener.phase_velocity(1e-3) - 1.0).abs() < 1e-13);
-    let nylon = Medium::new(DENSITY, nylon()).unwrap();
+    let nylon = nylon();
     assert_eq!(nylon.modulus(0.0), Complex64::ZERO);
     let straight = PowerLawPropagation::new(1e-9, 2.0, 6e-4, 1.0).unwrap();
     let limit = Medium::new(DENSITY, straight).unwrap().modulus(0.0);
@@ -363,16 +251,6 @@ fn at_zero_frequency_every_quantity_is_its_limit() {
         Complex64::from(DENSITY / 6e-4f64.powi(2)),
         1e-14
     ));
-}
-
-/// The constants of the fit as printed, at 1 kHz: α = a ω^p by logarithms.
-#[test]
-fn power_laws_are_those_of_paper_e_equation_7() {
-    let omega = 2000.0 * std::f64::consts::PI;
-    let gamma = nylon().propagation_coefficient(omega, DENSITY);
-    // ln and exp are exact to 1 ulp of arguments below 10: 1e-14.
-    assert!((gamma.re / (8.818e-5_f64.ln() + 0.894 * omega.ln()).exp() - 1.0).abs() < 1e-14);
-    assert!((gamma.im / (8.937e-4_f64.ln() + 0.970 * omega.ln()).exp() - 1.0).abs() < 1e-14);
 }
 
 #[test]
@@ -434,7 +312,10 @@ fn impossible_materials_are_refused() {
             HavriliakNegami::new(1e9, 2e9, 1.0, 0.6, 1.7).unwrap_err(),
             "product of breadth and skewness exponents",
         ),
-        (Medium::new(-1.0, nylon()).unwrap_err(), "density [kg/m^3]"),
+        (
+            Medium::new(-1.0, nylon_law()).unwrap_err(),
+            "density [kg/m^3]",
+        ),
         (
             modulus_from_propagation(Complex64::ZERO, 1.0, 1.0).unwrap_err(),
             "magnitude of the propagation coefficient [1/m]",

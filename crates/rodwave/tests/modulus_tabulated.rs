@@ -1,12 +1,4 @@
 //! Tables: what they return between their lines, and what they refuse.
-#![allow(
-    clippy::unwrap_used,
-    reason = "in a test, a refusal where none is expected is a failure"
-)]
-#![allow(
-    clippy::float_cmp,
-    reason = "a table returns its own lines to the last bit"
-)]
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;

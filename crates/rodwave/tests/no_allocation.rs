@@ -1,20 +1,20 @@
 //! What runs millions of times takes no memory: the steps of a march, and a chain at one frequency. A counting allocator
 //! watches the thread; everything is built outside its sight.
-#![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use std::hint::black_box;
 
 use allocation_counter::measure;
 use num_complex::Complex64;
 use rodwave::chain::AnalyticChain;
-use rodwave::element::Circle;
 use rodwave::inelastic::{
     Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 use rodwave::line::{Body, End, Line, Segment};
 use rodwave::medium::Medium;
-use rodwave::modulus::{self, MaxwellBranch};
+use rodwave::modulus;
 use rodwave::{Chain, DirectProblem, InelasticRod, Termination};
+
+use crate::bodies::{aluminium, circle, nylon, polypropylene, prony, steel};
 
 #[test]
 fn the_allocator_counts() {
@@ -87,76 +87,37 @@ fn a_line_allocates_nothing() {
 
 /// Every element, and laws of every kind: closed forms, sums, powers, a table, measured waves.
 fn body(termination: Termination) -> Chain {
-    let (thin, thick) = (
-        Circle::of_diameter(0.02).unwrap(),
-        Circle::of_diameter(0.05).unwrap(),
-    );
-    let prony = [(4e8, 1e-3), (5e8, 1e-5)].map(|(modulus, relaxation_time)| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    });
+    let (thin, thick) = (circle(0.02), circle(0.05));
+    let prony = Medium::new(912.0, prony(2e9, &[(4e8, 1e-3), (5e8, 1e-5)])).unwrap();
     let lines = [(2.4e9, 1.6e8), (2.6e9, 1.5e8), (2.8e9, 1.5e8)];
     let lines = lines.map(|(re, im)| Complex64::new(re, im));
     let table = modulus::Tabulated::new(&[1e3, 1e4, 1e5], &lines).unwrap();
+    let table = Medium::new(1000.0, table.held()).unwrap();
+    let fractional = modulus::FractionalZener::new(1e9, 3e9, 1e-4, 0.4).unwrap();
+    let fractional = Medium::new(950.0, fractional).unwrap();
     Chain::from_impact_face()
-        .rod(
-            &Medium::new(2700.0, modulus::Elastic::new(69e9).unwrap()).unwrap(),
-            thin,
-            0.1,
-        )
-        .cone(
-            &Medium::new(
-                912.0,
-                modulus::GeneralisedMaxwell::new(2e9, prony.to_vec()).unwrap(),
-            )
-            .unwrap(),
-            thin,
-            thick,
-            0.2,
-        )
-        .horn(
-            &Medium::new(1100.0, modulus::ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap(),
-            thick,
-            thin,
-            0.1,
-        )
+        .rod(&aluminium(), thin, 0.1)
+        .cone(&prony, thin, thick, 0.2)
+        .horn(&polypropylene(), thick, thin, 0.1)
         .mass(0.01)
-        .rod(&Medium::new(1000.0, table.held()).unwrap(), thin, 0.1)
+        .rod(&table, thin, 0.1)
         .spring(1e7)
-        .rod(
-            &Medium::new(
-                1150.0,
-                modulus::PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap(),
-            )
-            .unwrap(),
-            thin,
-            0.1,
-        )
+        .rod(&nylon(), thin, 0.1)
         .dashpot(1e3)
-        .rod(
-            &Medium::new(
-                950.0,
-                modulus::FractionalZener::new(1e9, 3e9, 1e-4, 0.4).unwrap(),
-            )
-            .unwrap(),
-            thin,
-            0.1,
-        )
+        .rod(&fractional, thin, 0.1)
         .end(termination)
         .unwrap()
 }
 
 #[test]
 fn a_chain_at_one_frequency_allocates_nothing() {
-    let steel = Medium::new(7780.0, modulus::Elastic::new(206e9).unwrap()).unwrap();
-    let circle = Circle::of_diameter(0.02).unwrap();
     for termination in [
         Termination::Free,
         Termination::Fixed,
         Termination::Mass(0.3),
         Termination::Dashpot(80.0),
         Termination::impedance(|omega| Complex64::new(3.0, omega)),
-        Termination::semi_infinite(&steel, circle),
+        Termination::semi_infinite(&steel(), circle(0.02)),
     ] {
         let name = format!("{termination:?}");
         let body = body(termination);
@@ -180,9 +141,8 @@ fn a_chain_at_one_frequency_allocates_nothing() {
 fn an_analytic_chain_at_one_complex_s_allocates_nothing() {
     let law = modulus::HavriliakNegami::new(1e9, 3e9, 1e-4, 0.6, 0.8).unwrap();
     let medium = Medium::new(1000.0, law).unwrap();
-    let circle = Circle::of_diameter(0.02).unwrap();
     let rod = AnalyticChain::analytic_from_impact_face()
-        .rod(&medium, circle, 0.5)
+        .rod(&medium, circle(0.02), 0.5)
         .mass(0.1)
         .end(Termination::Free)
         .unwrap();

@@ -1,158 +1,106 @@
 //! Chains, lateral inertia, fractional relaxation and the nonlinear laws against 50 digits of mpmath: `fixtures/reference/mpmath`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a reference that cannot be read must fail the test"
-)]
 
 use num_complex::Complex64;
-use rodwave::element::Circle;
 use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow};
-use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, FractionalZener, PowerLawPropagation, TimeDomainModulus};
+use rodwave::modulus::{FractionalZener, TimeDomainModulus};
 use rodwave::slenderness::{PochhammerChree, RodTheory, RoundRod};
-use rodwave::{Chain, Termination};
+use testbed::difference::{largest, relative};
+
+use crate::golden::Bodies;
 
 const CHAINS: &str = include_str!("../../../fixtures/reference/mpmath/chains.csv");
 const POCHHAMMER: &str = include_str!("../../../fixtures/reference/mpmath/pochhammer.csv");
 const FRACTIONAL: &str = include_str!("../../../fixtures/reference/mpmath/fractional_zener.csv");
 const RELAXATION: &str = include_str!("../../../fixtures/reference/mpmath/relaxation.csv");
 
-/// First cell and the numbers behind it; all numbers if there is no name.
-fn rows(table: &str) -> Vec<(&str, Vec<f64>)> {
-    table
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let (name, rest) = match line.split_once(',') {
-                Some((name, rest)) if name.parse::<f64>().is_err() => (name, rest),
-                _ => ("", line),
-            };
-            let numbers = rest.split(',').map(|cell| cell.parse().unwrap());
-            (name, numbers.collect())
-        })
-        .collect()
-}
-
-fn relative(found: Complex64, expected: Complex64) -> f64 {
-    (found - expected).norm() / expected.norm()
-}
-
-/// The bodies of paper E from 50 Hz to 10 kHz.
-#[test]
-fn chains_are_those_of_mpmath() {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    let nylon = Medium::new(1150.0, law).unwrap();
-    let aluminium = Medium::new(2700.0, Elastic::new(69e9).unwrap()).unwrap();
-    let steel = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
-    let circle = |diameter| Circle::of_diameter(diameter).unwrap();
-    let cone = Chain::from_impact_face()
-        .cone(&nylon, circle(0.030), circle(0.075), 0.400)
-        .end(Termination::Free)
-        .unwrap();
-    let face = circle(0.032);
-    let cylinder = Chain::from_impact_face()
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .rod(&nylon, face, 0.125)
-        .rod(&aluminium, face, 0.125)
-        .end(Termination::Free)
-        .unwrap();
-    let long_rod = Chain::from_impact_face()
-        .end(Termination::semi_infinite(&steel, circle(0.010)))
-        .unwrap();
-    let rows = rows(CHAINS);
-    assert_eq!(rows.len(), 91);
-    for (quantity, row) in rows {
-        let [omega, re, im] = row[..] else {
-            panic!("{quantity}: three numbers");
+/// First cell, empty if there is no name, and the numbers behind it.
+fn rows(table: &str, count: usize) -> Vec<(&str, Vec<f64>)> {
+    let rows = table.lines().skip(1).map(|line| {
+        let (name, rest) = match line.split_once(',') {
+            Some((name, rest)) if name.parse::<f64>().is_err() => (name, rest),
+            _ => ("", line),
         };
-        let expected = Complex64::new(re, im);
-        let (found, tolerance) = match quantity {
-            // near a resonance the rounding of γL, some 1e-15, grows with its sharpness, some ten
-            "TCA" => (cone.mobility(omega).unwrap(), 2e-14),
-            "TCB" => (cone.far_face_mobility(omega).unwrap(), 2e-14),
-            "CCA" => (cylinder.mobility(omega).unwrap(), 2e-14),
-            "CCB" => (cylinder.far_face_mobility(omega).unwrap(), 2e-14),
-            "LCR" => (long_rod.mobility(omega).unwrap(), 1e-15),
-            // two powers of a number of order 1e4: its logarithm, 10, costs a digit
-            "nylon gamma" => (nylon.propagation_coefficient(omega), 4e-15),
-            "nylon specific impedance" => (nylon.specific_characteristic_impedance(omega), 4e-15),
+        let numbers = rest.split(',').map(|cell| cell.parse().unwrap());
+        (name, numbers.collect())
+    });
+    let rows: Vec<_> = rows.collect();
+    assert_eq!(rows.len(), count);
+    rows
+}
+
+/// Of mobilities, and of γ and the impedance of Nylon-6.
+pub(crate) fn errors_of_chains(bodies: &Bodies) -> [f64; 2] {
+    let (mut chains, mut medium) = (Vec::new(), Vec::new());
+    for (quantity, row) in rows(CHAINS, 91) {
+        let (omega, expected) = (row[0], Complex64::new(row[1], row[2]));
+        let nylon = &bodies.nylon;
+        let (found, errors) = match quantity {
+            "TCA" => (bodies.cone.mobility(omega).unwrap(), &mut chains),
+            "TCB" => (bodies.cone.far_face_mobility(omega).unwrap(), &mut chains),
+            "CCA" => (bodies.cylinder.mobility(omega).unwrap(), &mut chains),
+            "CCB" => (
+                bodies.cylinder.far_face_mobility(omega).unwrap(),
+                &mut chains,
+            ),
+            "LCR" => (bodies.long_rod.mobility(omega).unwrap(), &mut chains),
+            "nylon gamma" => (nylon.propagation_coefficient(omega), &mut medium),
+            "nylon specific impedance" => {
+                let impedance = nylon.specific_characteristic_impedance(omega);
+                (impedance, &mut medium)
+            }
             other => panic!("no such quantity: {other}"),
         };
-        let error = relative(found, expected);
-        assert!(
-            error < tolerance,
-            "{quantity} at {omega} rad/s: {found} instead of {expected}, {error:e}"
-        );
+        errors.push(relative(found, expected));
     }
+    [chains, medium].map(largest)
 }
 
 /// First branch for elastic and lossy rods, λ from 50 D to 1.4 D, in both directions.
-#[test]
-fn roots_of_pochhammer_and_chree_are_those_of_mpmath() {
-    let rows = rows(POCHHAMMER);
-    assert_eq!(rows.len(), 43);
+fn error_of_lateral_inertia() -> f64 {
     let (density, diameter, bar) = (1200.0, 0.016, 2.5e9);
     let radius = 0.5 * diameter;
-    for (_, row) in rows {
-        let [poisson_ratio, share, loss_factor, frequency, re, im] = row[..] else {
+    let rows = rows(POCHHAMMER, 43).into_iter();
+    largest(rows.flat_map(|(_, row)| {
+        let [poisson_ratio, _, loss_factor, frequency, re, im] = row[..] else {
             panic!("six numbers");
         };
-        let theory = PochhammerChree::new(RoundRod {
+        let rod = RoundRod {
             density,
             diameter,
             poisson_ratio,
-        })
-        .unwrap();
-        let what = format!("nu = {poisson_ratio}, D/lambda = {share}, tan d = {loss_factor}");
+        };
+        let theory = PochhammerChree::new(rod).unwrap();
         let omega = frequency * (bar / density).sqrt() / radius;
         let modulus = Complex64::new(bar, bar * loss_factor);
         let expected = Complex64::new(re, im) / radius;
-        let found = theory.propagation_coefficient(modulus, omega).unwrap();
-        let error = relative(found.found().unwrap(), expected);
-        // Some roundings: the terms of the frequency equation that cancel where waves are long are cancelled on paper.
-        assert!(error < 5e-15, "{what}: gamma, {error:e}");
-        let found = theory.modulus(expected, omega).unwrap();
-        let error = relative(found.found().unwrap().modulus, modulus);
-        assert!(error < 5e-15, "{what}: modulus, {error:e}");
-    }
+        let gamma = theory.propagation_coefficient(modulus, omega).unwrap();
+        let found = theory.modulus(expected, omega).unwrap().found().unwrap();
+        [
+            relative(gamma.found().unwrap(), expected),
+            relative(found.modulus, modulus),
+        ]
+    }))
 }
 
 /// Twelve decades about the relaxation time, orders from 0.1 to 1.
-#[test]
-fn fractional_relaxation_and_creep_are_those_of_mpmath() {
-    let rows = rows(FRACTIONAL);
-    assert_eq!(rows.len(), 78);
-    for (_, row) in rows {
-        let [
-            relaxed,
-            unrelaxed,
-            relaxation_time,
-            exponent,
-            time,
-            relaxation,
-            creep,
-        ] = row[..]
-        else {
+fn error_of_fractional_relaxation() -> f64 {
+    let rows = rows(FRACTIONAL, 78).into_iter();
+    largest(rows.flat_map(|(_, row)| {
+        let [relaxed, unrelaxed, tau, exponent, time, relaxation, creep] = row[..] else {
             panic!("seven numbers");
         };
-        let law = FractionalZener::new(relaxed, unrelaxed, relaxation_time, exponent).unwrap();
-        let what = format!("order {exponent} at {time} s");
-        // A few 1e-15 of E₁ - E₀ and 1/E₀ - 1/E₁ are promised; those of E₁ and of 1/E₀ are a third more.
-        let error = (law.relaxation_modulus(time).unwrap() - relaxation).abs() / unrelaxed;
-        assert!(error < 5e-15, "E, {what}: {error:e}");
-        let error = (law.creep_compliance(time).unwrap() - creep).abs() * relaxed;
-        assert!(error < 5e-15, "J, {what}: {error:e}");
-    }
+        let law = FractionalZener::new(relaxed, unrelaxed, tau, exponent).unwrap();
+        [
+            (law.relaxation_modulus(time).unwrap() - relaxation) / unrelaxed,
+            (law.creep_compliance(time).unwrap() - creep) * relaxed,
+        ]
+    }))
 }
 
 /// The exact flows of the second and third law, from steps of 1e-7 relaxation times to 30.
-#[test]
-fn relaxed_stresses_are_those_of_mpmath() {
-    let rows = rows(RELAXATION);
-    assert_eq!(rows.len(), 40);
-    for (law, row) in rows {
+fn error_of_flows() -> f64 {
+    let rows = rows(RELAXATION, 40).into_iter();
+    largest(rows.map(|(law, row)| {
         let [first, second, modulus, stress, duration, expected] = row[..] else {
             panic!("six numbers");
         };
@@ -167,12 +115,56 @@ fn relaxed_stresses_are_those_of_mpmath() {
                 .relax(stress),
             other => panic!("no such law: {other}"),
         };
-        let error = (found / expected - 1.0).abs();
-        // Rates are held at 10 MPa: B and η are multiplied by powers and exponentials of that, whose arguments of order 30 cost
-        // a digit and a half: 30 roundings of 2e-16, three times.
-        assert!(
-            error < 2e-14,
-            "{law}, {stress} Pa, {duration} s: {found} {expected}, {error:e}"
+        found / expected - 1.0
+    }))
+}
+
+mod claims {
+    use testbed::claim::{Claims, Within};
+    use testbed::hold;
+
+    #[test]
+    fn hold() {
+        let mut report = Claims::default();
+        let [chains, medium] = super::errors_of_chains(&crate::golden::bodies());
+        report.by("paper E, eqs. 5-10, by mpmath, 50 digits");
+        report.deviation(
+            "mobilities of faces TCA, TCB, CCA, CCB and of the long rod, 50 Hz to 10 kHz",
+            Within(
+                2e-14,
+                "rounding of γL, 1e-15, times the sharpness of a resonance",
+            ),
+            Ok(chains),
         );
+        report.deviation(
+            "Nylon-6: propagation coefficient and specific impedance, 50 Hz to 10 kHz",
+            Within(
+                4e-15,
+                "powers of a number of order 1e4, whose logarithm costs a digit",
+            ),
+            Ok(medium),
+        );
+        report.by("frequency equation of Pochhammer and Chree by mpmath, 50 digits");
+        report.deviation(
+            "modulus to wave and wave to modulus, elastic and lossy rods, λ from 50 D to 1.4 D",
+            Within(5e-15, "some roundings"),
+            Ok(super::error_of_lateral_inertia()),
+        );
+        report.by("Mittag-Leffler function by mpmath, 50 digits");
+        report.deviation(
+            "fractional Zener: relaxation and creep over twelve decades, orders 0.1 to 1, by E₁ and 1/E₀",
+            Within(5e-15, "a few roundings of E₁ - E₀"),
+            Ok(super::error_of_fractional_relaxation()),
+        );
+        report.by("flow of paper D, Table 1, models 2 and 3, by mpmath, 50 digits");
+        report.deviation(
+            "Norton, Gurevich and Rabinovich: relaxed stress, steps of 1e-7 to 30 relaxation times",
+            Within(
+                2e-14,
+                "powers and exponentials of arguments of order 30, thirty roundings",
+            ),
+            Ok(super::error_of_flows()),
+        );
+        hold!(report);
     }
 }

@@ -1,42 +1,21 @@
 //! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`: `fixtures/reference/solve_ivp`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a reference that cannot be read must fail the test"
-)]
 
-use rodwave::band_limited::VelocityHistory;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::lumped::LumpedRod;
 use rodwave::{DirectProblem, InelasticRod};
+use testbed::difference::largest_difference;
+
+use crate::bodies::Gaussian;
 
 const CHAIN: &str = include_str!("../../../fixtures/reference/solve_ivp/chain.csv");
 const CONTINUUM: &str = include_str!("../../../fixtures/reference/solve_ivp/continuum.csv");
 
-const VELOCITY: f64 = 8.0;
-
 /// The pulse of the script.
-struct Pulse;
-
-impl Pulse {
-    const CENTRE: f64 = 300e-6;
-    const WIDTH: f64 = 60e-6;
-}
-
-impl VelocityHistory for Pulse {
-    fn at(&self, time: f64) -> f64 {
-        VELOCITY * (-((time - Self::CENTRE) / Self::WIDTH).powi(2)).exp()
-    }
-
-    fn slope(&self, time: f64) -> f64 {
-        -2.0 * (time - Self::CENTRE) / Self::WIDTH.powi(2) * self.at(time)
-    }
-
-    fn end(&self) -> f64 {
-        2e-3
-    }
-}
+const PULSE: Gaussian = Gaussian {
+    peak: 8.0,
+    centre: 300e-6,
+    width: 60e-6,
+};
 
 struct Reference {
     times: Vec<f64>,
@@ -62,11 +41,6 @@ fn reference(table: &str, law: &str) -> Reference {
 
 fn rod<L: InelasticLaw>(law: L) -> InelasticRod<L> {
     InelasticRod::new(0.4, 1100.0, 2.5e9, law).unwrap()
-}
-
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max)
 }
 
 /// (4 fine - coarse)/3 of an error that falls with the square of the step.
@@ -101,7 +75,7 @@ fn the_lumped_chain_is_its_differential_equations() {
         converges(name, &reference, [16, 32], 1e-7, |parts| {
             LumpedRod::new(&rod(law.clone()), 60, 1.0 / parts as f64)
                 .unwrap()
-                .free_end_velocity(&Pulse, &reference.times)
+                .free_end_velocity(&PULSE, &reference.times)
                 .unwrap()
         });
     }
@@ -122,7 +96,7 @@ fn characteristics_converge_to_the_collocated_rod() {
         converges(name, &reference, [50, 100], 1e-6, |cells| {
             DirectProblem::new(rod(law.clone()), cells)
                 .unwrap()
-                .free_end_velocity(&Pulse, &reference.times)
+                .free_end_velocity(&PULSE, &reference.times)
                 .unwrap()
         });
     }

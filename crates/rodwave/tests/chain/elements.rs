@@ -3,15 +3,11 @@
 use num_complex::Complex64;
 use proptest::prelude::*;
 use rodwave::element::{CrossSection, Segment};
-use rodwave::medium::Medium;
-use rodwave::modulus::Zener;
-use rodwave::transition::{State, TransitionMatrix};
+use rodwave::transition::TransitionMatrix;
+
+use crate::bodies::polymer;
 
 type Entries = [[Complex64; 2]; 2];
-
-fn polymer() -> Medium<Zener> {
-    Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap()
-}
 
 fn section(area: f64) -> CrossSection {
     CrossSection::of_area(area).unwrap()
@@ -35,77 +31,6 @@ fn distance(a: &Entries, b: &Entries) -> f64 {
 
 fn size(a: &Entries) -> f64 {
     distance(a, &[[Complex64::ZERO; 2]; 2])
-}
-
-/// (A2) with the cross-section A(x) by the classical fourth-order Runge-Kutta method.
-fn integrated(segment: &Segment, omega: f64, left: State) -> State {
-    let medium = polymer();
-    let iomega = Complex64::new(0.0, omega);
-    let steps = 4000;
-    let h = segment.length() / f64::from(steps);
-    let derivative = |half_steps: i32, (n, v): (Complex64, Complex64)| {
-        let x = (f64::from(half_steps) * h / 2.0).min(segment.length());
-        let area = segment.area_at(x).unwrap();
-        (
-            iomega * medium.density() * area * v,
-            iomega / (medium.modulus(omega) * area) * n,
-        )
-    };
-    let mut y = (left.normal_force, left.velocity);
-    for step in 0..steps {
-        let k1 = derivative(2 * step, y);
-        let k2 = derivative(
-            2 * step + 1,
-            (y.0 + k1.0 * (h / 2.0), y.1 + k1.1 * (h / 2.0)),
-        );
-        let k3 = derivative(
-            2 * step + 1,
-            (y.0 + k2.0 * (h / 2.0), y.1 + k2.1 * (h / 2.0)),
-        );
-        let k4 = derivative(2 * step + 2, (y.0 + k3.0 * h, y.1 + k3.1 * h));
-        y.0 += (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0) * (h / 6.0);
-        y.1 += (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1) * (h / 6.0);
-    }
-    State {
-        normal_force: y.0,
-        velocity: y.1,
-    }
-}
-
-#[test]
-fn segments_solve_the_equations_of_motion() {
-    let (thin, thick) = (section(0.7e-4), section(4.5e-4));
-    let segments = [
-        ("rod", Segment::rod(thin, 0.4).unwrap()),
-        ("diverging cone", Segment::cone(thin, thick, 0.4).unwrap()),
-        ("converging cone", Segment::cone(thick, thin, 0.4).unwrap()),
-        ("diverging horn", Segment::horn(thin, thick, 0.4).unwrap()),
-        ("converging horn", Segment::horn(thick, thin, 0.4).unwrap()),
-    ];
-    let left = State {
-        normal_force: Complex64::new(3.0, -1.0),
-        velocity: Complex64::new(0.01, 0.02),
-    };
-    for (name, segment) in segments {
-        for frequency_hz in [0.01, 50.0, 700.0, 5000.0, 20_000.0] {
-            let omega = std::f64::consts::TAU * frequency_hz;
-            let expected = integrated(&segment, omega, left);
-            let found = segment
-                .transition_matrix(&polymer(), omega)
-                .unwrap()
-                .transfer(left);
-            // |γ|L < 32 over 4000 steps: error |γL| (|γ|h)⁴/120 < 1e-9 of the larger of N and Zv
-            let z = SPECIFIC_IMPEDANCE * 4.5e-4;
-            let scale = expected.normal_force.norm() + z * expected.velocity.norm();
-            let error = (found.normal_force - expected.normal_force).norm()
-                + z * (found.velocity - expected.velocity).norm();
-            assert!(
-                error < 2e-9 * scale,
-                "{name} at {frequency_hz} Hz: {}",
-                error / scale
-            );
-        }
-    }
 }
 
 /// At s = iω the matrices are those of ω, and for real s they are real: nothing travels, everything decays.
@@ -142,26 +67,6 @@ fn matrices_at_complex_s() {
         assert!((real.determinant() - 1.0).norm() < 1e-13); // entries up to 5
         let left = Complex64::new(-1.0, 0.0);
         assert!(segment.transition_matrix_at_s(&polymer(), left).is_err());
-    }
-}
-
-/// A cone and a horn whose ends are equal are a rod.
-#[test]
-fn tapered_segments_without_taper_are_rods() {
-    let (face, omega) = (section(1e-4), 2e4);
-    let rod = Segment::rod(face, 0.3)
-        .unwrap()
-        .transition_matrix(&polymer(), omega)
-        .unwrap();
-    for segment in [
-        Segment::cone(face, face, 0.3),
-        Segment::horn(face, face, 0.3),
-    ] {
-        let found = segment
-            .unwrap()
-            .transition_matrix(&polymer(), omega)
-            .unwrap();
-        assert!(distance(&found.entries(), &rod.entries()) < 1e-14 * size(&rod.entries())); // rounding
     }
 }
 
@@ -211,14 +116,22 @@ fn volumes_are_those_of_the_shapes() {
     }
 }
 
+fn segment(kind: usize, near: f64, far: f64, length: f64) -> Segment {
+    match kind {
+        0 => Segment::rod(section(near), length),
+        1 => Segment::cone(section(near), section(far), length),
+        _ => Segment::horn(section(near), section(far), length),
+    }
+    .unwrap()
+}
+
 /// Every kind of element, with the number of the kind, at a frequency.
 fn element(kind: usize, near: f64, far: f64, length: f64, omega: f64) -> TransitionMatrix {
-    let medium = polymer();
-    let segment = |segment: Segment| segment.transition_matrix(&medium, omega).unwrap();
     match kind {
-        0 => segment(Segment::rod(section(near), length).unwrap()),
-        1 => segment(Segment::cone(section(near), section(far), length).unwrap()),
-        2 => segment(Segment::horn(section(near), section(far), length).unwrap()),
+        0..3 => {
+            let segment = segment(kind, near, far, length);
+            segment.transition_matrix(&polymer(), omega).unwrap()
+        }
         3 => TransitionMatrix::lumped_mass(near * 1e3, omega).unwrap(),
         4 => TransitionMatrix::spring(near * 1e10, omega).unwrap(),
         _ => TransitionMatrix::dashpot(near * 1e7).unwrap(),
@@ -264,12 +177,7 @@ proptest! {
         let far = if kind == 0 { near } else { far };
         let back = element(kind, far, near, length, omega).entries();
         prop_assert!(distance(&mirrored(&there), &back) < 1e-12 * size(&there)); // rounding of kL up to 50
-        let segment = match kind {
-            0 => Segment::rod(section(near), length),
-            1 => Segment::cone(section(near), section(far), length),
-            _ => Segment::horn(section(near), section(far), length),
-        };
-        let turned = segment.unwrap().turned().transition_matrix(&polymer(), omega).unwrap().entries();
+        let turned = segment(kind, near, far, length).turned().transition_matrix(&polymer(), omega).unwrap().entries();
         prop_assert!(distance(&turned, &back) < 1e-12 * size(&back));
     }
 
@@ -284,11 +192,7 @@ proptest! {
         omega in any_omega(),
     ) {
         let medium = polymer();
-        let whole = match kind {
-            0 => Segment::rod(section(near), length),
-            1 => Segment::cone(section(near), section(far), length),
-            _ => Segment::horn(section(near), section(far), length),
-        }.unwrap();
+        let whole = segment(kind, near, far, length);
         let cut = whole.cut(fraction * length).unwrap();
         let first = cut.near.transition_matrix(&medium, omega).unwrap();
         let second = cut.far.transition_matrix(&medium, omega).unwrap();
@@ -308,11 +212,7 @@ proptest! {
     ) {
         let omega = 1e-6;
         let [[a, b], [_, d]] = element(kind, near, far, length, omega).entries();
-        let volume = match kind {
-            0 => Segment::rod(section(near), length),
-            1 => Segment::cone(section(near), section(far), length),
-            _ => Segment::horn(section(near), section(far), length),
-        }.unwrap().volume();
+        let volume = segment(kind, near, far, length).volume();
         let mass = Complex64::new(0.0, omega * 910.0 * volume);
         // (γL)² times a ratio of areas up to 300 is below 1e-15; ln and exp of that ratio leave a few more roundings
         prop_assert!((a - 1.0).norm() < 1e-14 && (d - 1.0).norm() < 1e-14);

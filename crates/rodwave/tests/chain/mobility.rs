@@ -1,6 +1,5 @@
 //! Mobility of chains: limits of frequency and damping, terminations, energy, complex frequencies.
 
-use super::bodies::{aluminium, circle, cone, cylinder, nylon, relative};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use num_complex::Complex64;
@@ -10,71 +9,9 @@ use rodwave::element::CrossSection;
 use rodwave::medium::Medium;
 use rodwave::modulus::{PowerLawPropagation, Zener};
 use rodwave::{Chain, Termination};
+use testbed::difference::relative;
 
-/// Ĝ iωM → 1 for a free body, at both faces, for every kind of element.
-#[test]
-fn free_bodies_are_rigid_at_low_frequency() {
-    let (nylon, aluminium) = (nylon(), aluminium());
-    let bodies = [
-        cone(Termination::Free),
-        cylinder(Termination::Mass(0.0029)),
-        Chain::from_impact_face()
-            .mass(0.010)
-            .horn(&aluminium, circle(0.050), circle(0.0005), 0.2)
-            .spring(1e7)
-            .cone(&nylon, circle(0.002), circle(0.100), 0.1)
-            .dashpot(1e6)
-            .rod(&aluminium, circle(0.020), 1.0)
-            .horn(&aluminium, circle(0.001), circle(0.100), 0.2)
-            .end(Termination::Mass(0.25))
-            .unwrap(),
-    ];
-    for (case, body) in bodies.iter().enumerate() {
-        let mass = body.free_mass().unwrap();
-        for frequency_hz in [1e-6, 1e-3] {
-            let omega = TAU * frequency_hz;
-            let rigid = Complex64::new(0.0, omega * mass);
-            // At 1 mHz a dashpot of 1e6 kg/s gives way by ωM/q = 1e-8; all else by (|γ|L)² < 1e-10 or ω²M/k < 1e-11.
-            let compliance = if case == 2 { omega * mass / 1e6 } else { 1e-10 };
-            for mobility in [body.mobility(omega), body.far_face_mobility(omega)] {
-                let deviation = (mobility.unwrap() * rigid - 1.0).norm();
-                assert!(
-                    deviation < 1e-13 + compliance,
-                    "body {case}, {frequency_hz} Hz: {deviation}"
-                );
-            }
-        }
-    }
-}
-
-/// The first correction to rigidity too: x coth x = 1 + x²/3 of a free rod, far below where 1 + x²/3 is 1 in double precision.
-#[test]
-fn free_rod_at_low_frequency_keeps_its_digits() {
-    let law = Zener::new(2.2e9, 2.6e9, 3e-5).unwrap();
-    let medium = Medium::new(910.0, law).unwrap();
-    let rod = Chain::from_impact_face()
-        .rod(&medium, circle(0.016), 0.4)
-        .rod(&medium, circle(0.016), 0.4)
-        .end(Termination::Free)
-        .unwrap();
-    for frequency_hz in [1e-9, 1e-6, 1e-3, 1.0] {
-        let omega = TAU * frequency_hz;
-        let x = medium.propagation_coefficient(omega) * 0.8;
-        let scaled =
-            rod.mobility(omega).unwrap() * Complex64::new(0.0, omega * rod.free_mass().unwrap());
-        // x⁴/45 < 1e-12 at 1 Hz, rounding below
-        assert!((scaled - 1.0 - x * x / 3.0).norm() < 1e-15 * 4.0 + x.norm_sqr().powi(2) / 40.0);
-    }
-    // fixed at its end it is a spring AE/L: Ĝ = iω L/(AE), with x²/3 < 1e-15 in the way
-    let fixed = Chain::from_impact_face()
-        .rod(&medium, circle(0.016), 0.8)
-        .end(Termination::Fixed)
-        .unwrap();
-    let omega = TAU * 1e-6;
-    let stiffness = medium.modulus(omega) * CrossSection::from(circle(0.016)).area() / 0.8;
-    let compliance = Complex64::new(0.0, omega) / stiffness;
-    assert!(relative(fixed.mobility(omega).unwrap(), compliance) < 1e-14); // a dozen roundings
-}
+use crate::bodies::{aluminium, circle, nylon, polymer};
 
 /// αL = 1e4 and kL = 1e5: nothing overflows, and the closed forms hold.
 #[test]
@@ -86,13 +23,8 @@ fn strong_damping_and_many_waves() {
     )
     .unwrap();
     let omega = 1e5;
-    // one element of αL = 1e4, kL = 1e5, and a hundred of them in a row with jumps of impedance between
-    let long = Chain::from_impact_face()
-        .rod(&lossy, face, 1.0)
-        .end(Termination::Free)
-        .unwrap();
+    // a hundred elements of αL = 1e4, kL = 1e5 in a row with jumps of impedance between
     let z = lossy.specific_characteristic_impedance(omega) * CrossSection::from(face).area();
-    assert!(relative(long.mobility(omega).unwrap(), 1.0 / z) < 1e-14); // coth = 1; a dozen roundings
     let mut row = Chain::from_impact_face();
     for _ in 0..50 {
         row = row
@@ -121,71 +53,7 @@ fn strong_damping_and_many_waves() {
     assert!(relative(rod.mobility(omega).unwrap(), expected) < 1e-10);
 }
 
-/// Closed forms of a uniform rod for each termination, Z_end in A(10): Z_in = Z (Z_end + Z t)/(Z + Z_end t), t = tanh γL.
-#[test]
-fn terminations_of_a_uniform_rod() {
-    let (nylon, aluminium) = (nylon(), aluminium());
-    let (face, other) = (circle(0.030), circle(0.010));
-    let omega = TAU * 1234.0;
-    let area = CrossSection::from(face).area();
-    let z = nylon.specific_characteristic_impedance(omega) * area;
-    let z_other =
-        aluminium.specific_characteristic_impedance(omega) * CrossSection::from(other).area();
-    let t = (nylon.propagation_coefficient(omega) * 0.3).tanh();
-    let measured = Complex64::new(250.0, -80.0);
-    let cases: [(Termination, Complex64); 5] = [
-        (Termination::Free, Complex64::ZERO),
-        (Termination::Mass(0.05), Complex64::new(0.0, omega * 0.05)),
-        (Termination::Dashpot(700.0), 700.0.into()),
-        (
-            Termination::impedance(move |omega| {
-                if omega < 0.0 {
-                    measured.conj()
-                } else {
-                    measured
-                }
-            }),
-            measured,
-        ),
-        (Termination::semi_infinite(&aluminium, other), z_other),
-    ];
-    for (termination, z_end) in cases {
-        let name = format!("{termination:?}");
-        let chain = Chain::from_impact_face()
-            .rod(&nylon, face, 0.3)
-            .end(termination)
-            .unwrap();
-        let expected = (z + z_end * t) / (z * (z_end + z * t));
-        assert!(
-            relative(chain.mobility(omega).unwrap(), expected) < 1e-13,
-            "{name}"
-        ); // a few dozen roundings
-        // at the far face both sides add up
-        let expected = 1.0 / (z * t + z_end);
-        assert!(
-            relative(chain.far_face_mobility(omega).unwrap(), expected) < 1e-13,
-            "{name}"
-        );
-        assert_eq!(
-            chain.mobility(-omega).unwrap(),
-            chain.mobility(omega).unwrap().conj(),
-            "{name}"
-        );
-    }
-    let fixed = Chain::from_impact_face()
-        .rod(&nylon, face, 0.3)
-        .end(Termination::Fixed)
-        .unwrap();
-    assert!(relative(fixed.mobility(omega).unwrap(), t / z) < 1e-13);
-    assert_eq!(fixed.far_face_mobility(omega).unwrap(), Complex64::ZERO);
-    // the long rod of paper E (eq. 10), without any element
-    let long = Chain::from_impact_face()
-        .end(Termination::semi_infinite(&aluminium, other))
-        .unwrap();
-    assert!(relative(long.mobility(omega).unwrap(), 1.0 / z_other) < 1e-14);
-}
-
-/// The recursion against the plain product of matrices.
+/// The recursion against the plain product of matrices (paper E, eq. A10).
 #[test]
 fn recursion_agrees_with_the_product() {
     let chain = Chain::from_impact_face()
@@ -216,7 +84,7 @@ fn body<V: Argument>(builder: ChainBuilder<V>, end: Termination<V>) -> Chain<V>
 where
     Medium<Zener>: WaveMedium<V>,
 {
-    let medium = Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap();
+    let medium = polymer();
     builder
         .rod(&medium, circle(0.016), 0.3)
         .horn(&medium, circle(0.016), circle(0.03), 0.2)
@@ -327,7 +195,7 @@ proptest! {
         resistance in 0.0..1e5f64,
     ) {
         let omega = 10f64.powf(exponent);
-        let medium = Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap();
+        let medium = polymer();
         let chain = parts
             .iter()
             .fold(Chain::from_impact_face(), |row, (kind, near, far, length)| match kind {

@@ -2,119 +2,82 @@
 
 use std::f64::consts::PI;
 
-use rodwave::chain::{AnalyticChain, Termination};
-use rodwave::experiment::impact_of_two_bodies::{ContactEnd, ImpactOfTwoBodies};
-
-use super::bodies::{circle, steel};
-use testbed::claim::{Claim, Claims, Fallible};
+use rodwave::experiment::impact_of_two_bodies::ContactEnd;
+use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
-fn free_rod(diameter: f64, length: f64) -> Fallible<AnalyticChain> {
-    Ok(AnalyticChain::analytic_from_impact_face()
-        .rod(&steel()?, circle(diameter)?, length)
-        .end(Termination::Free)?)
-}
+use crate::experiment_impact::{VELOCITY, deviation, impedance, long_rod, rod, run, transit_time};
 
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();
-    const INTERVAL: f64 = 5e-7;
-    let speed = (206e9_f64 / 7780.0).sqrt();
-    let area = PI / 4.0 * 0.010 * 0.010;
-    let z = area * (206e9_f64 * 7780.0).sqrt();
-    let (trip, velocity) = (2.0 * 0.5 / speed, 2.0);
-    let mass = 7780.0 * area * 0.5;
-    let long_rod = || -> Fallible<AnalyticChain> {
-        Ok(AnalyticChain::analytic_from_impact_face()
-            .rod(&steel()?, circle(0.010)?, 0.15)
-            .end(Termination::semi_infinite(&steel()?, circle(0.010)?))?)
-    };
-    let claim = |what: &str, source| {
-        Claim::new(
-            format!("free rod on a long one of its kind: {what}"),
-            source,
-        )
-    };
-    report.check(
-        claim(
-            "force ZV/2 for one round trip, then none, by ZV/2",
-            "closed form (de Saint-Venant)",
-        )
-        .within(
-            1e-8,
+    let (striker, long) = (rod(10.0, 0.5), long_rod(10.0));
+    let record = run(&striker, &long, 1e-3, 5e-7);
+    let trip = 2.0 * transit_time(0.5);
+    let plateau = 0.5 * impedance(10.0) * VELOCITY;
+    let step = |t: f64| if t > 0.0 && t < trip { 1.0 } else { 0.0 };
+    let jumps = [0.0, trip];
+    report.by("closed form (de Saint-Venant)").deviation(
+        "free rod on a long one of its kind: force ZV/2 for one round trip, then none, by ZV/2",
+        Within(
+            1e-9,
             "rounding; 6.4 standard deviations of the Gaussian from the jumps",
         ),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            let record = impact.run(1e-3, INTERVAL)?;
-            Ok(largest(record.force.iter().enumerate().filter_map(
-                |(n, force)| {
-                    let t = record.start + n as f64 * record.interval;
-                    let away = t.abs().min((t - trip).abs()) > 16.0 * INTERVAL;
-                    let step = if t > 0.0 && t < trip { 1.0 } else { 0.0 };
-                    away.then_some(force / (0.5 * z * velocity) - step)
-                },
-            )))
-        },
+        Ok(deviation(&record, &record.force, &jumps, |t| plateau * step(t)) / plateau),
     );
-    report.check(
-        claim("impulse", "conservation of momentum: the striker stops")
-            .expects(mass * velocity, "N s")
-            .within_part(1e-6, "alias e^(-16)"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            Ok(impact.run(1e-3, INTERVAL)?.impulse())
-        },
+    let face = |t: f64| {
+        if t < 0.0 {
+            VELOCITY
+        } else {
+            0.5 * VELOCITY * step(t)
+        }
+    };
+    // and the pulse travels down the rod
+    let delay = transit_time(0.1);
+    let later = record.transmitted_force(0, 0.1).unwrap();
+    let travelled = |t: f64| plateau * step(t - delay);
+    report.deviation(
+        "free rod on a long one of its kind: velocities of both faces by V, force after 0.1 m by ZV/2",
+        Within(1e-6, "alias e^(-16) of the velocity of a free body"),
+        Ok(largest([
+            deviation(&record, &record.first_velocity, &jumps, face) / VELOCITY,
+            deviation(&record, &record.second_velocity, &jumps, |t| {
+                0.5 * VELOCITY * step(t)
+            }) / VELOCITY,
+            deviation(&record, &later, &[delay, delay + trip], travelled) / plateau,
+        ])),
     );
+    let mass = 7780.0 * PI / 4.0 * 0.010 * 0.010 * 0.5;
+    report
+        .by("conservation of momentum: the striker stops")
+        .deviation(
+            "free rod on a long one of its kind: impulse, relative",
+            Within(1e-6, "alias e^(-16) over the record"),
+            Ok(record.impulse() / (mass * VELOCITY) - 1.0),
+        );
     // the square of a rounded jump falls short of the jump by Pσ/√π at each side
     let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
-    report.check(
-        claim(
-            "work on the long rod",
-            "conservation of energy, less what the Gaussian rounds off",
-        )
-        .expects(0.5 * mass * velocity * velocity * (1.0 - shortfall), "J")
-        .within_part(1e-5, "next order of the rounding"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.5)?, long_rod()?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            Ok(impact.run(1e-3, INTERVAL)?.work_on_second())
-        },
-    );
-    report.check(
-        Claim::new(
+    report
+        .by("conservation of energy, less what the Gaussian rounds off")
+        .deviation(
+            "free rod on a long one of its kind: work on the long rod, relative",
+            Within(1e-6, "next order of the rounding"),
+            Ok(record.work_on_second() / (0.5 * mass * VELOCITY * VELOCITY) - 1.0 + shortfall),
+        );
+    let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));
+    let end = match run(&short, &long, 3e-3, 5e-7).end {
+        ContactEnd::Separated { time } => time,
+        other => panic!("{other:?}"),
+    };
+    report
+        .by("closed form: echo from the far end of the longer")
+        .claim(
             "free rods of 0.3 and 0.7 m: end of contact",
-            "closed form: echo from the far end of the longer",
-        )
-        .expects(2.0 * 0.7 / speed, "s")
-        .within(16.0 * INTERVAL, "width of the Gaussian"),
-        || {
-            let (first, second) = (free_rod(0.010, 0.3)?, free_rod(0.010, 0.7)?);
-            let impact = ImpactOfTwoBodies {
-                first: &first,
-                second: &second,
-                velocity,
-            };
-            match impact.run(3e-3, INTERVAL)?.end {
-                ContactEnd::Separated { time } => Ok(time),
-                other => Err(format!("{other:?}").into()),
-            }
-        },
-    );
+            "s",
+            2.0 * transit_time(0.7),
+            Within(16.0 * 5e-7, "width of the Gaussian"),
+            Ok(end),
+        );
     hold!(report);
 }

@@ -70,27 +70,22 @@ fn syntheses() {
 #[test]
 fn absurd_counts() {
     let rod = || InelasticRod::new(0.4, 1140.0, 3.2e9, Elastic).unwrap();
-    for cells in [1 << 40, usize::MAX / 8, usize::MAX - 1, usize::MAX] {
+    for cells in [
+        0,
+        1,
+        2,
+        3,
+        1 << 40,
+        usize::MAX / 8,
+        usize::MAX - 1,
+        usize::MAX,
+    ] {
         assert!(DirectProblem::new(rod(), cells).is_err(), "{cells}");
         assert!(LumpedRod::new(&rod(), cells, 0.8).is_err(), "{cells}");
     }
-    for cells in 0..4 {
-        assert!(DirectProblem::new(rod(), cells).is_err(), "{cells}");
-        assert!(LumpedRod::new(&rod(), cells, 0.8).is_err(), "{cells}");
-    }
-    for lines in [0, 1] {
+    for lines in [0, 1, usize::MAX] {
         assert!(FourierSynthesis::new(10.0, lines).is_err(), "{lines}");
     }
-    assert!(FourierSynthesis::new(10.0, usize::MAX).is_err());
-    let line =
-        Line::new([Body::new([Segment::elastic(0.1, 1e-4, 7800.0, 2e11).unwrap()]).unwrap()]);
-    let line = line.unwrap();
-    assert!(line.clone().with_gap(usize::MAX, 0.0).is_err());
-    let gauge = Gauge {
-        body: usize::MAX,
-        position: 0.0,
-    };
-    assert!(line.run(1e-6, 1e-5, &[gauge]).is_err());
     assert!(Line::new([]).is_err() && Body::new([]).is_err());
     let acquisition = |samples_before, samples_after| Acquisition {
         recorder: Recorder {

@@ -2,68 +2,6 @@
 
 use super::*;
 
-/// A stack of Prony and elastic parts in time against its transition matrices on a line of the Laplace plane.
-#[test]
-fn prony_stack_agrees_with_its_transform() {
-    let duration = 1.5e-3;
-    let synthesis = DampedSynthesis::new(duration, 1e-6).unwrap();
-    let medium = Medium::new(1140.0, prony()).unwrap();
-    let metal = Medium::new(2700.0, rodwave::modulus::Elastic::new(69e9).unwrap()).unwrap();
-    let section = |area: f64| CrossSection::of_area(area).unwrap();
-    let chain = AnalyticChain::analytic_from_impact_face()
-        .rod(&medium, section(AREA), 0.3)
-        .rod(&metal, section(0.5 * AREA), 0.2)
-        .rod(&medium, section(AREA), 0.2)
-        .end(Termination::Free)
-        .unwrap();
-    // the Gaussian pulse of 1 N, whose transform is entire; what it has before time 0 is e^{-25}
-    let transform =
-        |s: Complex64| 10e-6 * std::f64::consts::PI.sqrt() * (s * s * 25e-12 - s * 50e-6).exp();
-    let velocity: Vec<Complex64> = synthesis
-        .arguments()
-        .map(|s| chain.mobility_at_s(s).unwrap() * transform(s))
-        .collect();
-    let exact = synthesis.history(&velocity).unwrap();
-    let peak = largest(exact.samples.iter().copied());
-    let error = |step: f64| -> f64 {
-        let stack = [
-            Segment::prony(0.3, AREA, 1140.0, &prony()).unwrap(),
-            aluminium(0.2, 0.5 * AREA),
-            Segment::prony(0.2, AREA, 1140.0, &prony()).unwrap(),
-        ];
-        let history = pushed(line(stack), 1.0)
-            .run(
-                step,
-                duration,
-                &[Gauge {
-                    body: 0,
-                    position: 0.0,
-                }],
-            )
-            .unwrap();
-        closes(&history);
-        let of_line = &history.gauges[0].velocity;
-        let step = history.grid.time_step;
-        largest(exact.samples.iter().enumerate().map(|(index, exact)| {
-            let position = index as f64 * 1e-6 / step;
-            let base = (position.floor() as usize).min(of_line.len() - 2);
-            let u = position - base as f64;
-            let linear = of_line[base] * (1.0 - u) + of_line[base + 1] * u;
-            // the second difference turns the chord into the parabola, good to the third order
-            let bend = if base == 0 {
-                0.0
-            } else {
-                of_line[base - 1] - 2.0 * of_line[base] + of_line[base + 1]
-            };
-            linear - 0.5 * u * (1.0 - u) * bend - exact
-        })) / peak
-    };
-    let (coarse, fine) = (error(0.8e-6), error(0.2e-6));
-    // e^{-16} of the damped transform and, of second order, grid, gauge at the face and wave speeds
-    assert!(fine < 1e-3 && coarse < 1e-2, "{coarse} {fine}");
-    assert!(coarse / fine > 8.0, "{coarse} {fine}");
-}
-
 fn norton_rod() -> InelasticRod<MaxwellNorton> {
     InelasticRod::new(
         0.394,
