@@ -83,19 +83,37 @@ fn clean(stress: f64, duration: f64) -> Vec<f64> {
         .collect()
 }
 
+fn readings(load: LoadHistory, time: &[f64], change: &[f64], error: f64) -> RecoveryTest {
+    with_virgin("t", load, time, change, [error, 0.0])
+}
+
+fn with_virgin(
+    name: &str,
+    load: LoadHistory,
+    time: &[f64],
+    change: &[f64],
+    [error, virgin_standard_error]: [f64; 2],
+) -> RecoveryTest {
+    let readings = LossFactorReadings {
+        time,
+        change,
+        standard_error: &vec![error; time.len()],
+        virgin_standard_error,
+    };
+    RecoveryTest::new(name, load, FREQUENCY_HZ, readings).unwrap()
+}
+
 fn test(name: &str, stress: f64, duration: f64, change: &[f64], virgin: f64) -> RecoveryTest {
-    RecoveryTest::new(
-        name,
-        LoadHistory::creep(stress, duration).unwrap(),
-        FREQUENCY_HZ,
-        LossFactorReadings {
-            time: &TIMES,
-            change,
-            standard_error: &[NOISE; 12],
-            virgin_standard_error: virgin,
-        },
-    )
-    .unwrap()
+    let load = LoadHistory::creep(stress, duration).unwrap();
+    with_virgin(name, load, &TIMES, change, [NOISE, virgin])
+}
+
+fn joint(tests: &[RecoveryTest]) -> RecoveryFit {
+    RecoveryFit::new(tests, GIVEN, ErrorScale::Stated).unwrap()
+}
+
+fn all_clean() -> Vec<Vec<f64>> {
+    LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect()
 }
 
 fn clean_tests() -> Vec<RecoveryTest> {
@@ -139,7 +157,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
             (found.coefficient / TRUTH.coefficient).ln(),
         ])
     };
-    let fit = RecoveryFit::new(&tests, GIVEN, ErrorScale::Stated).unwrap();
+    let fit = joint(&tests);
     assert_eq!(fit.ending, Ending::Converged);
     claims.deviation(
         "five tests together: parts of E_2 and B, and error of m, worst",
@@ -208,7 +226,7 @@ fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
         "{sets:?}"
     );
 
-    let fit = RecoveryFit::new(one, GIVEN, ErrorScale::Stated).unwrap();
+    let fit = joint(one);
     assert_eq!(
         fit.signal_to_noise.iter().filter(|s| **s == 0.0).count(),
         1,
@@ -231,7 +249,7 @@ fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     assert!(other.iter().all(|p| p.standard_error.is_infinite()));
     // the same load again is no second load
     let twice = [all[1].clone(), all[1].clone()];
-    let fit = RecoveryFit::new(&twice, GIVEN, ErrorScale::Stated).unwrap();
+    let fit = joint(&twice);
     assert_eq!(
         fit.estimates[3].verdict,
         Verdict::NotIdentifiable(Reason::OneLoad)
@@ -252,23 +270,12 @@ fn readings_that_come_too_late_or_end_too_early_are_told() {
                     .iter()
                     .map(|t| recovery.loss_factor_change(TAU * FREQUENCY_HZ, *t))
                     .collect();
-                RecoveryTest::new(
-                    "t",
-                    load,
-                    FREQUENCY_HZ,
-                    LossFactorReadings {
-                        time: &times,
-                        change: &change,
-                        standard_error: &[NOISE; 12],
-                        virgin_standard_error: 0.0,
-                    },
-                )
-                .unwrap()
+                readings(load, &times, &change, NOISE)
             })
             .collect()
     };
     let first = std::array::from_fn(|i| (0_u8..12).map(f64::from).nth(i).unwrap());
-    let early = RecoveryFit::new(&noisy(first), GIVEN, ErrorScale::Stated).unwrap();
+    let early = joint(&noisy(first));
     assert!(
         matches!(
             early.estimates[2].verdict,
@@ -276,12 +283,7 @@ fn readings_that_come_too_late_or_end_too_early_are_told() {
         ),
         "{early}"
     );
-    let late = RecoveryFit::new(
-        &noisy(first.map(|t| 1e4 + 1e3 * t)),
-        GIVEN,
-        ErrorScale::Stated,
-    )
-    .unwrap();
+    let late = joint(&noisy(first.map(|t| 1e4 + 1e3 * t)));
     assert!(
         matches!(
             late.estimates[3].verdict,
@@ -330,7 +332,7 @@ fn tails_of_all_tests_agree() {
             fit.tail
         );
     }
-    let clean: Vec<Vec<f64>> = LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect();
+    let clean = all_clean();
     let mut squares = 0.0;
     let seeds = 400_u32;
     for seed in 0..u64::from(seeds) {
@@ -346,20 +348,20 @@ fn tails_of_all_tests_agree() {
 /// The procedure of the paper scatters more than the joint fit of the same readings.
 #[test]
 fn the_joint_fit_scatters_less_than_the_procedure_of_the_paper() {
-    let clean: Vec<Vec<f64>> = LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect();
-    let (mut joint, mut paper) = (0.0, 0.0);
+    let clean = all_clean();
+    let (mut of_joint, mut of_paper) = (0.0, 0.0);
     for seed in 0..200 {
         let tests = noisy_tests(seed, 0.0, &clean);
-        let fit = RecoveryFit::new(&tests, GIVEN, ErrorScale::Stated).unwrap();
+        let fit = joint(&tests);
         let procedure = paper_procedure(&tests, 1, 3100e6, (0.2, 6.0)).unwrap();
-        joint += (fit.model.parameters().parallel_modulus / TRUTH.parallel_modulus)
+        of_joint += (fit.model.parameters().parallel_modulus / TRUTH.parallel_modulus)
             .ln()
             .powi(2);
-        paper += (procedure.parameters.parallel_modulus / TRUTH.parallel_modulus)
+        of_paper += (procedure.parameters.parallel_modulus / TRUTH.parallel_modulus)
             .ln()
             .powi(2);
     }
-    let ratio = f64::sqrt(paper / joint);
+    let ratio = f64::sqrt(of_paper / of_joint);
     assert!(ratio > 1.2, "{ratio}");
 }
 
@@ -392,20 +394,9 @@ fn a_periodic_load_joins_the_fit() {
                 / (TAU * FREQUENCY_HZ)
         })
         .collect();
-    let periodic = RecoveryTest::new(
-        "periodic",
-        load,
-        FREQUENCY_HZ,
-        LossFactorReadings {
-            time: &TIMES,
-            change: &change,
-            standard_error: &[NOISE; 12],
-            virgin_standard_error: 0.0,
-        },
-    )
-    .unwrap();
+    let periodic = readings(load, &TIMES, &change, NOISE);
     let tests = [clean_tests()[3].clone(), periodic];
-    let fit = RecoveryFit::new(&tests, GIVEN, ErrorScale::Stated).unwrap();
+    let fit = joint(&tests);
     let found = fit.model.parameters();
     assert!(
         (found.parallel_modulus / TRUTH.parallel_modulus - 1.0).abs() < 1e-3,
@@ -416,7 +407,7 @@ fn a_periodic_load_joins_the_fit() {
 
 /// Share of the seeds in which the truth lies within one and two standard errors, for ln E₂, ln B, m and ln k.
 fn coverage(virgin: f64, error_scale: ErrorScale) -> [[f64; 2]; 4] {
-    let clean: Vec<Vec<f64>> = LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect();
+    let clean = all_clean();
     let mut within = [[0_u32; 2]; 4];
     let seeds = 2000_u32;
     for seed in 0..u64::from(seeds) {
@@ -464,8 +455,8 @@ fn r12_stated_errors_cover_the_truth() {
 /// The readings share the error of the virgin loss factor; a fit that leaves it out is too sure.
 #[test]
 fn the_report_names_errors_and_reasons() {
-    let clean: Vec<Vec<f64>> = LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect();
-    let plain = RecoveryFit::new(&noisy_tests(1, 0.0, &clean), GIVEN, ErrorScale::Stated).unwrap();
+    let clean = all_clean();
+    let plain = joint(&noisy_tests(1, 0.0, &clean));
     let shared =
         RecoveryFit::new(&noisy_tests(1, 5e-4, &clean), GIVEN, ErrorScale::Stated).unwrap();
     assert!(shared.estimates[3].standard_error > 1.05 * plain.estimates[3].standard_error);
@@ -474,12 +465,7 @@ fn the_report_names_errors_and_reasons() {
         text.contains("E2") && text.contains("identified") && text.contains("given"),
         "{text}"
     );
-    let one = RecoveryFit::new(
-        &noisy_tests(1, 0.0, &clean)[1..2],
-        GIVEN,
-        ErrorScale::Stated,
-    )
-    .unwrap();
+    let one = joint(&noisy_tests(1, 0.0, &clean)[1..2]);
     assert!(
         one.to_string()
             .contains("not identifiable: one load gives two numbers for three parameters"),
@@ -589,21 +575,11 @@ fn residuals_tell_no_errors_without_a_degree_of_freedom() {
     let three: Vec<RecoveryTest> = [(45e6, 0.0184), (32e6, 0.0089), (19e6, 0.0021)]
         .iter()
         .map(|&(stress, change)| {
-            RecoveryTest::new(
-                "one reading",
-                LoadHistory::creep(stress, 1800.0).unwrap(),
-                FREQUENCY_HZ,
-                LossFactorReadings {
-                    time: &[60.0],
-                    change: &[change],
-                    standard_error: &[1e-4],
-                    virgin_standard_error: 0.0,
-                },
-            )
-            .unwrap()
+            let load = LoadHistory::creep(stress, 1800.0).unwrap();
+            readings(load, &[60.0], &[change], 1e-4)
         })
         .collect();
-    let stated = RecoveryFit::new(&three, GIVEN, ErrorScale::Stated).unwrap();
+    let stated = joint(&three);
     assert_eq!(stated.degrees_of_freedom, 0);
     assert_eq!(
         RecoveryFit::new(&three, GIVEN, ErrorScale::FromResidual)

@@ -7,13 +7,12 @@ use cmod::two_point::{MassSeries, Solver};
 use cmod::validity::{AcceptanceLimits, Violation};
 use cmod::{ModulusEstimate, Specimen, TwoPoint};
 use num_complex::Complex64;
-use rodwave::medium::Medium;
-use rodwave::modulus::ConstantQ;
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
 use crate::golden::{self, golden};
+use crate::materials::polypropylene;
 
 fn constant(name: &str) -> f64 {
     golden::constant("paper_a_constants.ron", name).value
@@ -27,9 +26,7 @@ struct Differences {
 }
 
 fn differences(specimen: Specimen) -> Differences {
-    // polypropylene as figure 3 of paper A shows it
-    let law = ConstantQ::new(2.6e9, 0.07, 1e4).unwrap();
-    let medium = Medium::new(specimen.density, law).unwrap();
+    let medium = polypropylene(specimen.density);
     let frequency_hz: Vec<f64> = (1..=400)
         .map(|j| f64::from(j) * constant("frequency_highest") / 400.0)
         .collect();

@@ -19,6 +19,7 @@ mod golden_paper_a;
 mod golden_paper_c;
 mod hard_to_break;
 mod lateral_inertia;
+mod materials;
 mod multi_point;
 mod neighbours;
 mod noise;

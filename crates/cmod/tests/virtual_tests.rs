@@ -8,11 +8,13 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusEstimate, Specimen, TwoPoint};
 use num_complex::Complex64;
 use rodwave::medium::{Medium, PropagationLaw};
-use rodwave::modulus::{ComplexModulus, PowerLawPropagation};
+use rodwave::modulus::ComplexModulus;
 use testbed::claim::{Claims, Within};
 use testbed::difference::relative;
 use testbed::hold;
 use testbed::papers::paper_a;
+
+use crate::materials::polyamide;
 
 /// Polypropylene as a virtual material: constant loss factor 0.07, of the size that paper A, figure 3 shows.
 struct ConstantLoss;
@@ -117,8 +119,7 @@ fn the_modulus_of_every_specimen_of_paper_a_is_recovered() {
         let specimen = test.specimen(&paper);
         let name = format!("Test {}", test.name);
         let error = if test.material == "Polyamide 6" {
-            let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-            error_of(&name, &Medium::new(test.density, law).unwrap(), specimen)
+            error_of(&name, &polyamide(test.density, 1.0), specimen)
         } else {
             let medium = Medium::new(test.density, ConstantLoss).unwrap();
             error_of(&name, &medium, specimen)

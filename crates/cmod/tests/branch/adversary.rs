@@ -10,7 +10,8 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::rig::{Clean, Rod, flat, is_silently_wrong};
+use super::rig::{Clean, Rod, is_silently_wrong};
+use crate::materials::flat;
 
 /// The same cases on every run: a doubt of 1 in 10 000 lines is allowed for, and would else fail one run in many.
 fn runner(cases: u32) -> TestRunner {

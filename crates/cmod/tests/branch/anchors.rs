@@ -8,7 +8,8 @@ use cmod::branch::{
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::Circle;
 
-use super::rig::{Clean, Measured, flat, is_silently_wrong, rods_of_paper_a};
+use super::rig::{Clean, Measured, is_silently_wrong, rods_of_paper_a};
+use crate::materials::flat;
 
 /// Test 6 of paper A, seen only between 17 and 17.2 kHz: behind 15 half waves, over a sixth of one.
 fn narrow_band() -> (Clean, Measured) {

@@ -4,7 +4,8 @@ use cmod::branch::{BranchDoubt, BranchTracker};
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
 
-use super::rig::{Clean, flat, is_silently_wrong, polyamide, rods_of_paper_a};
+use super::rig::{Clean, is_silently_wrong, rods_of_paper_a};
+use crate::materials::{flat, polyamide};
 
 const SEEDS: u64 = 50;
 

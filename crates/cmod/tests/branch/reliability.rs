@@ -6,7 +6,8 @@ use cmod::branch::BranchTracker;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::rig::{ACCELEROMETER, Clean, Rod, flat, is_right};
+use super::rig::{ACCELEROMETER, Clean, Rod, is_right};
+use crate::materials::flat;
 
 /// Lines from 0.5 on, by their confidence.
 const EDGES: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.99];

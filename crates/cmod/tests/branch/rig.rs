@@ -9,7 +9,6 @@ use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
 use rodwave::medium::{Medium, PropagationLaw};
-use rodwave::modulus::{ConstantQ, PowerLawPropagation};
 
 use crate::golden::{Row, golden};
 use crate::noise::Noise;
@@ -49,18 +48,6 @@ pub(crate) fn rods_of_paper_a() -> Vec<Rod> {
         accelerometer: ACCELEROMETER,
     };
     rows.iter().map(of).collect()
-}
-
-/// A wave number of 1 to 2 kHz in a polymer: E = 2.6 GPa.
-pub(crate) fn flat(density: f64, loss_factor: f64) -> Medium<ConstantQ> {
-    let law = ConstantQ::new(2.6e9, loss_factor, TAU * 1e3).unwrap();
-    Medium::new(density, law).unwrap()
-}
-
-/// Polyamide 6 by paper E, eq. 7, with `fraction` of its damping coefficient.
-pub(crate) fn polyamide(density: f64, fraction: f64) -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(fraction * 8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(density, law).unwrap()
 }
 
 /// Lines without noise.

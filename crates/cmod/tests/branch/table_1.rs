@@ -8,8 +8,9 @@ use testbed::claim::{Claims, Within};
 use testbed::difference::{largest, relative};
 use testbed::hold;
 
-use super::rig::{Clean, flat, rods_of_paper_a};
+use super::rig::{Clean, rods_of_paper_a};
 use crate::golden::golden;
+use crate::materials::flat;
 
 #[test]
 fn every_quarter_turn_has_its_integers() {

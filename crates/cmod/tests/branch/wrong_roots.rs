@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use testbed::claim::{Claims, Within};
 use testbed::hold;
 
-use super::rig::{Clean, Measured, Rod, polyamide, rods_of_paper_a};
+use super::rig::{Clean, Measured, Rod, rods_of_paper_a};
+use crate::materials::polyamide;
 
 fn record() -> Clean {
     let rod = rods_of_paper_a()[9];

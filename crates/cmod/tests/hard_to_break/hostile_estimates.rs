@@ -20,6 +20,12 @@ use super::specimen::{Specimen, strain_of_two_waves};
 use super::{Findings, Numbers};
 
 const LINES: usize = 40;
+const SOUND: cmod::Specimen = cmod::Specimen {
+    length: 1.0,
+    diameter: 0.02,
+    density: 1150.0,
+    accelerometer_mass: 0.0,
+};
 
 /// Frequencies over some half waves of the specimen, scaled.
 fn frequencies(specimen: &Specimen, scale: f64) -> Vec<f64> {
@@ -107,12 +113,6 @@ fn two_points() {
     }
     findings.sweep("AveragedRatio", &[0.99, 10.0, 1.0], |a| {
         let (frequency_hz, acceleration_ratio) = spoilt(&Specimen::polymer(), a[2]);
-        let specimen = cmod::Specimen {
-            length: 1.0,
-            diameter: 0.02,
-            density: 1150.0,
-            accelerometer_mass: 0.0,
-        };
         let averaged = AveragedRatio {
             frequency_hz: &frequency_hz,
             acceleration_ratio: &acceleration_ratio,
@@ -120,7 +120,7 @@ fn two_points() {
             averages: a[1],
         };
         Ok(numbers(
-            &TwoPoint::new(specimen)?.estimate_averaged(&averaged)?,
+            &TwoPoint::new(SOUND)?.estimate_averaged(&averaged)?,
         ))
     });
     findings.sweep_pairs("variance_from_coherence", &[1.0, 0.9, 10.0], |a| {
@@ -375,9 +375,7 @@ fn hopeless_bands_are_undetermined() {
             .collect();
         let specimen = cmod::Specimen {
             length: 1e3,
-            diameter: 0.02,
-            density: 1150.0,
-            accelerometer_mass: 0.0,
+            ..SOUND
         };
         let method = TwoPoint::new(specimen).unwrap();
         let estimate = method
@@ -388,14 +386,8 @@ fn hopeless_bands_are_undetermined() {
 }
 
 fn sound_estimate() -> ModulusEstimate {
-    let specimen = cmod::Specimen {
-        length: 1.0,
-        diameter: 0.02,
-        density: 1150.0,
-        accelerometer_mass: 0.0,
-    };
     let (frequency_hz, ratio) = spoilt(&Specimen::polymer(), 1.0);
-    let method = TwoPoint::new(specimen).unwrap();
+    let method = TwoPoint::new(SOUND).unwrap();
     method
         .estimate(&frequency_hz, &ratio, &[1e-8; LINES])
         .unwrap()
@@ -456,10 +448,8 @@ fn checks_and_corrections() {
 fn empty_and_unequal_arrays() {
     let one = [Complex64::ONE];
     let specimen = cmod::Specimen {
-        length: 1.0,
-        diameter: 0.02,
-        density: 1150.0,
         accelerometer_mass: 1e-3,
+        ..SOUND
     };
     let rod = RodWithFreeEnd {
         diameter: 0.02,

@@ -11,14 +11,14 @@ use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMembe
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
+use crate::materials;
 use crate::noise::Noise;
 
 pub(crate) const DENSITY: f64 = 919.0;
 pub(crate) const DIAMETER: f64 = 0.016;
 
-/// Polypropylene: 2.6 GPa and a loss factor of 0.07, constant with frequency and causal.
 pub(crate) fn polypropylene() -> Medium<ConstantQ> {
-    Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+    materials::polypropylene(DENSITY)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,34 +1,27 @@
 //! The virtual rods.
 
-use std::f64::consts::TAU;
-
 use cmod::multi_point::Quantity;
 use cmod::{EndSection, RodWithFreeEnd};
 use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, PowerLawPropagation, Zener};
+use rodwave::modulus::{ConstantQ, Zener};
+
+use crate::materials::flat;
 
 /// Length of all rods \[m\], that of Test 3 of paper A.
 pub(crate) const LENGTH: f64 = 0.801;
 pub(crate) const DIAMETER: f64 = 0.0106;
 pub(crate) const DENSITY: f64 = 903.0;
 
-/// Polypropylene with a constant loss factor of 0.07, and causal.
 pub(crate) fn polypropylene() -> Medium<ConstantQ> {
-    Medium::new(DENSITY, ConstantQ::new(2.6e9, 0.07, TAU * 1e3).unwrap()).unwrap()
+    flat(DENSITY, 0.07)
 }
 
 /// A material with one relaxation within the band.
 pub(crate) fn relaxing() -> Medium<Zener> {
     Medium::new(DENSITY, Zener::new(2.4e9, 2.8e9, 4e-5).unwrap()).unwrap()
-}
-
-/// Polyamide 6 by paper E, eq. 7, with a fifth of its damping.
-pub(crate) fn polyamide_of_low_loss() -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(0.2 * 8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(DENSITY, law).unwrap()
 }
 
 pub(crate) fn with_end_mass(end_mass: f64) -> RodWithFreeEnd {

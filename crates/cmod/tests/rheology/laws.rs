@@ -6,14 +6,13 @@ use cmod::rheology::{
 };
 use num_complex::Complex64;
 use rodwave::medium::PropagationLaw;
-use rodwave::modulus::{
-    ComplexModulus, FractionalZener, HavriliakNegami, KelvinVoigt, PowerLawPropagation, Zener,
-};
+use rodwave::modulus::{ComplexModulus, FractionalZener, HavriliakNegami, KelvinVoigt, Zener};
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
 use super::measured::{Noise, logarithmic, measured, series};
+use crate::materials::printed_nylon;
 
 type Truth = (Law, Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
 
@@ -23,7 +22,7 @@ fn truths() -> Vec<Truth> {
     let zener = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
     let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
     let skew = HavriliakNegami::new(1.5e9, 3.6e9, 2e-4, 0.7, 0.5).unwrap();
-    let nylon = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    let nylon = printed_nylon(1.0);
     let series = series(2.0e9, &[(0.4e9, 2e-5), (0.3e9, 1e-3)]);
     vec![
         (
@@ -246,7 +245,7 @@ fn residuals_tell_a_wrong_law() {
 /// The law of a power-law fit is that of rodwave, where it is one.
 #[test]
 fn power_laws_are_those_of_rodwave() {
-    let nylon = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
+    let nylon = printed_nylon(1.0);
     let data = measured(
         |omega| PropagationLaw::modulus(&nylon, omega, 1150.0),
         &band(),

@@ -9,6 +9,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
 use super::rod::acceleration_ratio;
+use crate::materials;
 
 const SPECIMEN: Specimen = Specimen {
     length: 0.4,
@@ -18,7 +19,7 @@ const SPECIMEN: Specimen = Specimen {
 };
 
 fn polypropylene() -> Medium<ConstantQ> {
-    Medium::new(SPECIMEN.density, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+    materials::polypropylene(SPECIMEN.density)
 }
 
 fn frequencies() -> Vec<f64> {

@@ -14,6 +14,7 @@ use testbed::difference::largest;
 use testbed::hold;
 
 use super::rod::acceleration_ratio;
+use crate::materials;
 use crate::noise::Noise;
 
 /// Test 2 of paper A.
@@ -32,7 +33,7 @@ const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
 };
 
 fn polypropylene() -> Medium<ConstantQ> {
-    Medium::new(SPECIMEN.density, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+    materials::polypropylene(SPECIMEN.density)
 }
 
 /// Means of products of deviations of α, k, ω/k, E', E'' and E''/E'.

@@ -19,6 +19,7 @@ use rodwave::synthesis::{DampedSynthesis, FourierSynthesis};
 use super::coverage::Coverage;
 use super::instrument_chain::{BLOWS, OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 use crate::golden::{constant, golden};
+use crate::materials::{polyamide, polypropylene};
 
 /// Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;
@@ -52,14 +53,8 @@ enum Material {
 impl Material {
     fn of(specimen: &Specimen, name: &str) -> Self {
         match name {
-            "Polypropylene" => {
-                let law = ConstantQ::new(2.6e9, 0.07, 1e4).unwrap();
-                Self::Polypropylene(Medium::new(specimen.density, law).unwrap())
-            }
-            "Polyamide 6" => {
-                let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-                Self::Polyamide(Medium::new(specimen.density, law).unwrap())
-            }
+            "Polypropylene" => Self::Polypropylene(polypropylene(specimen.density)),
+            "Polyamide 6" => Self::Polyamide(polyamide(specimen.density, 1.0)),
             other => unreachable!("no virtual material {other}"),
         }
     }

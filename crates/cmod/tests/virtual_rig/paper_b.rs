@@ -16,6 +16,7 @@ use rodwave::synthesis::DampedSynthesis;
 
 use super::coverage::Coverage;
 use super::instrument_chain::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
+use crate::materials;
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
@@ -34,7 +35,7 @@ const THREE: [usize; 3] = [1, 3, 5];
 const FIVE: [usize; 5] = [0, 2, 3, 4, 6];
 
 fn polypropylene() -> Medium<ConstantQ> {
-    Medium::new(919.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+    materials::polypropylene(919.0)
 }
 
 fn rod(gauges: &[usize]) -> GaugedRod {
