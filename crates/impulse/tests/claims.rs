@@ -1,11 +1,14 @@
 //! What `impulse` claims: forces with a closed form, the impacts of paper E, and forces from measured responses.
 
+#[path = "against_line.rs"]
+mod against_line;
 mod bodies;
+#[path = "closed_forms.rs"]
 mod closed_forms;
 mod contact_laws;
 mod hammer;
+#[path = "kernels.rs"]
 mod kernels;
-mod lines_in_time;
 mod measured_bodies;
 mod paper_e;
 mod reconstruction;

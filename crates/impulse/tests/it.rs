@@ -12,13 +12,10 @@
     reason = "a failing test should say so at once"
 )]
 
-mod against_line;
 mod bad_input;
 mod claims;
-mod closed_forms;
 mod force_in_band;
 mod hard_to_break;
-mod kernels;
 mod measured_body;
 mod measured_impulse_response;
 mod no_allocation;
