@@ -213,25 +213,6 @@ fn the_periodic_load_lies_between_its_mean_and_its_largest_stress() {
     for t in [0.0, 60.0, 600.0, 3600.0, 18000.0] {
         assert!(change("2", t) < change("6", t) && change("6", t) < change("1", t));
     }
-    // The dashpot moves by 1e-3 of the stress in a period: to that order its rate is the mean over the period, here by 64
-    // equidistant phases, and v follows dv/dt = E₂B ⟨|σ - v|^m (σ - v)⟩, marched by the midpoint rule.
-    let mean_rate = |v: f64| {
-        (0..64)
-            .map(|i| {
-                let s = 32e6 + 13e6 * (TAU * f64::from(i) / 64.0).sin() - v;
-                13100.0 * 4.55e-21 * s.abs().powf(1.8) * s
-            })
-            .sum::<f64>()
-            / 64.0
-    };
-    let mut v = 0.0;
-    for _ in 0..20_000 {
-        let h = 1800.0 / 20_000.0;
-        v += h * mean_rate(v + 0.5 * h * mean_rate(v));
-    }
-    let found = recoveries.iter().find(|(label, _)| label == "6").unwrap().1;
-    let difference = -found.initial_dashpot_stress() / v - 1.0;
-    assert!(difference.abs() < 2e-3, "{difference}");
-    // and it is not that of its mean stress alone, by far more than this
+    // and it is not that of its mean stress alone
     assert!(change("6", 0.0) > 1.05 * change("2", 0.0));
 }

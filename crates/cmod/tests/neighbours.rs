@@ -5,5 +5,6 @@ mod comparison;
 mod errors;
 mod exactness;
 mod few_hits;
+mod methods;
 mod rod;
 mod systematic;

@@ -2,87 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use cmod::RatioOfSpectra;
 use cmod::estimate::ModulusEstimate;
-use cmod::multi_point::Quantity;
-use cmod::validity::AcceptanceLimits;
-use cmod::{EndSection, FreeEnd, OneGauge, PulsedRod, RatioOfSpectra, Resonances, SeparatePulses};
 use num_complex::Complex64;
 
-use super::rod::{DENSITY, DIAMETER, LENGTH, VirtualRod, lines, polypropylene, with_end_mass};
+use super::methods::{Belief, methods, resonances};
+use super::rod::{lines, polypropylene};
 use crate::noise::Noise;
-
-const END_MASS: f64 = 2.9e-3;
-const GAUGE: EndSection = EndSection {
-    distance: 0.3,
-    quantity: Quantity::Strain,
-};
-
-/// A pair of spectra, and the method that takes their ratio.
-type Pair = (
-    Vec<[Complex64; 2]>,
-    Box<dyn Fn(&[f64], &RatioOfSpectra) -> ModulusEstimate>,
-);
-
-/// Numerator and denominator of every method at these frequencies, with or without a guess of the speed.
-fn methods(frequency_hz: &[f64], wave_speed: Option<f64>) -> Vec<(&'static str, Pair)> {
-    let rod = VirtualRod::new(&polypropylene(), END_MASS);
-    let of = |pair: &dyn Fn(f64) -> [Complex64; 2]| {
-        frequency_hz
-            .iter()
-            .map(|f| pair(TAU * f))
-            .collect::<Vec<_>>()
-    };
-    let section = |distance, quantity| EndSection { distance, quantity };
-    let strains = [
-        section(0.5, Quantity::Strain),
-        section(0.22, Quantity::Strain),
-    ];
-    let mut free_end = FreeEnd::new(with_end_mass(END_MASS), strains[0], strains[1])
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap();
-    let mut one_gauge = OneGauge::new(with_end_mass(END_MASS), GAUGE)
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap();
-    let pulses = SeparatePulses::new(PulsedRod {
-        distance: 0.4,
-        diameter: DIAMETER,
-        density: DENSITY,
-    });
-    let mut pulses = pulses.unwrap().with_limits(AcceptanceLimits::NONE).unwrap();
-    if let Some(speed) = wave_speed {
-        free_end = free_end.with_wave_speed(speed).unwrap();
-        one_gauge = one_gauge.with_wave_speed(speed).unwrap();
-        pulses = pulses.with_wave_speed(speed).unwrap();
-    }
-    vec![
-        (
-            "free end",
-            (
-                of(&|omega| strains.map(|section| rod.at(section, omega))),
-                Box::new(move |f, r| free_end.estimate(f, &r.ratio, &r.variance).unwrap()),
-            ),
-        ),
-        (
-            "one gauge",
-            (
-                of(&|omega| {
-                    let [incident, reflected] = rod.waves(GAUGE.distance, omega);
-                    [reflected, incident]
-                }),
-                Box::new(move |f, r| one_gauge.estimate(f, &r.ratio, &r.variance).unwrap()),
-            ),
-        ),
-        (
-            "pulses",
-            (
-                of(&|omega| [rod.waves(0.2, omega)[0], rod.waves(0.6, omega)[0]]),
-                Box::new(move |f, r| pulses.estimate(f, &r.ratio, &r.variance).unwrap()),
-            ),
-        ),
-    ]
-}
 
 /// The ratio over four tests with noise of `noise` times the root mean square of the two signals of each line.
 fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> RatioOfSpectra {
@@ -146,30 +72,22 @@ fn assert_scatter(
 fn standard_errors_are_those_of_repeated_noise() {
     // Sections and lines away from what is singular, where the first order is all there is.
     let frequency_hz = lines(12, 620.0);
-    for (name, (spectra, estimate)) in methods(&frequency_hz, Some(1700.0)) {
+    let certain = Belief::certain(Some(1700.0));
+    for method in methods(&frequency_hz) {
         let mut random = Noise::seeded(1988);
-        let mut noisy = || estimate(&frequency_hz, &measured(&spectra, 3e-3, &mut random));
+        let mut noisy = || {
+            let measured = measured(&method.spectra, 3e-3, &mut random);
+            method.estimate(&certain, &measured.ratio, &measured.variance)
+        };
         noisy();
-        assert_scatter(name, 3000, frequency_hz.len(), noisy);
+        assert_scatter(method.name, 3000, frequency_hz.len(), noisy);
     }
     // the polynomial at a resonance averages the noise of its lines
-    let rod = VirtualRod::new(&polypropylene(), END_MASS);
-    let frequency_hz = lines(260, 10.0);
-    let ends = [LENGTH, 0.0].map(|distance| EndSection {
-        distance,
-        quantity: Quantity::Acceleration,
-    });
-    let spectra: Vec<[Complex64; 2]> = frequency_hz
-        .iter()
-        .map(|f| ends.map(|end| rod.at(end, TAU * f)))
-        .collect();
-    let method = Resonances::new(with_end_mass(END_MASS), LENGTH).unwrap();
+    let method = resonances(lines(260, 10.0));
     let mut random = Noise::seeded(1970);
     assert_scatter("resonances", 1000, 3, || {
-        let ratio = measured(&spectra, 0.01, &mut random);
-        method
-            .estimate(&frequency_hz, &ratio.ratio, &ratio.variance)
-            .unwrap()
+        let measured = measured(&method.spectra, 0.01, &mut random);
+        method.estimate(&certain, &measured.ratio, &measured.variance)
     });
 }
 
@@ -178,17 +96,19 @@ fn standard_errors_are_those_of_repeated_noise() {
 fn valid_lines_are_on_their_branch_whatever_the_noise() {
     let frequency_hz = lines(300, 40.0);
     let medium = polypropylene();
-    for (name, (spectra, estimate)) in methods(&frequency_hz, None) {
-        let mut kept = 0;
+    let certain = Belief::certain(None);
+    for method in methods(&frequency_hz) {
+        let (name, mut kept) = (method.name, 0);
         for seed in 0..20 {
             let mut random = Noise::seeded(seed);
-            let mut ratio = measured(&spectra, 0.05, &mut random);
+            let mut ratio = measured(&method.spectra, 0.05, &mut random);
             for psi in &mut ratio.ratio {
                 if random.normal() < -0.8416 {
                     *psi = Complex64::new(f64::NAN, 0.0);
                 }
             }
-            for line in estimate(&frequency_hz, &ratio).valid() {
+            let estimate = method.estimate(&certain, &ratio.ratio, &ratio.variance);
+            for line in estimate.valid() {
                 kept += 1;
                 let exact = medium.propagation_coefficient(TAU * line.frequency_hz);
                 // Another branch is more than a quarter wave of the longest distance, 0.6 m, away; noise is not.
