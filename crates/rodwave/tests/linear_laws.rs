@@ -30,36 +30,42 @@ struct Case {
     unrelaxed_modulus: Option<f64>,
 }
 
-fn laplace_laws() -> Vec<Case> {
-    let mut cases = Vec::new();
-    let mut add = |name, law: Box<dyn LaplaceModulus>, static_modulus, unrelaxed_modulus| {
-        cases.push(Case {
+fn laplace_laws() -> [Case; 10] {
+    fn case(
+        name: &'static str,
+        law: impl LaplaceModulus + 'static,
+        static_modulus: f64,
+        unrelaxed_modulus: Option<f64>,
+    ) -> Case {
+        let law = Box::new(law);
+        Case {
             name,
             law,
             static_modulus,
             unrelaxed_modulus,
-        });
-    };
-    let elastic = Elastic::new(2.7e9).unwrap();
-    add("elastic", Box::new(elastic), 2.7e9, Some(2.7e9));
+        }
+    }
     let maxwell = Maxwell::new(2.7e9, 2.7e5).unwrap();
-    add("Maxwell", Box::new(maxwell), 0.0, Some(2.7e9));
-    let fractional = FractionalMaxwell::new(2.7e9, 1e-4, 0.5).unwrap();
-    add("fractional Maxwell", Box::new(fractional), 0.0, Some(2.7e9));
+    let fluid = FractionalMaxwell::new(2.7e9, 1e-4, 0.5).unwrap();
     let kelvin_voigt = KelvinVoigt::new(2.7e9, 2.7e4).unwrap();
-    add("Kelvin-Voigt", Box::new(kelvin_voigt), 2.7e9, None);
     let zener = Zener::new(2.5e9, 2.9e9, 1e-4).unwrap();
-    add("Zener", Box::new(zener), 2.5e9, Some(2.9e9));
-    add("Prony series", Box::new(prony()), 2.4e9, Some(2.9e9));
     let spring_pot = SpringPot::new(2.7e9, 0.4, 1e4).unwrap();
-    add("spring-pot", Box::new(spring_pot), 0.0, None);
     let constant_q = ConstantQ::new(2.7e9, 0.1, 1e4).unwrap();
-    add("constant Q", Box::new(constant_q), 0.0, None);
     let fractional = FractionalZener::new(2.5e9, 2.9e9, 1e-4, 0.5).unwrap();
-    add("fractional Zener", Box::new(fractional), 2.5e9, Some(2.9e9));
     let negami = HavriliakNegami::new(2.5e9, 2.9e9, 1e-4, 0.6, 1.4).unwrap();
-    add("Havriliak-Negami", Box::new(negami), 2.5e9, Some(2.9e9));
-    cases
+    let elastic = Elastic::new(2.7e9).unwrap();
+    [
+        case("elastic", elastic, 2.7e9, Some(2.7e9)),
+        case("Maxwell", maxwell, 0.0, Some(2.7e9)),
+        case("fractional Maxwell", fluid, 0.0, Some(2.7e9)),
+        case("Kelvin-Voigt", kelvin_voigt, 2.7e9, None),
+        case("Zener", zener, 2.5e9, Some(2.9e9)),
+        case("Prony series", prony(), 2.4e9, Some(2.9e9)),
+        case("spring-pot", spring_pot, 0.0, None),
+        case("constant Q", constant_q, 0.0, None),
+        case("fractional Zener", fractional, 2.5e9, Some(2.9e9)),
+        case("Havriliak-Negami", negami, 2.5e9, Some(2.9e9)),
+    ]
 }
 
 /// A table of paper E's Nylon-6, narrower than the frequencies of the battery.

@@ -79,7 +79,7 @@ fn end_accelerations(report: &mut Claims) {
     report.deviation(
         "ratio from the transforms of the histories, 0.2 to 10 kHz, relative",
         Within(
-            1e-6,
+            2e-7,
             "alias e^(-16) and rounding, where the spectrum has fallen to a few per cent",
         ),
         Ok(ratio_of_the_histories()),

@@ -48,19 +48,19 @@ fn claims_hold() {
     report.deviation(
         "sixteen laws: relaxation modulus against E(s)/s, 10 ns to 1 s, by |E(1/t)|",
         Within(
-            2e-11,
+            5e-11,
             "1e-12 of the inversion, and what cancels on its contour",
         ),
         Ok(largest(relaxations)),
     );
     report.deviation(
         "sixteen laws: creep compliance against 1/(sE(s)), 10 ns to 1 s",
-        Within(2e-12, "1e-12 of the inversion"),
+        Within(5e-12, "1e-12 of the inversion"),
         Ok(largest(creeps)),
     );
     report.by("equivalence of the two chains").deviation(
         "Prony series, fluid to nearly elastic: its chain of Kelvin-Voigt elements has the compliance 1/E(s)",
-        Within(5e-15, "zeros found to a rounding of the distance to the next pole"),
+        Within(1e-13, "zeros found to a rounding of the distance to the next pole"),
         Ok(largest([0.0, 1.0, 0.4e9, 1e15].map(retardation_error))),
     );
     report.by("the law itself, at lines between those of the fit").claim(

@@ -53,7 +53,7 @@ fn claims_hold() {
         .by("conservation of momentum: the striker stops")
         .deviation(
             "free rod on a long one of its kind: impulse, relative",
-            Within(1e-6, "alias e^(-16) over the record"),
+            Within(5e-8, "alias e^(-16) over the record"),
             Ok(record.impulse() / (mass * VELOCITY) - 1.0),
         );
     // the square of a rounded jump falls short of the jump by Pσ/√π at each side
@@ -62,7 +62,7 @@ fn claims_hold() {
         .by("conservation of energy, less what the Gaussian rounds off")
         .deviation(
             "free rod on a long one of its kind: work on the long rod, relative",
-            Within(1e-6, "next order of the rounding"),
+            Within(5e-7, "next order of the rounding"),
             Ok(record.work_on_second() / (0.5 * mass * VELOCITY * VELOCITY) - 1.0 + shortfall),
         );
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));

@@ -64,13 +64,6 @@ fn laws_keep_their_loss_factors() {
             .unwrap()
             .at(omega);
         assert!((kelvin_voigt.im / kelvin_voigt.re / wanted - 1.0).abs() < 1e-15);
-        let constant = ConstantQ::new(3e9, wanted, 1e3).unwrap().at(omega);
-        // the exponent (2/π) atan is rounded where it approaches 1, and the angle counts tan δ-fold
-        let lost = wanted.max(1.0);
-        assert!(
-            (constant.im / constant.re / wanted - 1.0).abs() < 4e-15 * lost,
-            "{wanted:e}"
-        );
     }
     for exponent in 0..=9 {
         // far below its relaxation a Zener material has E''/E' = (E1/E0 - 1) ωτ
