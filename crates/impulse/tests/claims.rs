@@ -10,6 +10,7 @@ mod hammer;
 #[path = "kernels.rs"]
 mod kernels;
 mod measured_bodies;
-mod paper_e;
+#[path = "paper_e_contact.rs"]
+mod paper_e_contact;
 mod reconstruction;
 mod uncertainty;

@@ -20,7 +20,6 @@ mod measured_body;
 mod measured_impulse_response;
 mod no_allocation;
 mod paper_e;
-mod paper_e_contact;
 mod reconstruction;
 mod reference_mpmath;
 mod virtual_body;
