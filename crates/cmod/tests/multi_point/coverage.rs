@@ -80,18 +80,16 @@ fn set_up(
 #[test]
 fn closed_form_states_its_errors() {
     let positions = [0.25, 0.4, 0.55];
+    let method = ThreePoint::new(rod(&positions))
+        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+        .unwrap();
     for structure in STRUCTURES {
         let (frequency_hz, spectra, noise) = set_up(structure, &positions, &[2e-3, 1e-3, 3e-3]);
-        let method = ThreePoint::new(rod(&positions))
-            .unwrap()
-            .with_limits(AcceptanceLimits::NONE)
-            .unwrap();
         let mut coverage = Coverage::default();
         for seed in 0..SEEDS {
             let strains = noisy(&spectra, &noise, seed);
-            let estimate = method
-                .estimate(&clean(&frequency_hz, &[&strains], &noise))
-                .unwrap();
+            let estimate = method.estimate(&clean(&frequency_hz, &[&strains], &noise));
+            let estimate = estimate.unwrap();
             estimate.valid().for_each(|line| coverage.add_line(line));
         }
         coverage.check(&format!("{structure:?}"));
@@ -101,16 +99,19 @@ fn closed_form_states_its_errors() {
     }
 }
 
+fn least_squares(positions: &[f64]) -> MultiPoint {
+    MultiPoint::new(rod(positions))
+        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+        .unwrap()
+}
+
 #[test]
 fn least_squares_state_their_errors() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];
     for structure in STRUCTURES {
         let (frequency_hz, spectra, noise) =
             set_up(structure, &positions, &[1e-2, 5e-3, 1e-2, 3e-2, 1e-2]);
-        let method = MultiPoint::new(rod(&positions))
-            .unwrap()
-            .with_limits(AcceptanceLimits::NONE)
-            .unwrap();
+        let method = least_squares(&positions);
         let mut coverage = Coverage::default();
         let (mut chi_square, mut freedom, mut misfits, mut lines) = (0.0, 0.0, 0.0, 0.0);
         for seed in 0..SEEDS {
@@ -147,10 +148,7 @@ fn least_squares_state_their_errors() {
 fn ten_tests_together_state_their_errors() {
     let positions = [0.25, 0.35, 0.55];
     let (frequency_hz, spectra, noise) = set_up(Structure::II, &positions, &[2e-2; 3]);
-    let method = MultiPoint::new(rod(&positions))
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap();
+    let method = least_squares(&positions);
     let mut coverage = Coverage::default();
     let mut waves = Coverage::default();
     let mut single = Coverage::default();
@@ -212,10 +210,7 @@ fn the_branch_survives_bad_lines() {
         vec![(0..frequency_hz.len()).map(of_line).collect(); 5]
     };
     let (noise, rubbish) = (relative(0.05), relative(1.0));
-    let method = MultiPoint::new(rod(&positions))
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap();
+    let method = least_squares(&positions);
     for seed in 0..20 {
         let mut strains = noisy(&spectra, &noise, seed);
         let nothing = vec![vec![Complex64::ZERO; frequency_hz.len()]; 5];

@@ -111,12 +111,9 @@ fn linear_propagation_is_that_of_monte_carlo() {
             accelerometer_mass: part * UNCERTAINTY.accelerometer_mass,
         };
         let clean = TwoPoint::new(SPECIMEN)
-            .unwrap()
-            .with_limits(AcceptanceLimits::NONE)
-            .unwrap()
-            .with_specimen_uncertainty(uncertainty)
-            .unwrap()
-            .estimate(&frequency_hz, &exact, &variance)
+            .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
+            .and_then(|method| method.with_specimen_uncertainty(uncertainty))
+            .and_then(|method| method.estimate(&frequency_hz, &exact, &variance))
             .unwrap();
         let mut random = Noise::seeded(1993);
         let mut moments = [Moments::default(); 5];
