@@ -125,7 +125,7 @@ fn impossible_tests_are_refused() {
         refused.unwrap_err().to_string()
     };
     assert_eq!(
-        error(0.0, 0.0),
+        error(0.0, 2.9e-3),
         "element 1: length [m] is 0, expected a finite value above 0"
     );
     assert_eq!(
