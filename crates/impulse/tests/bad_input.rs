@@ -246,19 +246,14 @@ fn measured_bodies_on_other_grids() {
 }
 
 #[test]
-fn a_kernel_says_what_it_is() {
+fn a_kernel_knows_what_gives_way_at_its_face() {
     let grid = TimeGrid {
         time_step: 1e-6,
         n_steps: 256,
     };
     let kernel = Kernel::of(&elastic(), grid, Quadrature::CellAverages).unwrap();
-    assert_eq!(kernel.weights().len(), 256);
-    assert_eq!(kernel.grid(), grid);
     // analytic: nothing ahead of the impulse but the alias of the next period, 1.5e-8
     assert!(kernel.acausal() < 1e-7 * kernel.weights()[0]);
-    // 300 mm of steel rod answer at once with 1/Z
-    let impedance = (206e9_f64 * 7780.0).sqrt() * 0.25 * std::f64::consts::PI * 1e-4;
-    assert!((kernel.weights()[0] * impedance - 1.0).abs() < 1e-3);
     assert!(kernel.face_compliance().abs() < f64::MIN_POSITIVE);
     let spring = MobilityLaw::analytic(|s| 1e-3 + s / 1e7);
     let kernel = Kernel::of(&spring, grid, Quadrature::CellAverages).unwrap();
