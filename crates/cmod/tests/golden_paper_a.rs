@@ -143,7 +143,7 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
         Within(0.01, "the curves of figure 3 cannot show 1 % of E'"),
         Ok(largest(light)),
     );
-    claims.by("paper A, eq. 7: terms of a series in mu");
+    claims.by("paper A, eqs. 6 and 7: terms of a series in mu");
     claims.deviation(
         "order of the error of two and four terms in the mass ratio, less two and four",
         Within(0.04, "the next order at mu = 0.002 and 0.004"),

@@ -53,7 +53,7 @@ fn recoveries() -> Vec<(String, Recovery)> {
         .collect()
 }
 
-/// Change of the loss factor in per cent of its virgin value, computed from eqs. 1-5 in decimal arithmetic of 50 digits and
+/// Change of the loss factor in per cent of its virgin value, computed from paper C, eqs. 1 to 5 in decimal arithmetic of 50 digits and
 /// rounded to what is shown: (test, t_r, then at the TIMES). The load of Test 6 was marched in another language by the classical
 /// Runge-Kutta method, 160 steps a period, where 80 give the same ten digits.
 const TIMES: [f64; 8] = [0.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];

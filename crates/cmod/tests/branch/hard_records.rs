@@ -60,7 +60,7 @@ where
 /// Losses of polypropylene and polyamide 6; a fifth of that of polyamide 6, where of the specimens of 200 mm a multiple of π is hidden in
 /// noise for hundreds of lines; and a loss factor of 0.005, as of a glass or a metal, though at the wave speed of a polymer.
 #[test]
-fn high_losses() {
+fn records_of_any_loss() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
         let test = index + 1;
         let high = if test < 10 {

@@ -12,6 +12,7 @@ use super::rig::{Clean, rods_of_paper_a};
 use crate::golden::golden;
 use crate::materials::flat;
 
+/// The same integers as of paper B, table 1.
 #[test]
 fn every_quarter_turn_has_its_integers() {
     let rows = golden("paper_a_table_1_branches.ron");

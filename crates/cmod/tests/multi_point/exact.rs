@@ -31,6 +31,7 @@ fn worst(estimate: &ModulusEstimate, n_lines: usize) -> f64 {
     largest(estimate.lines().iter().map(error))
 }
 
+/// A member of a structure with gauges at three sections, equidistant in the closed form (paper B, figure 1), and at more.
 #[test]
 fn closed_form_is_exact_in_any_structure() {
     let frequency_hz = lines(50.0, 25.0, 400);

@@ -26,8 +26,8 @@ fn frequencies() -> Vec<f64> {
     (1..=400).map(|j| 50.0 * f64::from(j)).collect()
 }
 
-/// Unequal masses: none, the same, and twenty times as much at the struck end give the modulus of the material. Without a mass at the free
-/// end the solution is the closed form, nothing is iterated.
+/// Both accelerometers of paper A, figure 1. Unequal masses: none, the same, and twenty times as much at the struck end give the modulus
+/// of the material. Without a mass at the free end the solution is the closed form, nothing is iterated.
 #[test]
 fn the_mass_on_the_impacted_end_does_not_matter() {
     let frequency_hz = frequencies();
@@ -48,7 +48,7 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
             .unwrap()
             .estimate(&frequency_hz, &ratio, &[0.0; 400])
             .unwrap();
-        assert!(estimate.valid().count() > 360);
+        assert!(estimate.valid().count() > 350);
         for line in estimate.lines() {
             let exact = polypropylene().modulus(TAU * line.frequency_hz);
             let error = (line.modulus - exact).norm() / exact.norm();

@@ -204,8 +204,8 @@ fn specimens_of_400_mm() {
     check(8, 16, SEEDS, 420);
 }
 
-/// 1257 lines, 16 Hz apart. The two hundred repetitions are spread over the four tests, to save time: each still has 45 000
-/// valid lines, and the sampling error is no more than 0.3 %.
+/// The instruments of paper A, figure 2. 1257 lines, 16 Hz apart. The two hundred repetitions are spread over the four tests, to save
+/// time: each still has 45 000 valid lines, and the sampling error is no more than 0.3 %.
 #[test]
 fn specimens_of_800_mm() {
     for (label, bits, least_valid) in [(3, 14, 800), (6, 14, 900), (9, 16, 900), (10, 16, 880)] {

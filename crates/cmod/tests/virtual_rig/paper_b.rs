@@ -152,8 +152,8 @@ fn factors() -> [f64; 2] {
     [0.683, 0.95].map(|probability| coverage_factor(probability, None).unwrap())
 }
 
-/// In both structures on every valid line E' within 1 % and the loss factor within 5 %, and stated errors that cover the truth; and
-/// the estimates differ by no more than their errors, though the ends do.
+/// The structures of paper B, figures 3 and 4. In both on every valid line E' within 1 % and the loss factor within 5 %, and stated errors
+/// that cover the truth; and the estimates differ by no more than their errors, though the ends do.
 #[test]
 fn structures_i_and_ii() {
     // the paper gives no mass of the lump
