@@ -13,3 +13,7 @@ type Findings = hostile::Findings<rodwave::RodwaveError>;
 
 /// What a function makes of its arguments.
 type Numbers = Result<Vec<f64>, rodwave::RodwaveError>;
+
+fn parts(values: impl IntoIterator<Item = num_complex::Complex64>) -> Vec<f64> {
+    values.into_iter().flat_map(|z| [z.re, z.im]).collect()
+}

@@ -105,12 +105,12 @@ fn claims_hold() {
     report.by("central differences of the solver").deviation(
         "sensitivity of the free end to ln E, elastic and the three laws",
         Within(2e-5, "H²/6 of the third derivative, (ωt/2)³"),
-        Ok(largest(of_each_law(&ToModulus))),
+        Ok(largest(of_each_law(&Sensitivity::ToModulus))),
     );
     report.deviation(
         "sensitivity of the free end to the parameters of the three laws",
         Within(1e-8, "H²/6 of the third derivative"),
-        Ok(largest(of_each_law(&ToParameters))),
+        Ok(largest(of_each_law(&Sensitivity::ToParameters))),
     );
     hold!(report);
 }
@@ -238,9 +238,12 @@ fn sampled<L: InelasticLaw>(modulus: f64, law: L) -> Vec<f64> {
         .unwrap()
 }
 
-struct ToModulus;
+enum Sensitivity {
+    ToModulus,
+    ToParameters,
+}
 
-impl Number for ToModulus {
+impl Number for Sensitivity {
     fn of<L: InelasticLaw>(&self, law: &L) -> f64 {
         let problem = DirectProblem::new(rod(law.clone()), 300).unwrap();
         let exact = problem
@@ -248,20 +251,11 @@ impl Number for ToModulus {
             .unwrap();
         let plain = sampled(MODULUS, law.clone());
         assert!(largest_difference(&exact.velocity, &plain) < 1e-13);
-        derivative_error(&exact.by_log_modulus, |h| {
-            sampled(MODULUS * h.exp(), law.clone())
-        })
-    }
-}
-
-struct ToParameters;
-
-impl Number for ToParameters {
-    fn of<L: InelasticLaw>(&self, law: &L) -> f64 {
-        let problem = DirectProblem::new(rod(law.clone()), 300).unwrap();
-        let exact = problem
-            .free_end_velocity_with_sensitivities(&excitation(), &times(200))
-            .unwrap();
+        if matches!(self, Self::ToModulus) {
+            return derivative_error(&exact.by_log_modulus, |h| {
+                sampled(MODULUS * h.exp(), law.clone())
+            });
+        }
         let by_parameter = exact.by_parameter.iter().enumerate();
         largest(by_parameter.map(|(index, exact)| {
             derivative_error(exact, |h| {

@@ -18,11 +18,7 @@ use rodwave::waves::TravellingWaves;
 use rodwave::{Chain, Termination};
 
 use super::hostile::are_modest;
-use super::{Findings, Numbers};
-
-fn parts(values: impl IntoIterator<Item = Complex64>) -> Vec<f64> {
-    values.into_iter().flat_map(|z| [z.re, z.im]).collect()
-}
+use super::{Findings, Numbers, parts};
 
 fn polymer() -> Medium<Zener> {
     Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap()

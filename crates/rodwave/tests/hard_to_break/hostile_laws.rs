@@ -14,11 +14,7 @@ use rodwave::modulus::{
 };
 
 use super::hostile::are_modest;
-use super::{Findings, Numbers};
-
-fn parts(values: impl IntoIterator<Item = Complex64>) -> Vec<f64> {
-    values.into_iter().flat_map(|z| [z.re, z.im]).collect()
-}
+use super::{Findings, Numbers, parts};
 
 /// Modulus on the axis and off it, what a wave makes of it, its coordinates and its derivatives.
 fn linear(
