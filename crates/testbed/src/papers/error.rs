@@ -53,29 +53,12 @@ pub enum FixtureError {
         path: PathBuf,
         command: &'static str,
     },
-    /// A test does not compare what the list says that it compares.
-    #[error("{test}: {reason}; correct the test or {list}")]
-    NotCompared {
-        test: String,
-        reason: String,
-        list: &'static str,
-    },
+    /// A golden table that no test reads.
+    #[error("{}: read by no test", path.display())]
+    NotRead { path: PathBuf },
     /// A folder of reference output that cannot be made again, or that no test compares.
     #[error("{}: {reason}", folder.display())]
     Reference { folder: PathBuf, reason: String },
-    /// The numbers of golden rows, values and tests are not those written down: (found, written).
-    #[error(
-        "golden rows compared: found {} rows, {} values, {} tests, expected {}, {}, {}: {}",
-        rows.0, values.0, tests.0, rows.1, values.1, tests.1,
-        if *fallen { format!("they fell, and may not: see {list}") } else { format!("they rose: write them to {list}") }
-    )]
-    Ratchet {
-        rows: (usize, usize),
-        values: (usize, usize),
-        tests: (usize, usize),
-        fallen: bool,
-        list: &'static str,
-    },
     /// A golden file is missing, stale or cannot be written.
     #[error(transparent)]
     Generated(#[from] GeneratedError),
