@@ -156,7 +156,7 @@ pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
     BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ChoiceVerdict,
     ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand, NonNegativity,
-    Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ReconstructedForce, Reconstruction,
+    Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ProfileInterval, ReconstructedForce, Reconstruction,
     Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};

@@ -6,20 +6,24 @@ mod blow_span;
 mod calibration_scatter;
 mod choice;
 mod lines;
+mod mean_blow;
 mod modes;
 mod non_negative;
 mod options;
 mod outcome;
 mod path_errors;
+mod profile;
 mod sensor;
 mod solution;
 mod support;
+mod supposed;
 
 use num_complex::Complex64;
 
 use self::lines::{Grid, Transformed};
 use self::modes::Filter;
 use self::path_errors::PathErrors;
+use self::profile::Constrained;
 use self::solution::{Gain, Solved};
 use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
@@ -32,6 +36,7 @@ pub use outcome::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,
     PivotingEnd, RandomErrorOfForce, ReconstructedForce, ResponseEnd,
 };
+pub use profile::ProfileInterval;
 pub use sensor::{ResponseNoise, Sensor};
 
 /// A noise is estimated from at least so many degrees of freedom: its standard deviation is then known to 16 %.
@@ -87,7 +92,7 @@ pub struct Reconstruction<'a> {
     band: Option<FrequencyBand>,
     support: Option<TimeInterval>,
     is_non_negative: bool,
-    blows: Option<&'a [f64]>,
+    blows: Option<&'a CalibrationLines>,
 }
 
 impl<'a> Reconstruction<'a> {
@@ -186,12 +191,12 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// The force has a spectrum like that of calibration blows, of this mean `power` \[N²\] on every line, at an energy of its own: what the responses tell
-    /// nothing of has zero mean and this power. Without it a force beyond the band of the hammer has no limit. Read where the noise is known.
+    /// The force is like calibration blows, at a time and an energy of its own: what the responses tell nothing of is that of the mean blow on a support, zero without
+    /// one, and scatters with the mean power of the blows. Without it a force beyond the band of the hammer has no limit. Read where the noise is known.
     #[must_use]
-    pub fn like_blows(self, power: &'a [f64]) -> Self {
+    pub fn like_blows(self, blows: &'a CalibrationLines) -> Self {
         Self {
-            blows: Some(power),
+            blows: Some(blows),
             ..self
         }
     }
@@ -241,10 +246,14 @@ impl<'a> Reconstruction<'a> {
         let noise_is_known = self.noise_is_known();
         match (support, self.blows) {
             (Some(support), blows) => {
-                transformed.errors = PathErrors::of(&transformed, support.length, blows);
+                transformed.errors = PathErrors::of(
+                    &transformed,
+                    support.length,
+                    blows.map(|blows| blows.power.as_slice()),
+                );
             }
             (None, Some(blows)) if noise_is_known => {
-                transformed.prior = Some(path_errors::of_lines(&transformed, blows));
+                transformed.prior = Some(path_errors::of_lines(&transformed, &blows.power));
             }
             _ => {}
         }
@@ -277,15 +286,20 @@ impl<'a> Reconstruction<'a> {
         }
         for sensor in &self.sensors {
             let n_lines = sensor.frequency_response.len();
-            if let Some(power) = self.blows {
-                if power.len() != n_lines {
-                    return Err(ImpulseError::LengthMismatch {
-                        what: "power of calibration blows",
-                        found: power.len(),
-                        expected: n_lines,
-                    });
+            if let Some(blows) = self.blows {
+                for (what, found) in [
+                    ("power of calibration blows", blows.power.len()),
+                    ("mean calibration blow", blows.mean_blow.len()),
+                ] {
+                    if found != n_lines {
+                        return Err(ImpulseError::LengthMismatch {
+                            what,
+                            found,
+                            expected: n_lines,
+                        });
+                    }
                 }
-                crate::error::check_samples("power of calibration blows", power)?;
+                crate::error::check_samples("power of calibration blows", &blows.power)?;
             }
             if let Some(&index) = sensor.left_out.last()
                 && index >= n_lines
@@ -363,6 +377,7 @@ impl<'a> Reconstruction<'a> {
                 lines,
                 gain: Gain::Lines { gains, lost },
                 non_negativity: None,
+                constrained: None,
                 n_silent: 0,
             });
         };
@@ -373,7 +388,7 @@ impl<'a> Reconstruction<'a> {
             (errors, variance)
         });
         let errors = variance.as_ref().map(|(errors, v)| (*errors, v.as_slice()));
-        let mut problem = SupportProblem::new(&lines, support, self.penalty(), errors)?;
+        let mut problem = SupportProblem::new(&lines, support, self.penalty(), errors, self.blows)?;
         let in_record = |on_support: &[f64]| {
             let mut samples = vec![0.0; n_samples];
             for (sample, force) in samples.iter_mut().skip(support.first).zip(on_support) {
@@ -410,9 +425,17 @@ impl<'a> Reconstruction<'a> {
             let pairs = on_support.iter().zip(&plain);
             in_record(&pairs.map(|(with, plain)| with - plain).collect::<Vec<_>>())
         });
+        let mut constrained = None;
         let (on_support, non_negativity) = if self.is_non_negative {
             let matrix = problem.regularised(filter, value);
             let (force, report) = non_negative::minimise(&matrix, &problem.right_side, &on_support);
+            if report.end == PivotingEnd::Converged {
+                constrained = Some(Constrained {
+                    matrix,
+                    right_side: problem.right_side.clone(),
+                    force: force.clone(),
+                });
+            }
             (force, Some(report))
         } else {
             (on_support, None)
@@ -434,6 +457,7 @@ impl<'a> Reconstruction<'a> {
             modes: problem.modes,
             lines,
             non_negativity,
+            constrained,
         })
     }
 
@@ -465,6 +489,11 @@ impl<'a> Reconstruction<'a> {
             },
             (false, _) => RandomErrorOfForce::NoiseNotKnown,
         };
+        let noise = match (self.noise_is_known(), per_freedom) {
+            (true, _) => Some(1.0),
+            (false, noise) => noise.filter(|noise| *noise > 0.0),
+        };
+        let peak_interval = noise.and_then(|noise| solved.peak_interval(noise, &bias));
         let noise_gain = solved.noise_gain(transformed, weights_for);
         let response_end = self
             .sensors
@@ -484,6 +513,7 @@ impl<'a> Reconstruction<'a> {
             excluded: solved.lines.excluded,
             silent_components: solved.n_silent,
             non_negativity: solved.non_negativity,
+            peak_interval,
             response_end,
         })
     }

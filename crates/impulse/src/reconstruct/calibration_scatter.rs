@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use num_complex::Complex64;
+
+use super::mean_blow;
 use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
 /// Samples below this part of the largest force tell the part of the error that is there without force.
@@ -170,8 +173,10 @@ pub struct CalibrationLines {
     pub noise: Vec<f64>,
     /// Variance of the average frequency response, as of [`Sensor::with_variance`](crate::Sensor::with_variance).
     pub variance: Vec<f64>,
-    /// Mean power of the forces \[N²\], as of [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
+    /// Mean power of the forces \[N²\], for [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
+    /// Mean spectrum of the forces \[N\], moved to the time of the hardest: what is alike in all of them.
+    pub mean_blow: Vec<Complex64>,
 }
 
 impl CalibrationLines {
@@ -195,6 +200,7 @@ impl CalibrationLines {
             });
         }
         let mut energy = vec![0.0; variance.len()];
+        let mut spectra = Vec::with_capacity(forces.len());
         for force in forces {
             if force.len() / 2 + 1 != variance.len() {
                 return Err(ImpulseError::LengthMismatch {
@@ -204,9 +210,11 @@ impl CalibrationLines {
                 });
             }
             crate::error::check_samples("force of a calibration blow", force)?;
-            for (sum, line) in energy.iter_mut().zip(fourier::to_spectrum(force)) {
+            let spectrum = fourier::to_spectrum(force);
+            for (sum, line) in energy.iter_mut().zip(&spectrum) {
                 *sum += line.norm_sqr();
             }
+            spectra.push(spectrum);
         }
         let n_blows = n_blows as f64;
         let lines = variance.iter().zip(&energy);
@@ -227,7 +235,9 @@ impl CalibrationLines {
                 }
             })
             .collect();
+        let n_samples = forces.first().map_or(0, |force| force.len());
         Ok(Self {
+            mean_blow: mean_blow::of(&spectra, n_samples),
             variance: noise.iter().zip(&energy).map(|(v, e)| v / e).collect(),
             power: energy.iter().map(|energy| energy / n_blows).collect(),
             noise,

@@ -1,5 +1,6 @@
 //! A reconstructed force and what it is worth.
 
+use super::profile::ProfileInterval;
 use super::{Parameter, Regularisation};
 use crate::{ForceError, ForceHistory};
 
@@ -14,7 +15,8 @@ pub struct ReconstructedForce {
     /// The parameter of the regularisation and where it comes from; none without one.
     pub parameter: Option<ChosenParameter>,
     /// The error of the force: the noise of the responses and the variance of the frequency responses through the linear method, and
-    /// what the regularisation takes off. Where tension is forbidden it is the error of the same method with tension, which is not smaller.
+    /// what the regularisation takes off. Where tension is forbidden it is the error of the same method with tension, which is not smaller; the peak has
+    /// its own ([`ReconstructedForce::peak_interval`]).
     pub error: RandomErrorOfForce,
     /// Impulse over the support, or the period, with tension allowed \[N s\]: a force that is not may turn noise into impulse. None without a
     /// support if the line at 0 Hz takes no part: nothing tells the mean.
@@ -38,6 +40,9 @@ pub struct ReconstructedForce {
     pub silent_components: usize,
     /// How forbidding tension ended; none if tension is allowed.
     pub non_negativity: Option<NonNegativity>,
+    /// Interval by profile of the force at the time of its peak \[N\], where tension is forbidden and the noise is known or estimated; none where a minimum on
+    /// the way to its ends was not found.
+    pub peak_interval: Option<ProfileInterval>,
     /// Whether the records hold the whole responses; of several sensors the worst.
     pub response_end: ResponseEnd,
 }

@@ -9,7 +9,7 @@ const MOST_LINES: usize = 513;
 /// Standard deviations by which the mean square of a frequency response exceeds that of its errors where it tells anything.
 const TELLS: f64 = 4.0;
 /// Power of a force that is supposed, in that of the calibration blows at the same energy: blows alike differ in length.
-const GENEROUS: f64 = 1.5;
+const GENEROUS: f64 = 1.0;
 
 /// Errors of frequency responses and the force that is supposed where they tell nothing.
 ///

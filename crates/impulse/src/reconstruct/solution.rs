@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::lines::{Transformed, WeightedLines};
 use super::modes::Modes;
 use super::outcome::{ChosenParameter, NonNegativity};
+use super::profile::{Constrained, ProfileInterval};
 use super::support::{self, Informed, Support};
 use crate::{ForceError, ImpulseError, fourier};
 
@@ -19,6 +20,8 @@ pub(super) struct Solved {
     pub(super) lines: WeightedLines,
     pub(super) gain: Gain,
     pub(super) non_negativity: Option<NonNegativity>,
+    /// The problem without tension, where it was solved.
+    pub(super) constrained: Option<Constrained>,
     pub(super) n_silent: usize,
 }
 
@@ -48,6 +51,23 @@ pub(super) enum Gain {
 }
 
 impl Solved {
+    /// Interval of the peak of a force without tension, for a noise of the weighted variance `noise`.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the support lies in the record, of which the bias has an element a sample"
+    )]
+    pub(super) fn peak_interval(&self, noise: f64, bias: &[f64]) -> Option<ProfileInterval> {
+        let (Some(constrained), Gain::Support { support, .. }) = (&self.constrained, &self.gain)
+        else {
+            return None;
+        };
+        let force = constrained.force.iter().enumerate();
+        let (at, _) = force.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let mut sample = vec![0.0; support.length];
+        sample[at] = 1.0;
+        constrained.interval(&sample, noise, bias[support.first + at])
+    }
+
     /// The error of the force for cross sums of this variance and a noise of the weighted variance `noise`; what the regularisation takes off is in it.
     ///
     /// A regularisation is a supposition on the force: its variance is that of the supposition by what the responses tell of it (G. Wahba's interval), and where

@@ -3,9 +3,12 @@
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
+use super::calibration_scatter::CalibrationLines;
 use super::lines::WeightedLines;
+use super::mean_blow::MeanBlow;
 use super::modes::{Filter, Modes};
 use super::path_errors::PathErrors;
+use super::supposed::{self, Told};
 use super::{Penalty, TimeInterval};
 use crate::{ImpulseError, fourier};
 
@@ -81,8 +84,9 @@ impl Informed {
     fn new(
         quadratic: &Mat<f64>,
         right_side: &[f64],
-        errors: &PathErrors,
-        variance: &[f64],
+        (errors, variance): (&PathErrors, &[f64]),
+        blows: Option<&CalibrationLines>,
+        support: Support,
         n_samples: usize,
     ) -> Result<(Self, Mat<f64>, Vec<f64>), ImpulseError> {
         let length = right_side.len();
@@ -114,9 +118,34 @@ impl Informed {
         let by =
             |of: &dyn Fn(usize) -> f64| Mat::from_fn(length, length, |i, j| dual[(i, j)] * of(j));
         let weights = by(&|j| counted[j]) * components.transpose();
-        let informed = by(&|j| counted[j] * values[j] + 1.0) * dual.transpose();
+        let supposed = blows.and_then(|blows| {
+            let mean = MeanBlow::of(&blows.mean_blow, n_samples);
+            let told = (0..length).filter(|j| counted[*j] > 0.0).map(|j| {
+                let side: f64 = (0..length)
+                    .map(|i| components[(i, j)] * right_side[i])
+                    .sum();
+                Told {
+                    index: j,
+                    value: side / values[j],
+                    information: counted[j] * values[j],
+                }
+            });
+            supposed::mean(
+                &mean,
+                support,
+                (&components, &dual),
+                &told.collect::<Vec<_>>(),
+            )
+        });
+        let told = by(&|j| counted[j] * values[j]) * dual.transpose();
+        let mean = supposed.unwrap_or_else(|| vec![0.0; length]);
+        let informed = told + &prior;
         let right_side = (0..length)
-            .map(|i| (0..length).map(|j| weights[(i, j)] * right_side[j]).sum())
+            .map(|i| {
+                let told = (0..length).map(|j| weights[(i, j)] * right_side[j]);
+                let supposed = (0..length).map(|j| prior[(i, j)] * mean[j]);
+                told.sum::<f64>() + supposed.sum::<f64>()
+            })
             .collect();
         Ok((Self { weights, prior }, informed, right_side))
     }
@@ -137,6 +166,7 @@ impl SupportProblem {
         support: Support,
         penalty: Penalty,
         errors: Option<(&PathErrors, &[f64])>,
+        blows: Option<&CalibrationLines>,
     ) -> Result<Self, ImpulseError> {
         let Support { first, length } = support;
         let n_samples = lines.grid.n_samples;
@@ -152,8 +182,14 @@ impl SupportProblem {
         let penalty_lags = lags(&weights, n_samples, length);
         let mut informed = None;
         if let Some((errors, variance)) = errors {
-            let (of, equations, side) =
-                Informed::new(&quadratic, &right_side, errors, variance, n_samples)?;
+            let (of, equations, side) = Informed::new(
+                &quadratic,
+                &right_side,
+                (errors, variance),
+                blows,
+                support,
+                n_samples,
+            )?;
             (quadratic, right_side, informed) = (equations, side, Some(of));
         }
         // columns W with W^T D W = 1

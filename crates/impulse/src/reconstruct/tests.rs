@@ -645,7 +645,7 @@ impl HammerTest {
         let problem = if is_old {
             problem
         } else {
-            problem.like_blows(&told.power)
+            problem.like_blows(&told)
         };
         (change(problem).solve().unwrap(), truth)
     }
@@ -695,9 +695,9 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
         found.history.peak().force - truth.iter().fold(0.0_f64, |top, f| top.max(*f))
     }));
     assert!(old < -12.0, "{old} N: there is nothing to correct");
-    // a part of what lies beyond the band of the hammer stays unknown: 5 N, in the error of 7 N
+    // 5 N in the root mean square of forty, and four times their mean's
     let new = mean(&mut all.iter().map(|off| off.newton));
-    assert!(new.abs() < 8.0, "{new} N");
+    assert!(new.abs() < 4.0, "{new} N");
     assert!(rms(all.iter().map(|off| off.peak)) < 1.4);
     // 40 values tell a root mean square to 11 %
     let impulse = rms(all.iter().map(|off| off.impulse));
@@ -706,9 +706,35 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
         let inside = all.iter().flat_map(|off| &off.samples);
         inside.clone().filter(|z| z.abs() < limit).count() as f64 / inside.count() as f64
     };
-    // 70 and 96 % of 60 other seeds, whose 27 samples hang together
-    assert!((0.62..0.80).contains(&part(1.0)), "{}", part(1.0));
-    assert!((0.91..0.99).contains(&part(1.96)), "{}", part(1.96));
+    // 81 and 98 % of 200 other seeds, whose 27 samples hang together: the blows are alike, and are not supposed to be
+    assert!((0.68..0.92).contains(&part(1.0)), "{}", part(1.0));
+    assert!(part(1.96) > 0.93, "{}", part(1.96));
+}
+
+/// 1 % of noise, where the responses tell a blow of ten samples no sharper than 19 N too low: the mean of the calibration blows tells the rest.
+#[test]
+fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
+    let test = HammerTest {
+        n_samples: N,
+        length: 10,
+        level: 0.01,
+        n_blows: 5,
+    };
+    let support = test.support();
+    let all: Vec<Off> = (0..60)
+        .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
+        .collect();
+    let mean = all.iter().map(|off| off.newton).sum::<f64>() / 60.0;
+    // scatter of 15 N over the root of sixty, four times
+    assert!(mean.abs() < 8.0, "{mean} N");
+    let part = |limit: f64| all.iter().filter(|off| off.peak.abs() < limit).count() as f64 / 60.0;
+    // 74 and 96 % of 200 other seeds; of zero mean beyond the band 48 and 88 %
+    assert!(
+        part(1.0) > 0.6 && part(1.96) > 0.88,
+        "{} {}",
+        part(1.0),
+        part(1.96)
+    );
 }
 
 /// The same with a penalty that takes 17 N off the peak by itself: the error holds it.
@@ -740,6 +766,57 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
         samples.len()
     );
     assert!(all.iter().filter(|off| off.peak.abs() < 1.96).count() >= 36);
+}
+
+/// The profile of a force without tension holds the peak, and is narrower than the error with tension.
+#[test]
+fn f4_the_peak_without_tension_has_an_interval_by_profile() {
+    let test = HammerTest {
+        n_samples: N,
+        length: 10,
+        level: 0.003,
+        n_blows: 5,
+    };
+    let support = test.support();
+    let (mut inside, mut narrower) = ([0, 0], 0.0);
+    for seed in 0..40 {
+        let (free, truth) = test.solve(seed, |p| p.acting_during(support), false);
+        let (found, _) = test.solve(seed, |p| p.acting_during(support).non_negative(), false);
+        let interval = found.peak_interval.unwrap();
+        assert!((interval.value - found.history.peak().force).abs() < 1e-9 * interval.value);
+        let top = truth.iter().fold(0.0_f64, |top, f| top.max(*f));
+        for (n, [low, high]) in inside.iter_mut().zip([interval.standard, interval.wide]) {
+            *n += i32::from(low <= top && top <= high);
+        }
+        let at = free.history.index_near(free.history.peak().time).unwrap();
+        let with_tension = free.error.known().unwrap().standard_error()[at];
+        narrower += 0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / 40.0;
+    }
+    // 75 and 98 % of 200 other seeds, 0.61 of the width with tension
+    assert!(inside[0] >= 24 && inside[1] >= 36, "{inside:?}");
+    assert!((0.4..0.8).contains(&narrower), "{narrower}");
+}
+
+/// One sample and its neighbour, by hand: the profile of the first is that of a parabola until the second comes to zero, and then of a steeper one.
+#[test]
+fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
+    let problem = super::profile::Constrained {
+        matrix: faer::mat![[2.0, 1.0], [1.0, 2.0]],
+        right_side: vec![4.0, 2.6],
+        force: vec![1.8, 0.4],
+    };
+    // above 2.6 the second is held: 2 x^2 - 8 x; below, second (2.6 - x)/2: 1.5 (x - 1.8)^2 above the least, -8.24
+    let interval = problem.interval(&[1.0, 0.0], 1.0, 0.0).unwrap();
+    let below = |z: f64| 1.8 - z / 1.5_f64.sqrt();
+    let above = |z: f64| {
+        let free = 1.8 + z / 1.5_f64.sqrt();
+        let held = 2.0 + (0.5 * (z * z - 0.24)).max(0.0).sqrt();
+        if free < 2.6 { free } else { held }
+    };
+    for ([low, high], z) in [(interval.standard, 1.0), (interval.wide, 1.959_964)] {
+        assert!((low - below(z)).abs() < 1e-4, "{low}");
+        assert!((high - above(z)).abs() < 1e-4, "{high}");
+    }
 }
 
 /// A response that is the force and a little noise: a regularisation would only take off.

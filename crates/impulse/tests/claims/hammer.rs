@@ -405,7 +405,7 @@ fn force_of(
         .without_lines(h1.invalid_lines());
     let found = Reconstruction::of_sensors(vec![sensor], rate_hz)?
         .acting_during(BlowSpan::interval(&window, rate_hz))
-        .like_blows(&lines.power)
+        .like_blows(&lines)
         .solve()?;
     Ok((window, found.history))
 }

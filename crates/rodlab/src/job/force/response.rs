@@ -1,6 +1,6 @@
 //! The force that a measured response tells of.
 
-use impulse::{ResponseNoise, TimeInterval};
+use impulse::{CalibrationLines, ResponseNoise, TimeInterval};
 use labio::hits::Extent;
 use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
 
@@ -31,8 +31,8 @@ pub(super) struct Problem<'a> {
     pub(super) noise: Noise,
     /// Standard deviation of the response before the force acts, where there is so much rest.
     pub(super) rest: Option<f64>,
-    /// Mean power of the calibration blows on every line.
-    pub(super) power: Option<Vec<f64>>,
+    /// The calibration blows, line by line.
+    pub(super) blows: Option<CalibrationLines>,
     /// When the force acts: as the sheet states it, or as long as the calibration blows act.
     pub(super) acting: Option<TimeInterval>,
     /// The force that was measured, where there is one.
@@ -149,9 +149,9 @@ pub(super) fn run(
         let accepted = found.accepted();
         if let Some(lines) = response_solve::lines_of_hits(hits, &accepted, &mut problem.path)? {
             if matches!(sheet.noise, NoiseSheet::Unknown) {
-                problem.noise = Noise::Lines(lines.noise);
+                problem.noise = Noise::Lines(lines.noise.clone());
             }
-            problem.power = Some(lines.power);
+            problem.blows = Some(lines);
         }
         if sheet.acting.is_none() {
             span = response_solve::span_of(hits, &accepted)?;
@@ -370,7 +370,7 @@ fn problem<'a>(
         sampling_rate_hz: record.sampling_rate_hz(),
         noise,
         rest: None,
-        power: None,
+        blows: None,
         acting: sheet.acting.as_ref().map(|acting| TimeInterval {
             from: acting.from.si(),
             to: acting.to.si(),

@@ -135,10 +135,15 @@ pub(super) fn tell(
     let peak = history.peak();
     let at = history.index_near(peak.time);
     let standard = |error: &ForceError| at.and_then(|at| error.standard_error().get(at).copied());
-    let random = bands
-        .random
-        .as_ref()
-        .and_then(|known| standard(&known.error));
+    let by_profile = solved
+        .peak_interval
+        .map(|interval| 0.5 * (interval.standard[1] - interval.standard[0]));
+    let random = by_profile.or_else(|| {
+        bands
+            .random
+            .as_ref()
+            .and_then(|known| standard(&known.error))
+    });
     let between = bands
         .scatter
         .as_ref()
@@ -259,6 +264,12 @@ fn quantities(
         _ => "the error is not known: the force explains the response to the last digit",
     };
     add("peak force", "N", Some(peak.force), peak_error, of_error);
+    if let Some(interval) = solved.peak_interval {
+        let verdict = "without tension, by profile at 95 %";
+        let [low, high] = interval.wide;
+        add("peak force, lower end", "N", Some(low), None, verdict);
+        add("peak force, upper end", "N", Some(high), None, verdict);
+    }
     add(
         "time of the peak",
         "ms",

@@ -115,8 +115,7 @@ struct Blow<'a> {
     sampling_rate_hz: f64,
     noise: ResponseNoise<'a>,
     acting: Option<TimeInterval>,
-    /// Mean power of calibration blows.
-    power: Option<&'a [f64]>,
+    blows: Option<&'a CalibrationLines>,
 }
 
 impl Blow<'_> {
@@ -133,8 +132,8 @@ impl Blow<'_> {
         if let Some(band) = band(sheet) {
             reconstruction = reconstruction.within(band);
         }
-        if let Some(power) = self.power {
-            reconstruction = reconstruction.like_blows(power);
+        if let Some(blows) = self.blows {
+            reconstruction = reconstruction.like_blows(blows);
         }
         Ok(reconstruction)
     }
@@ -174,7 +173,7 @@ impl<'a> Problem<'a> {
             sampling_rate_hz: self.sampling_rate_hz,
             noise: self.noise.of_response(),
             acting: self.acting,
-            power: self.power.as_deref(),
+            blows: self.blows.as_ref(),
         }
     }
 
@@ -383,7 +382,7 @@ pub(super) fn scatter(
             sampling_rate_hz: problem.sampling_rate_hz,
             noise,
             acting,
-            power: lines.as_ref().map(|lines| lines.power.as_slice()),
+            blows: lines.as_ref(),
         };
         let again = blow.force(problem.sheet, fixed).map_err(step)?;
         let cut = |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();
