@@ -94,6 +94,11 @@ impl MeanBlow {
     }
 
     /// Its samples from `first` on, `later` by so many samples.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place in the period is not negative and far below 2^52"
+    )]
     pub(super) fn samples(&self, first: usize, length: usize, later: f64) -> Vec<f64> {
         let n_fine = self.fine.len();
         (first..first + length)
