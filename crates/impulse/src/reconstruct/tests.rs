@@ -800,7 +800,7 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
 /// One sample and its neighbour, by hand: the profile of the first is that of a parabola until the second comes to zero, and then of a steeper one.
 #[test]
 fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
-    let problem = super::profile::Constrained {
+    let problem = Constrained {
         matrix: faer::mat![[2.0, 1.0], [1.0, 2.0]],
         right_side: vec![4.0, 2.6],
         force: vec![1.8, 0.4],
