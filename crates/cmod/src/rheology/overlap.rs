@@ -7,6 +7,9 @@ use super::least_squares::count;
 
 /// Shifts are tried in steps of a quarter of the mean distance of the lines.
 const STEPS_A_LINE: f64 = 4.0;
+/// Golden sections of two steps: the shift is then known to a hundredth of a step.
+const REFINEMENTS: u32 = 12;
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Fewer points in the overlap, of both curves together, are none.
 const FEWEST: usize = 3;
 /// An overlap of few points is good by chance: the mean square is raised by this share over the number of points.
@@ -73,24 +76,25 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     let (_, k, found) = (0..=steps)
         .filter_map(|k| measure(at(k)).map(|found| (value(&found), k, found)))
         .min_by(|x, y| x.0.total_cmp(&y.0))?;
-    // a parabola through the neighbours
-    if k == 0 || k == steps {
-        return Some(found);
+    // of few lines a step is many standard errors of the shift: the least value between the neighbours
+    let (mut low, mut high) = (at(k.saturating_sub(1)), at((k + 1).min(steps)));
+    let mut least = (value(&found), found);
+    for _ in 0..REFINEMENTS {
+        let inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        let [left, right] = inner.map(|s| measure(s).map(|found| (value(&found), found)));
+        let of = |side: &Option<(f64, Overlap)>| side.map_or(f64::INFINITY, |(value, _)| value);
+        if of(&left) <= of(&right) {
+            high = inner[1];
+        } else {
+            low = inner[0];
+        }
+        for (value, found) in [left, right].into_iter().flatten() {
+            if value < least.0 {
+                least = (value, found);
+            }
+        }
     }
-    let (Some(left), Some(right)) = (measure(at(k - 1)), measure(at(k + 1))) else {
-        return Some(found);
-    };
-    let (left, middle, right) = (value(&left), value(&found), value(&right));
-    let curvature = left - 2.0 * middle + right;
-    let correction = if curvature > 0.0 {
-        (0.5 * (left - right) / curvature).clamp(-0.5, 0.5)
-    } else {
-        0.0
-    };
-    Some(Overlap {
-        log_shift: found.log_shift + correction * (at(k) - at(k - 1)),
-        ..found
-    })
+    Some(least.1)
 }
 
 /// Mean of ln(|E_data|/|E_curve|) over the points of `data` that, shifted by `s`, lie within the band of `curve`.

@@ -313,11 +313,12 @@ fn sweeps_that_cannot_be() {
 }
 
 /// A fractional material with five and with thirteen frequencies a temperature: the order of the series is not known, and without the
-/// scatter between orders the shifts are covered too seldom.
+/// scatter between orders the shifts are covered too seldom. With five frequencies the overlaps are found to a small part of their
+/// distance, or most temperatures count as not connected and the others are a choice of chance.
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
-    let seeds: u64 = std::env::var("SEEDS").map_or(15, |text| text.parse().unwrap());
+    let seeds: u64 = std::env::var("SEEDS").map_or(40, |text| text.parse().unwrap());
     let options = FitOptions::default().with_profiles(false);
     for lines in [5, 13] {
         let (mut one, mut two, mut all) = (0.0, 0.0, 0.0);
@@ -335,6 +336,7 @@ fn l6_shifts_cover_with_few_frequencies() {
             });
             let sweep = TemperatureSweep::new(steps.collect()).unwrap();
             let curve = MasterCurve::new(&sweep, 4, &options).unwrap();
+            assert!(curve.unconnected.is_empty(), "{lines}: {curve}");
             for shift in curve
                 .shifts
                 .iter()
@@ -349,9 +351,9 @@ fn l6_shifts_cover_with_few_frequencies() {
         }
         let (one, two) = (one / all, two / all);
         println!("{lines} frequencies: {one:.3} {two:.3}");
-        // of 120 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 30 independent ones
-        assert!((0.43..0.93).contains(&one), "{lines}: {one}");
-        assert!(two > 0.85, "{lines}: {two}");
+        // of 320 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 120 independent ones
+        assert!((0.55..0.81).contains(&one), "{lines}: {one}");
+        assert!((0.89..=1.0).contains(&two), "{lines}: {two}");
     }
 }
 
