@@ -58,6 +58,18 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
+    /// A channel moves at the end of a hit that is to be continued at rest.
+    #[error(
+        "`{channel}` is {remainder:.3e} off its level in the last tenth of the record, with a peak of {peak:.3e}: expected at most a thousandth of the peak, or the noise"
+    )]
+    NotAtRest {
+        /// The channel.
+        channel: String,
+        /// Root mean square of the last tenth about the level before the blow.
+        remainder: f64,
+        /// Largest excursion from that level.
+        peak: f64,
+    },
     /// An estimate needs more averages than were taken.
     #[error("{estimate} needs at least {expected} averages, found {found}")]
     TooFewAverages {

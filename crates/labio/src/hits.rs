@@ -19,9 +19,10 @@ mod trigger;
 
 pub use copies::{Copy, NearCopy, find_copy, find_near_copies};
 pub use criteria::Criteria;
+pub use limits::repeated_extreme;
 pub use log::{Hit, HitLog, Ruling};
 pub use odd::find_odd_hits;
 pub use reason::Reason;
-pub use rest::samples_at_rest;
+pub use rest::{padded, samples_at_rest};
 pub use segment::{find_hits, find_hits_in_blocks};
 pub use trigger::{Extent, Slope, Trigger};

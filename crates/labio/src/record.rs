@@ -215,6 +215,41 @@ impl Record {
         })
     }
 
+    /// The record continued to `n_samples` samples, each channel with its mean in the first `n_rest` samples, or 0 without these.
+    pub(crate) fn continued(
+        &self,
+        n_samples: usize,
+        n_rest: Option<usize>,
+    ) -> Result<Self, LabioError> {
+        if n_samples < self.n_samples() {
+            return Err(LabioError::TooFewSamples {
+                what: "the record that a hit is continued to",
+                found: n_samples,
+                expected: self.n_samples(),
+            });
+        }
+        let of = |samples: &Array2<f64>| {
+            let mut longer = Array2::zeros((samples.nrows(), n_samples));
+            for (mut to, from) in longer.rows_mut().into_iter().zip(samples.rows()) {
+                let level =
+                    n_rest.map_or(0.0, |n| from.iter().take(n).sum::<f64>() / n.max(1) as f64);
+                to.fill(level);
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = *from;
+                }
+            }
+            longer
+        };
+        Ok(Self {
+            samples: of(&self.samples),
+            recorded: self.recorded.as_ref().map(|recorded| Recorded {
+                samples: Arc::new(of(&recorded.samples)),
+                ..recorded.clone()
+            }),
+            ..self.clone()
+        })
+    }
+
     /// The same with every channel on the common time axis: what a chain's time skew says is late is taken back, by
     /// band-limited interpolation of what was recorded. The chains of the result have no skew.
     ///

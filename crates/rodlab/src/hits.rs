@@ -71,6 +71,24 @@ pub struct RulingSheet {
 }
 
 impl HitsSheet {
+    /// Whether anything is stated.
+    #[must_use]
+    pub(crate) fn is_stated(&self) -> bool {
+        let Self {
+            channel,
+            cut,
+            criteria,
+            reject,
+            accept,
+            odd,
+        } = self;
+        channel.is_some()
+            || cut.is_some()
+            || *criteria != CriteriaSheet::default()
+            || !(reject.is_empty() && accept.is_empty())
+            || *odd != OddSheet::default()
+    }
+
     /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that tells when a hit begins if the sheet does not name
     /// one; `field` is the place of this part in the sheet.
     ///
@@ -80,7 +98,8 @@ impl HitsSheet {
     /// # Errors
     ///
     /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another unit than the channel, a ruling is on
-    /// a hit that does not exist or stands on both lists, or accepted hits differ in length or sampling rate.
+    /// a hit that does not exist or stands on both lists, accepted hits differ in sampling rate, or a shorter hit than the longest has not
+    /// come to rest at its end.
     pub fn find(
         &self,
         records: Vec<NamedRecord>,
@@ -165,6 +184,7 @@ impl HitsSheet {
         let by_trigger = self.cut.as_ref().is_some_and(Cut::triggers);
         let mut found = FoundHits::new(logs, settings, by_trigger, self.odd);
         found.check_alike(field)?;
+        found.pad(field)?;
         found.compare_extremes(&criteria)?;
         Ok(found)
     }

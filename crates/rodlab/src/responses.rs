@@ -34,9 +34,20 @@ pub(crate) const MOST_FREEDOM: f64 = 1e6;
 const FEWEST_LINES: usize = 8;
 
 /// Distance of the lines \[Hz\].
-#[must_use]
-pub fn line_spacing_hz(response: &FrequencyResponse) -> f64 {
-    response.frequency_hz.get(1).copied().unwrap_or(f64::NAN)
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] for a response of fewer than two lines.
+pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError> {
+    let second = response.frequency_hz.get(1).copied();
+    second.ok_or_else(|| {
+        let too_few = LabioError::CountMismatch {
+            what: "lines of a response, at least",
+            found: response.frequency_hz.len(),
+            expected: 2,
+        };
+        RodlabError::step("distance of the lines", too_few)
+    })
 }
 
 /// Why a line carries no information, in words.
@@ -126,7 +137,7 @@ pub fn cut(
     up_to: &Exact<Frequency>,
     field: &str,
 ) -> Result<(), RodlabError> {
-    let limit = up_to.si() + 1e-6 * line_spacing_hz(response);
+    let limit = up_to.si() + 1e-6 * line_spacing_hz(response)?;
     let n_lines = response.frequency_hz.partition_point(|f| *f <= limit);
     if n_lines < FEWEST_LINES {
         return Err(RodlabError::request(

@@ -8,6 +8,8 @@ use crate::{LabioError, Record};
 /// Numbers of the converter below the extreme in which an unclipped signal has more samples than at it: the samples of a round peak within
 /// a depth grow as its root, those in eight numbers below are twice those in the uppermost.
 const NUMBERS_BELOW: f64 = 8.0;
+/// Fewest samples of a long record at its limit.
+const FEWEST_AT_LIMIT: usize = 4;
 /// Standard deviations of the noise that an extreme is from rest, at least.
 const BEYOND_NOISE: f64 = 10.0;
 /// Part of the largest excursion that an extreme is from rest, at least.
@@ -57,6 +59,26 @@ impl Side {
             self.samples.iter().position(is_at).unwrap_or(0),
         )
     }
+}
+
+/// The extreme that a long record of something stationary reaches as only a limit makes it, and the number of samples there: four and more,
+/// and more than lie in the eight numbers of the converter next to it. None without such a one.
+#[must_use]
+pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
+    let near = NUMBERS_BELOW * smallest_step(samples);
+    [1.0, -1.0].into_iter().find_map(|sign| {
+        let greatest = samples
+            .iter()
+            .map(|x| sign * x)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let (mut count, mut below) = (0, 0);
+        for depth in samples.iter().map(|x| greatest - sign * x) {
+            count += usize::from(depth <= 0.0);
+            below += usize::from(depth > 0.0 && depth <= near * (1.0 + f64::EPSILON));
+        }
+        (near > 0.0 && count >= FEWEST_AT_LIMIT && count > below)
+            .then_some((sign * greatest, count))
+    })
 }
 
 impl Criteria {

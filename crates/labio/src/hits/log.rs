@@ -193,6 +193,23 @@ impl HitLog {
         Ok(())
     }
 
+    /// Continues hit `number` to `n_samples` samples of rest ([`padded`](super::padded)).
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples; [`LabioError::NotAtRest`].
+    pub fn pad(&mut self, number: usize, n_samples: usize) -> Result<(), LabioError> {
+        let hit = self.hit_mut(number)?;
+        let Some(record) = &hit.record else {
+            return Err(LabioError::NoSuchHit {
+                number,
+                reason: "has no samples",
+            });
+        };
+        hit.record = Some(super::padded(record, n_samples)?);
+        Ok(())
+    }
+
     /// Leaves hit `number` to the checks again.
     ///
     /// # Errors

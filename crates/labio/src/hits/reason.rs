@@ -21,6 +21,8 @@ pub enum Reason {
         channel: String,
         /// The level that it waits for.
         level: f64,
+        /// Distance from the level, on its other side, at which the channel must have been before.
+        hysteresis: f64,
         /// Smallest sample.
         least: f64,
         /// Largest sample.
@@ -201,15 +203,21 @@ impl fmt::Display for Reason {
             Self::NotTriggered {
                 channel,
                 level,
+                hysteresis,
                 least,
                 greatest,
-            } => write!(
-                f,
-                "`{channel}` never passes {}, it lies between {} and {}",
-                Short(*level),
-                Short(*least),
-                Short(*greatest)
-            ),
+            } => {
+                let (level_in_words, hysteresis) = (Short(*level), Short(*hysteresis));
+                if least < level && level < greatest {
+                    write!(
+                        f,
+                        "`{channel}` is never on the other side of {level_in_words} by the hysteresis of {hysteresis} before it passes, it lies",
+                    )?;
+                } else {
+                    write!(f, "`{channel}` never passes {level_in_words}, it lies")?;
+                }
+                write!(f, " between {} and {}", Short(*least), Short(*greatest))
+            }
             Self::CutAtStart { missing } => {
                 write!(f, "{missing} samples are missing before it")
             }

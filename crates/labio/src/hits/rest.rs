@@ -7,6 +7,10 @@ use crate::{LabioError, Record};
 const PART_AT_REST: f64 = 0.75;
 /// Fewest samples at rest that tell a level and its noise.
 const FEWEST_AT_REST: usize = 16;
+/// Part of a hit, at its end, in which a body is at rest.
+const TAIL: usize = 10;
+/// Departure from rest there, as part of the peak, that is none.
+const MOST_LEFT: f64 = 1e-3;
 
 /// Number of samples before the blow in which `channels` are at rest in each of `hits`: three quarters of those before the first of them
 /// leaves its level. None for fewer than 16.
@@ -29,6 +33,45 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
     )]
     let part = |onset: usize| (PART_AT_REST * onset as f64) as usize;
     Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
+}
+
+/// `hit` continued to `n_samples` samples, each channel with its level before the blow, or 0 where fewer than 16 samples tell it. Hits
+/// of unequal length are averaged so.
+///
+/// # Validity
+///
+/// The body has come to rest: in the last tenth no channel is off its level by more than a thousandth of its peak, or by as much as its
+/// noise, in the root mean square. The samples behind the end have no noise: rest noise, which is taken for the whole length, is then
+/// stated too large by their part.
+///
+/// # Errors
+///
+/// [`LabioError::NotAtRest`]; [`LabioError::TooFewSamples`] for fewer samples than the hit has.
+pub fn padded(hit: &Record, n_samples: usize) -> Result<Record, LabioError> {
+    let channels: Vec<&str> = hit.channels().iter().map(|c| c.name()).collect();
+    let n_rest = samples_at_rest(&[hit], &channels)?;
+    for channel in channels {
+        let samples = hit.channel(channel)?.to_vec();
+        let rest = n_rest.and_then(|n| samples.get(..n));
+        let level = rest.map_or(0.0, |rest| rest.iter().sum::<f64>() / rest.len() as f64);
+        let noise = rest.and_then(Rest::of).map_or(0.0, |rest| rest.noise);
+        let peak = samples
+            .iter()
+            .map(|x| (x - level).abs())
+            .fold(0.0, f64::max);
+        let n_tail = samples.len().div_ceil(TAIL);
+        let tail = samples.iter().rev().take(n_tail);
+        let square = tail.map(|x| (x - level).powi(2)).sum::<f64>() / n_tail as f64;
+        // the noise of the tail, and as much again
+        if square > 2.0 * noise * noise + (MOST_LEFT * peak).powi(2) {
+            return Err(LabioError::NotAtRest {
+                channel: channel.to_owned(),
+                remainder: square.sqrt(),
+                peak,
+            });
+        }
+    }
+    hit.continued(n_samples, n_rest)
 }
 
 /// A stretch of samples at rest.

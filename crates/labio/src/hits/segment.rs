@@ -213,6 +213,7 @@ impl Bounds {
         Reason::NotTriggered {
             channel: trigger.channel().to_owned(),
             level: trigger.level(),
+            hysteresis: trigger.hysteresis(),
             least: self.least,
             greatest: self.greatest,
         }

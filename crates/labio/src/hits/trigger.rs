@@ -145,6 +145,10 @@ impl Trigger {
         self.level
     }
 
+    pub(super) fn hysteresis(&self) -> f64 {
+        self.hysteresis
+    }
+
     /// The trigger in samples.
     pub(super) fn at(&self, sampling_rate_hz: f64) -> Result<Timing, LabioError> {
         check_positive("sampling rate [Hz]", sampling_rate_hz)?;

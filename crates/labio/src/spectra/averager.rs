@@ -429,22 +429,25 @@ impl SpectrumAverager {
     }
 
     fn check_like(&self, hit: &Record) -> Result<(), LabioError> {
-        let counts = [
-            (
-                "channels of a hit",
-                hit.channels().len(),
-                self.channels.len(),
-            ),
-            ("samples of a hit", hit.n_samples(), self.n_samples),
-        ];
-        for (what, found, expected) in counts {
-            if found != expected {
-                return Err(LabioError::CountMismatch {
-                    what,
-                    found,
-                    expected,
-                });
-            }
+        self.check_channels(hit)?;
+        if hit.n_samples() != self.n_samples {
+            return Err(LabioError::CountMismatch {
+                what: "samples of a hit",
+                found: hit.n_samples(),
+                expected: self.n_samples,
+            });
+        }
+        Ok(())
+    }
+
+    /// Refuses a record with other channels or another sampling rate.
+    pub(super) fn check_channels(&self, hit: &Record) -> Result<(), LabioError> {
+        if hit.channels().len() != self.channels.len() {
+            return Err(LabioError::CountMismatch {
+                what: "channels of a hit",
+                found: hit.channels().len(),
+                expected: self.channels.len(),
+            });
         }
         for (index, (found, expected)) in hit.channels().iter().zip(&self.channels).enumerate() {
             if found != expected {

@@ -106,15 +106,54 @@ impl Welch {
     ///
     /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
     /// [`SpectrumAverager::spectra`].
+    pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
+        self.spectra_of(&[record])
+    }
+
+    /// The averages over the segments of several records of one stationary test: with $`K_r`$ segments worth $`n_r`$ independent ones in
+    /// record r, $`n_e = (\sum K_r)^2/\sum(K_r^2/n_r)`$.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each, and [`LabioError::CountMismatch`],
+    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for one that is not like the first.
+    pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
+        let Some(first) = records.first() else {
+            return Err(LabioError::TooFewAverages {
+                estimate: "an averaged spectrum",
+                found: 0,
+                expected: 1,
+            });
+        };
+        let mut averager = self.averager(first.channels(), first.sampling_rate_hz())?;
+        let window = self.window.sample(self.n_samples)?;
+        let (mut sum, mut scatter) = (0.0, 0.0);
+        for record in records {
+            let before = averager.n_averages();
+            self.add(&mut averager, record)?;
+            let count = averager.n_averages() - before;
+            let of_record = window.independent_averages(count, self.hop())?;
+            sum += count as f64;
+            scatter += (count as f64).powi(2) / of_record;
+        }
+        // one record: its number to the last digit
+        let effective = match records {
+            [_] => window.independent_averages(averager.n_averages(), self.hop())?,
+            _ => sum * sum / scatter,
+        };
+        averager.into_averages(effective)
+    }
+
+    /// Adds the segments of one record.
     #[allow(
         clippy::indexing_slicing,
         reason = "a record has a row for each channel, and a segment ends with the samples of the record or before"
     )]
-    pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
+    fn add(&self, averager: &mut SpectrumAverager, record: &Record) -> Result<(), LabioError> {
         if record.n_samples() < self.n_samples {
             return Err(self.too_short(record.n_samples()));
         }
-        let mut averager = self.averager(record.channels(), record.sampling_rate_hz())?;
+        averager.check_channels(record)?;
         let samples = record.samples();
         let samples = samples.as_standard_layout();
         let rows: Vec<&[f64]> = samples
@@ -127,7 +166,7 @@ impl Welch {
             averager.add_segment(|channel| &rows[channel][start..start + self.n_samples]);
             start += self.hop();
         }
-        self.averages(averager, record.n_samples())
+        Ok(())
     }
 
     /// The averages over the segments of a stream, read to its end. Memory: four segments a channel and the sums, whatever the

@@ -11,7 +11,7 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 
 /// Limits of the checks. A limit that is not stated has its default; `None` leaves the check out.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
     /// What a hit looks like: `Hammer`, `Bar` or `BarPulses`; by default what the method of the job needs.

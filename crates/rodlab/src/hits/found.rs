@@ -205,7 +205,40 @@ impl FoundHits {
         rejected
     }
 
-    /// Refuses accepted hits that cannot be averaged together.
+    /// Continues accepted hits by rest to the length of the longest, and says so.
+    pub(super) fn pad(&mut self, field: &str) -> Result<(), RodlabError> {
+        let (numbers, hits) = self.numbered();
+        let lengths: Vec<usize> = hits.iter().map(|hit| hit.n_samples()).collect();
+        let longest = lengths.iter().copied().max().unwrap_or(0);
+        let mut padded = Vec::new();
+        for (number, length) in numbers.into_iter().zip(lengths) {
+            if length == longest {
+                continue;
+            }
+            let found = self.hits().find(|found| found.number == number);
+            let name = found.map(|found| found.name()).unwrap_or_default();
+            if let Some((log, place)) = self.log_of(number) {
+                log.pad(place, longest).map_err(|error| {
+                    RodlabError::request(
+                        format!("{field}: {name}"),
+                        format!("{length} samples, and {error}"),
+                        format!("{longest} samples as the longest hit, or a hit that has come to rest and is continued so"),
+                    )
+                })?;
+                padded.push(number);
+            }
+        }
+        if !padded.is_empty() {
+            self.settings.push(Setting {
+                name: format!("{field}: hits continued by rest to {longest} samples"),
+                value: ranges(&padded),
+                by_default: true,
+            });
+        }
+        Ok(())
+    }
+
+    /// Refuses accepted hits of different sampling rates.
     pub(super) fn check_alike(&self, field: &str) -> Result<(), RodlabError> {
         let mut accepted = self
             .hits()
@@ -214,17 +247,11 @@ impl FoundHits {
         let Some((first, expected)) = accepted.next() else {
             return Ok(());
         };
-        let sampling = |record: &Record| {
-            format!(
-                "{} samples at {} Hz",
-                record.n_samples(),
-                record.sampling_rate_hz()
-            )
-        };
+        let sampling = |record: &Record| format!("{} Hz", record.sampling_rate_hz());
         let rate = expected.sampling_rate_hz();
         for (found, record) in accepted {
             let apart = (record.sampling_rate_hz() / rate - 1.0).abs();
-            if record.n_samples() != expected.n_samples() || apart > SAMPLING_RATE_TOLERANCE {
+            if apart > SAMPLING_RATE_TOLERANCE {
                 return Err(RodlabError::request(
                     format!("{field}: {}", found.name()),
                     sampling(record),

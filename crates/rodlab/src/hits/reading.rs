@@ -10,7 +10,7 @@ use crate::RodlabError;
 use crate::sheet::{self, Duration, Exact};
 
 /// A level of a channel, as `"20 N"`; which unit it must have, the channel says.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Reading {
     si: f64,

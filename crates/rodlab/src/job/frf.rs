@@ -8,6 +8,7 @@ mod estimate;
 mod input_spectra;
 mod response_figures;
 mod scope;
+mod segments;
 mod settings;
 mod sheet;
 mod tables;
@@ -18,7 +19,7 @@ mod words;
 
 pub use sheet::{
     BandSheet, DetrendSheet, ExponentialWindowSheet, ForceWindowSheet, FrfSheet, KindSheet,
-    SecondHammerSheet, WeighedMassSheet, WindowSheet,
+    SecondHammerSheet, SegmentsSheet, WeighedMassSheet, WindowSheet,
 };
 
 use labio::hits::Criteria;
@@ -38,6 +39,16 @@ use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
+/// The response of one output to one input, and where it stands.
+#[derive(Debug)]
+struct Named {
+    output: String,
+    input: String,
+    /// Number of the input, from 1.
+    node: usize,
+    one: Estimated,
+}
+
 #[allow(
     clippy::indexing_slicing,
     reason = "`too_few` has found an accepted hit in every set, and the first hammer is always one of the sets"
@@ -45,6 +56,16 @@ use crate::{Outcome, RodlabError};
 pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("frf", sheet.title.as_str());
     outcome.settings.extend(settings(sheet));
+    if let Some(segments) = &sheet.segments {
+        return segments::run(sheet, segments, around, outcome);
+    }
+    if !sheet.further_inputs.is_empty() {
+        return Err(RodlabError::request(
+            "further_inputs",
+            sheet.further_inputs.join(", "),
+            "none with hits: several inputs act together in long records, which `segments` averages",
+        ));
+    }
     let mut sets = Vec::new();
     let first = ("", &sheet.records, &sheet.hits);
     let second = sheet
@@ -83,7 +104,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     let first_hits: Vec<&Record> = accepted.iter().map(|hits| hits[0]).collect();
     let hit = first_hits[0];
     for output in &outputs {
-        estimate::check_kind(sheet, hit, output)?;
+        estimate::check_kind(sheet, hit, (&sheet.input, output))?;
     }
     around.has_read_all()?;
     let mut spectra = Vec::with_capacity(sets.len());
@@ -98,22 +119,24 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     let band = band_of(sheet, &spectra[0])?;
     let greyed = outside_of(sheet, band, &spectra[0]);
     of_the_test(sheet, &accepted, &spectra, &greyed, &mut outcome)?;
+    let single = |(output, one): (&String, Estimated)| Named {
+        output: output.clone(),
+        input: sheet.input.clone(),
+        node: 1,
+        one,
+    };
     let mut estimated = Vec::with_capacity(outputs.len());
     around.progress.begins("forming responses", outputs.len());
     for output in &outputs {
         around.go_on()?;
-        estimated.push((
-            output.clone(),
-            estimate::estimate(sheet, &spectra, output, &first_hits)?,
-        ));
+        let one = estimate::estimate(sheet, &spectra, output, &first_hits)?;
+        estimated.push(single((output, one)));
         around.progress.one_more();
     }
     report(sheet, &estimated, band, &greyed, &mut outcome);
-    outcome.attachments.push(universal::attachment(
-        &estimated,
-        &sheet.input,
-        &sheet.title,
-    )?);
+    outcome
+        .attachments
+        .push(universal::attachment(&estimated, &sheet.title)?);
     for found in &sets {
         outcome
             .summary
@@ -255,7 +278,13 @@ fn of_the_test(
             &format!("averages{hammer}"),
             "",
             spectra.n_averages() as f64,
-            "accepted hits",
+            &match sheet.segments {
+                None => "accepted hits".to_owned(),
+                Some(_) => format!(
+                    "segments, worth {} independent ones",
+                    short(spectra.effective_averages())
+                ),
+            },
         ));
         outcome.quantities.push(plain(
             &format!("end of the spectrum of the input{hammer}"),
@@ -270,7 +299,10 @@ fn of_the_test(
             "distance of lines",
             "Hz",
             spectra.line_spacing_hz(),
-            "the inverse of the duration of a hit",
+            match sheet.segments {
+                None => "the inverse of the duration of a hit",
+                Some(_) => "the inverse of the duration of a segment",
+            },
         )
     }));
     if let Some(damping) = first.and_then(AveragedSpectra::added_damping) {
@@ -287,16 +319,24 @@ fn of_the_test(
 /// Tables, figures, quantities and sentences of every response.
 fn report(
     sheet: &FrfSheet,
-    estimated: &[(String, Estimated)],
+    estimated: &[Named],
     band: Band,
     greyed: &[Greyed],
     outcome: &mut Outcome,
 ) {
-    let outputs: Vec<String> = estimated.iter().map(|(output, _)| output.clone()).collect();
-    let files = words::file_names(&outputs);
-    let input = sheet.input.as_str();
+    let named = |named: &Named| match sheet.further_inputs.is_empty() {
+        true => named.output.clone(),
+        false => format!("{} over {}", named.output, named.input),
+    };
+    let files = words::file_names(&estimated.iter().map(named).collect::<Vec<_>>());
     let mut only_chance = true;
-    for ((output, one), file) in estimated.iter().zip(&files) {
+    for (
+        Named {
+            output, input, one, ..
+        },
+        file,
+    ) in estimated.iter().zip(&files)
+    {
         outcome
             .tables
             .push(tables::table(one, output, input, file, band));
@@ -328,9 +368,10 @@ fn report(
     }
     if only_chance {
         let reason = format!(
-            "no more lines between {} and {} are coherent with `{input}` than noise alone would be",
+            "no more lines between {} and {} are coherent with `{}` than noise alone would be",
             hertz(band.from_hz),
-            hertz(band.to_hz)
+            hertz(band.to_hz),
+            sheet.inputs().join("` or `")
         );
         outcome
             .summary
@@ -378,12 +419,7 @@ fn warn_of_windows(
 }
 
 /// What a reader has to know before believing the responses.
-fn warn(
-    sheet: &FrfSheet,
-    spectra: &[AveragedSpectra],
-    estimated: &[(String, Estimated)],
-    outcome: &mut Outcome,
-) {
+fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outcome: &mut Outcome) {
     for (spectra, hammer) in spectra.iter().zip(["", " of the second hammer"]) {
         if spectra.n_averages() == 1 {
             outcome.doubt(format!(
@@ -397,7 +433,7 @@ fn warn(
             short(damping.decay_rate())
         ));
     }
-    for (output, one) in estimated {
+    for Named { output, one, .. } in estimated {
         for said in one
             .merged
             .iter()
@@ -408,11 +444,15 @@ fn warn(
         if let Some((leakage, random)) = one.median_leakage()
             && leakage > random
         {
-            outcome.warnings.push(format!(
-                "`{output}` still moves at the end of the records: what they cut off is {} % of a line in the median, beside a random error of {} %. Record longer, or state an exponential window.",
-                short(100.0 * leakage),
-                short(100.0 * random)
-            ));
+            let (leakage, random) = (short(100.0 * leakage), short(100.0 * random));
+            outcome.warnings.push(match sheet.segments {
+                None => format!(
+                    "`{output}` still moves at the end of the records: what they cut off is {leakage} % of a line in the median, beside a random error of {random} %. Record longer, or state an exponential window."
+                ),
+                Some(_) => format!(
+                    "The lines are too wide for `{output}`: their width changes a line by {leakage} % in the median, beside a random error of {random} %. State longer segments."
+                ),
+            });
         }
         let (Some(completed), Some(weighed)) = (&one.completed, &sheet.weighed_mass) else {
             continue;

@@ -134,8 +134,8 @@ pub fn measured_body(
             None => (LowFrequency::Measured, None),
         },
     };
-    let mut body =
-        MeasuredBody::from_mobility(&values, line_spacing_hz(&mobility), low).map_err(refused)?;
+    let spacing = line_spacing_hz(&mobility)?;
+    let mut body = MeasuredBody::from_mobility(&values, spacing, low).map_err(refused)?;
     if let Some(variance) = &mobility.variance {
         let mut variance = variance.clone();
         if let Some(first) = variance.first_mut() {

@@ -287,7 +287,7 @@ fn check_lines(
     let n_lines = record.n_samples() / 2 + 1;
     let here = format!("{n_lines} lines {spacing:.6} Hz apart, those of the record");
     if let (Some(path), PathSheet::File(named)) = (file, &sheet.path) {
-        let found = line_spacing_hz(path);
+        let found = line_spacing_hz(path)?;
         if path.values.len() > n_lines || (found / spacing - 1.0).abs() > SAME_LINES {
             return Err(RodlabError::request(
                 "problem.path.file",

@@ -27,8 +27,13 @@ pub(super) struct Estimated {
     pub(super) completed: Option<CompletedResponse>,
     /// Largest relative standard uncertainty that lines share: of the sensor chains, and of two hammers that disagree.
     pub(super) calibration: f64,
-    /// Relative systematic error of each line by what the body still does at the end of the record; none where it is not measured.
+    /// Relative systematic error of each line by what the body still does at the end of the record, or by the width of the lines of segments;
+    /// none where it is not measured.
     pub(super) leakage: Option<Vec<f64>>,
+    /// Cause of that error.
+    pub(super) cause: &'static str,
+    /// Multiple coherence; none of a single input.
+    pub(super) multiple: Option<Vec<f64>>,
 }
 
 /// What speaks against the lines of a test with a single hit.
@@ -39,6 +44,15 @@ const BIASED: &str = "bias by noise at rest above the random error";
 
 /// What speaks against a line of which the end of the record cuts off as much as it has left.
 const RINGS_ON: &str = "rings on behind the record";
+
+/// Cause of the systematic error of hits.
+const BY_THE_END: &str = "by the end of the record";
+
+/// Cause of the systematic error of segments.
+pub(super) const BY_WIDTH: &str = "by the width of the lines";
+
+/// What speaks against a line that is wider than what it shows.
+const TOO_WIDE: &str = "narrower than the lines";
 
 /// Relative error by leakage of such a line.
 const MOST_LEAKAGE: f64 = 0.5;
@@ -130,7 +144,7 @@ pub(super) fn averager(
     let Some(first) = hits.first() else {
         return Err(RodlabError::step("averaging hits", no_hit()));
     };
-    let window = sheet.window.clone().unwrap_or_default().window();
+    let window = sheet.window_or_default().window();
     let mut averager = SpectrumAverager::for_records_like(first, window)
         .map_err(|error| RodlabError::step("window", error))?
         .with_detrend(detrend(sheet, hits)?);
@@ -244,7 +258,7 @@ pub(super) fn estimate(
         (response.map_err(refused)?, None)
     };
     let shares = merged.as_ref().map(|merged| merged.shares.row(0).to_vec());
-    let mut leakage = leakage_of(tests, input, output, shares.as_deref()).map_err(refused)?;
+    let leakage = leakage_of(tests, input, output, shares.as_deref()).map_err(refused)?;
     let mut coherences = Vec::new();
     let mut of_one_hit = Vec::with_capacity(tests.len());
     for test in tests {
@@ -273,10 +287,100 @@ pub(super) fn estimate(
             *objection = Some(ONE_HIT);
         }
     }
+    finish(
+        sheet,
+        Estimated {
+            response,
+            coherences,
+            objections,
+            merged,
+            completed: None,
+            calibration: 0.0,
+            leakage,
+            cause: BY_THE_END,
+            multiple: None,
+        },
+    )
+}
+
+/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is that of segments of half the length.
+pub(super) fn of_segments(
+    sheet: &FrfSheet,
+    [spectra, halved]: [&AveragedSpectra; 2],
+    (input, output): (&str, &str),
+    record: &Record,
+) -> Result<Estimated, RodlabError> {
+    let place = format!("response of `{output}`");
+    let refused = |error| RodlabError::step(place.clone(), error);
+    let estimator = sheet.estimator.unwrap_or_default().estimator();
+    let inputs = sheet.inputs();
+    let sensors = sensors(record, [input, output]).map_err(refused)?;
+    let (response, halved, coherence, multiple) = if sheet.further_inputs.is_empty() {
+        expect_noise(spectra, (input, output), &place)?;
+        let coherence = spectra.coherence(input, output).map_err(refused)?;
+        let of = |spectra: &AveragedSpectra| spectra.response(estimator, input, output);
+        (of(spectra), of(halved), coherence, None)
+    } else {
+        let of = |spectra: &AveragedSpectra| spectra.multi_input(&inputs, output);
+        let all = of(spectra).map_err(refused)?;
+        let coherence = all.coherence_with(input).map_err(refused)?;
+        let mut multiple = coherence.clone();
+        multiple.values.clone_from(&all.multiple_coherence);
+        if multiple.is_one_to_rounding() {
+            return Err(RodlabError::NoNoise {
+                place,
+                input: inputs.join("`, `"),
+                output: output.to_owned(),
+                hits: spectra.n_averages(),
+            });
+        }
+        let halved = of(halved).and_then(|all| all.response_to(input));
+        (
+            all.response_to(input),
+            halved,
+            coherence,
+            Some(multiple.values),
+        )
+    };
+    let response = response
+        .and_then(|response| response.with_common_error(sensors))
+        .map_err(refused)?;
+    let leakage = halved
+        .and_then(|halved| response.resolution_error(&halved))
+        .map_err(refused)?;
+    let coherences = vec![coherence];
+    finish(
+        sheet,
+        Estimated {
+            objections: objections(&response, &coherences, None)?,
+            response,
+            coherences,
+            merged: None,
+            completed: None,
+            calibration: 0.0,
+            leakage: Some(leakage),
+            cause: BY_WIDTH,
+            multiple,
+        },
+    )
+}
+
+/// Objects to lines by their systematic error, completes them by the weighed mass and converts them.
+fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabError> {
+    let Estimated {
+        response,
+        mut objections,
+        mut leakage,
+        ..
+    } = estimated;
     let leaks = leakage.iter().flatten();
     for (objection, leak) in objections.iter_mut().zip(leaks) {
         if objection.is_none() && *leak > MOST_LEAKAGE {
-            *objection = Some(RINGS_ON);
+            *objection = Some(if estimated.cause == BY_WIDTH {
+                TOO_WIDE
+            } else {
+                RINGS_ON
+            });
         }
     }
     let completed = match &sheet.weighed_mass {
@@ -323,12 +427,11 @@ pub(super) fn estimate(
         .fold(0.0, f64::max);
     Ok(Estimated {
         response,
-        coherences,
         objections,
-        merged,
         completed,
         calibration,
         leakage,
+        ..estimated
     })
 }
 
@@ -387,13 +490,16 @@ fn objections(
 }
 
 /// Refuses a kind of response that the channels do not have.
-pub(super) fn check_kind(sheet: &FrfSheet, hit: &Record, output: &str) -> Result<(), RodlabError> {
+pub(super) fn check_kind(
+    sheet: &FrfSheet,
+    hit: &Record,
+    (from, output): (&str, &str),
+) -> Result<(), RodlabError> {
     let quantity = |name: &str| {
         let found = hit.channels().iter().find(|c| c.name() == name);
         found.map(|channel| (channel.quantity(), channel.to_string()))
     };
-    let (Some((from, input)), Some((to, output))) = (quantity(&sheet.input), quantity(output))
-    else {
+    let (Some((from, input)), Some((to, output))) = (quantity(from), quantity(output)) else {
         return Ok(());
     };
     if ResponseKind::between(from, to).is_some() {

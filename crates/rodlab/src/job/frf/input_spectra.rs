@@ -37,7 +37,8 @@ pub(super) fn figure(
             y: thin::at(lines, &kept),
         });
     };
-    let mut unit = "";
+    let known = spectra.channels().iter().find(|c| c.name() == sheet.input);
+    let unit = known.map_or("", |channel| channel.quantity().unit());
     for (index, hit) in hits.iter().take(MOST_HITS).enumerate() {
         let alone = only(hit, &sheet.input).map_err(refused)?;
         let mut averager: SpectrumAverager = estimate::averager(sheet, &[&alone])?;
@@ -48,9 +49,6 @@ pub(super) fn figure(
             .map_err(refused)?;
         let name = if index == 0 { "single hits" } else { "" };
         draw(&lines, name, Role::Faint);
-        if let Some(channel) = alone.channels().first() {
-            unit = channel.quantity().unit();
-        }
     }
     draw(
         &spectra.auto(&sheet.input).map_err(refused)?,
@@ -61,8 +59,12 @@ pub(super) fn figure(
         name: name.to_owned(),
         title: title.to_owned(),
         caption: format!(
-            "Energy spectral density of `{}`: single accepted hits (at most {MOST_HITS}) and the mean of all. Where it falls off, so do the coherence and the worth of the response.",
-            sheet.input
+            "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the worth of the response.",
+            sheet.input,
+            match sheet.segments {
+                None => format!("single accepted hits (at most {MOST_HITS}) and the mean of all"),
+                Some(_) => "the mean of all segments".to_owned(),
+            }
         ),
         panels: vec![Panel {
             x: Axis::logarithmic("frequency", "kHz"),

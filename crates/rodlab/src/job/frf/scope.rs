@@ -32,17 +32,24 @@ pub(super) fn outputs_of(
         let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         format!("one of {place}records.channels: {}", quoted.join(", "))
     };
-    if !names.contains(&sheet.input.as_str()) {
-        return Err(RodlabError::request(
-            "input",
-            format!("`{}`", sheet.input),
-            expected(),
-        ));
+    let inputs = sheet.inputs();
+    for (at, input) in inputs.iter().enumerate() {
+        let field = match at.checked_sub(1) {
+            None => "input".to_owned(),
+            Some(further) => format!("further_inputs[{further}]"),
+        };
+        let wrong = |expected| Err(RodlabError::request(field, format!("`{input}`"), expected));
+        if !names.contains(input) {
+            return wrong(expected());
+        }
+        if inputs.iter().take(at).any(|before| before == input) {
+            return wrong("every input once".to_owned());
+        }
     }
     let outputs = match &sheet.outputs {
         None => names
             .iter()
-            .filter(|name| **name != sheet.input)
+            .filter(|name| !inputs.contains(*name))
             .map(|name| (*name).to_owned())
             .collect(),
         Some(outputs) => {
@@ -53,7 +60,7 @@ pub(super) fn outputs_of(
                 if !names.contains(&output.as_str()) {
                     return Err(wrong(expected()));
                 }
-                if *output == sheet.input {
+                if inputs.contains(&output.as_str()) {
                     return Err(wrong("another channel than the input".to_owned()));
                 }
                 if outputs.iter().take(at).any(|before| before == output) {

@@ -15,6 +15,18 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
         });
     };
     say("input", sheet.input.clone(), false);
+    if !sheet.further_inputs.is_empty() {
+        say("further_inputs", sheet.further_inputs.join(", "), false);
+    }
+    if let Some(segments) = &sheet.segments {
+        say("segments.length", segments.length.to_string(), false);
+        let overlap = segments.overlap.as_ref();
+        say(
+            "segments.overlap",
+            overlap.map_or("50 %".to_owned(), ToString::to_string),
+            overlap.is_none(),
+        );
+    }
     let outputs = sheet
         .outputs
         .as_ref()
@@ -28,7 +40,7 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
         format!("{estimator:?}"),
         sheet.estimator.is_none(),
     );
-    let window = match sheet.window.clone().unwrap_or_default() {
+    let window = match sheet.window_or_default() {
         WindowSheet::Tukey { taper } => format!("Tukey, taper {taper}"),
         window => format!("{window:?}"),
     };
@@ -49,10 +61,13 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
         exponential,
         sheet.exponential_window.is_none(),
     );
-    let detrend = sheet.detrend.map_or(
-        "rest before the blow, where there is some".to_owned(),
-        |detrend| format!("{detrend:?}").to_lowercase(),
-    );
+    let usual = match sheet.segments {
+        None => "rest before the blow, where there is some",
+        Some(_) => "mean",
+    };
+    let detrend = sheet.detrend.map_or(usual.to_owned(), |detrend| {
+        format!("{detrend:?}").to_lowercase()
+    });
     say("detrend", detrend, sheet.detrend.is_none());
     let band = sheet
         .band

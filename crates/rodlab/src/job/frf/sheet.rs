@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::job::About;
 
 use crate::RodlabError;
-use crate::hits::HitsSheet;
+use crate::hits::{HitsSheet, Stretch};
 use crate::records::Records;
 use crate::responses::{EstimatorSheet, MergeSheet};
 use crate::sheet::{Duration, Exact, Frequency, ImpactMass, Ratio, Stated, Time};
@@ -25,8 +25,14 @@ pub struct FrfSheet {
     /// Which hits of the records are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
+    /// Long records of a stationary random excitation, averaged over overlapped segments in place of hits.
+    #[serde(default)]
+    pub segments: Option<SegmentsSheet>,
     /// Channel that is divided by, usually the force of the hammer, as `"hammer"`.
     pub input: String,
+    /// Inputs that act together with `input`, as `["shaker 2"]`, each with a response of its own. They need `segments`.
+    #[serde(default)]
+    pub further_inputs: Vec<String>,
     /// Channels that are divided; by default all others, as `["end A"]`.
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
@@ -34,7 +40,7 @@ pub struct FrfSheet {
     /// the channels have in the silence before a blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Weight of the samples of all channels; by default `Rectangular`, which is the one for hits that die out.
+    /// Weight of the samples of all channels; by default `Rectangular`, which is the one for hits that die out, and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
     /// Lets the input through while the hammer is in contact and nothing else.
@@ -44,11 +50,12 @@ pub struct FrfSheet {
     #[serde(default)]
     pub exponential_window: Option<ExponentialWindowSheet>,
     /// What is taken off every hit before the windows: `Rest` (default where the hits have 16 samples of rest before the blow), `Nothing`,
-    /// `Mean` or `Line`.
+    /// `Mean` (default for segments) or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
     /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
-    /// pre-trigger of hits that are cut by a trigger.
+    /// pre-trigger of hits that are cut by a trigger. Of segments, time without excitation at the beginning of each record, behind which they
+    /// begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequencies that the result is for; by default all above 0 Hz.
@@ -63,6 +70,17 @@ pub struct FrfSheet {
     /// Weighed mass of a free body, which replaces the lines of low frequency.
     #[serde(default)]
     pub weighed_mass: Option<WeighedMassSheet>,
+}
+
+/// Overlapped segments of long records (Welch 1967).
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentsSheet {
+    /// Length of a segment, an even number of samples, as `"1 s"` or `"4096 samples"`: its inverse is the distance of the lines.
+    pub length: Stretch,
+    /// Part of a segment that the next one shares; by default half.
+    #[serde(default)]
+    pub overlap: Option<Exact<Ratio>>,
 }
 
 /// Weight of the samples of all channels.
@@ -85,6 +103,24 @@ pub enum WindowSheet {
         /// Tapered part of the samples, both ends together, as `"10 %"`.
         taper: Exact<Ratio>,
     },
+}
+
+impl FrfSheet {
+    /// The window of the sheet, or that of hits or segments.
+    pub(super) fn window_or_default(&self) -> WindowSheet {
+        self.window.clone().unwrap_or(match self.segments {
+            None => WindowSheet::Rectangular,
+            Some(_) => WindowSheet::Hann,
+        })
+    }
+
+    /// All inputs, `input` the first.
+    pub(super) fn inputs(&self) -> Vec<&str> {
+        let further = self.further_inputs.iter().map(String::as_str);
+        std::iter::once(self.input.as_str())
+            .chain(further)
+            .collect()
+    }
 }
 
 impl WindowSheet {

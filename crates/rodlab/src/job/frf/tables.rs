@@ -52,15 +52,22 @@ pub(super) fn table(
     ];
     let several = estimated.coherences.len() > 1;
     for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
-        let name = if several {
-            format!("coherence, {hammer} hammer")
-        } else {
-            "coherence".to_owned()
+        let name = match (several, &estimated.multiple) {
+            (true, _) => format!("coherence, {hammer} hammer"),
+            (false, None) => "coherence".to_owned(),
+            (false, Some(_)) => "partial coherence".to_owned(),
         };
         columns.push(Column::numbers(
             name,
             "",
             each(&|line| coherence.values[line]),
+        ));
+    }
+    if let Some(multiple) = &estimated.multiple {
+        columns.push(Column::numbers(
+            "multiple coherence",
+            "",
+            each(&|line| multiple[line]),
         ));
     }
     if let Some(errors) = response.random_error() {
@@ -95,7 +102,7 @@ pub(super) fn table(
     }
     if let Some(leakage) = &estimated.leakage {
         columns.push(Column::numbers(
-            "systematic error by the end of the record",
+            format!("systematic error {}", estimated.cause),
             "%",
             each(&|line| 100.0 * leakage[line]),
         ));
@@ -152,6 +159,11 @@ pub(super) struct Merit {
 )]
 pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
     let response = &estimated.response;
+    // of several inputs the names of the figures tell them apart
+    let label = &match estimated.multiple {
+        None => output.to_owned(),
+        Some(_) => format!("{output} over {input}"),
+    };
     let in_band: Vec<usize> = (0..response.values.len())
         .filter(|line| band.holds(response.frequency_hz[*line]))
         .collect();
@@ -161,7 +173,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         .filter(|line| estimated.is_valid(*line))
         .collect();
     let mut quantities = vec![Quantity {
-        name: format!("valid lines, {output}"),
+        name: format!("valid lines, {label}"),
         unit: "%".to_owned(),
         value: (!in_band.is_empty()).then(|| 100.0 * valid.len() as f64 / in_band.len() as f64),
         standard_error: None,
@@ -170,9 +182,9 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     }];
     for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
         let name = if estimated.coherences.len() > 1 {
-            format!("lowest coherence, {output}, {hammer} hammer")
+            format!("lowest coherence, {label}, {hammer} hammer")
         } else {
-            format!("lowest coherence, {output}")
+            format!("lowest coherence, {label}")
         };
         let errors = coherence.random_error();
         let lowest = in_band
@@ -204,7 +216,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         let median = by_error.get(by_error.len() / 2).map(|line| percent(*line));
         let largest = by_error.last().copied();
         quantities.push(Quantity {
-            name: format!("median random error, {output}"),
+            name: format!("median random error, {label}"),
             unit: "%".to_owned(),
             value: median,
             standard_error: None,
@@ -212,7 +224,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
             verdict: "of the magnitude on the valid lines of the band".to_owned(),
         });
         quantities.push(Quantity {
-            name: format!("largest random error, {output}"),
+            name: format!("largest random error, {label}"),
             unit: "%".to_owned(),
             value: largest.map(percent),
             standard_error: None,
@@ -238,7 +250,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     }
     if let Some((leakage, _)) = estimated.median_leakage() {
         quantities.push(Quantity {
-            name: format!("median error by the end of the record, {output}"),
+            name: format!("median error {}, {label}", estimated.cause),
             unit: "%".to_owned(),
             value: Some(100.0 * leakage),
             standard_error: None,
@@ -247,7 +259,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         });
     }
     quantities.push(Quantity {
-        name: format!("uncertainty of the calibration, {output}"),
+        name: format!("uncertainty of the calibration, {label}"),
         unit: "%".to_owned(),
         value: (estimated.calibration > 0.0).then_some(100.0 * estimated.calibration),
         standard_error: None,
@@ -259,7 +271,7 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         },
     });
     quantities.extend(of_two_hammers(estimated, output, &valid));
-    quantities.extend(of_the_mass(estimated, output));
+    quantities.extend(of_the_mass(estimated, label));
     let calibration = if estimated.calibration > 0.0 {
         format!(
             "; the calibration adds {} % to all lines together",

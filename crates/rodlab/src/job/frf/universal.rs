@@ -2,20 +2,26 @@
 
 use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
 
-use super::estimate::Estimated;
+use super::Named;
 use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::responses::{AVERAGES, COMMON_ERROR, FREEDOM, MOST_FREEDOM, STANDARD_ERROR};
 use crate::universal::{self, axis, property};
 
 /// `frf.uff` with the response to every output, and the coherence of every test.
-pub(super) fn attachment(
-    estimated: &[(String, Estimated)],
-    input: &str,
-    title: &str,
-) -> Result<Attachment, RodlabError> {
+pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment, RodlabError> {
     let mut contents = Contents::of_format("rodlab");
-    for (output, one) in estimated {
+    for Named {
+        output,
+        input,
+        node,
+        one,
+    } in estimated
+    {
+        let name = &match one.multiple {
+            None => output.clone(),
+            Some(_) => format!("{output} over {input}"),
+        };
         let response = &one.response;
         let frequency = &response.frequency_hz;
         // a line at 0 Hz that is not defined is not written: few programs read what is no number
@@ -33,7 +39,7 @@ pub(super) fn attachment(
             ""
         };
         contents.series.push(Series {
-            name: output.clone(),
+            name: name.clone(),
             kind: if input_quantity == output_quantity {
                 SeriesKind::Transmissibility
             } else {
@@ -49,7 +55,7 @@ pub(super) fn attachment(
                 property("id4", &format!("response of {output} over {input}{damped}")),
                 property("response_node", "2"),
                 property("response_direction", "1"),
-                property("reference_node", "1"),
+                property("reference_node", &node.to_string()),
                 property("reference_direction", "1"),
                 property("denominator_label", input_quantity.name()),
                 property("denominator_unit", unit(input_quantity)),
@@ -87,7 +93,7 @@ pub(super) fn attachment(
                 continue;
             };
             contents.series.push(Series {
-                name: format!("{output}{what}"),
+                name: format!("{name}{what}"),
                 kind: SeriesKind::General,
                 abscissa: abscissa(first),
                 ordinate: Ordinate::Real(values.into_iter().skip(first).collect()),
@@ -102,7 +108,7 @@ pub(super) fn attachment(
         }
         for (number, coherence) in one.coherences.iter().enumerate() {
             contents.series.push(Series {
-                name: output.clone(),
+                name: name.clone(),
                 kind: SeriesKind::Coherence,
                 abscissa: abscissa(0),
                 ordinate: Ordinate::Real(coherence.values.clone()),
@@ -112,7 +118,12 @@ pub(super) fn attachment(
                     property("id2", title),
                     property(
                         "id4",
-                        &format!("coherence of {output} over {input}, test {}", number + 1),
+                        &match one.multiple {
+                            None => {
+                                format!("coherence of {output} over {input}, test {}", number + 1)
+                            }
+                            Some(_) => format!("partial coherence of {output} over {input}"),
+                        },
                     ),
                 ],
             });

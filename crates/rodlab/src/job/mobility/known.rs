@@ -143,7 +143,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
     let mut accelerance = response
         .to_kind(ResponseKind::Accelerance)
         .map_err(|error| RodlabError::step("head_mass", error))?;
-    let spacing_hz = line_spacing_hz(&accelerance);
+    let spacing_hz = line_spacing_hz(&accelerance)?;
     let head = ImpedanceHead::new(mass).map_err(refused)?;
     // lines without information stay what they are
     let known: Vec<bool> = accelerance

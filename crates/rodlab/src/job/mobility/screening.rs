@@ -129,7 +129,7 @@ fn impulse_response(
     outcome: &mut Outcome,
 ) -> Option<ImpulseResponse> {
     let n_lines = known.mobility.values.len();
-    let period = 1.0 / line_spacing_hz(&known.mobility);
+    let period = 1.0 / line_spacing_hz(&known.mobility).ok()?; // or its body had been refused
     let grid = TimeGrid {
         time_step: period / (2 * (n_lines - 1)) as f64,
         n_steps: n_lines - 1,

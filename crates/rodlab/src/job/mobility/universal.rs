@@ -21,7 +21,7 @@ pub(super) fn attachment(known: &Known, title: &str) -> Result<Attachment, Rodla
     let response = &known.mobility;
     let valid = |line: &usize| response.validity[*line] == LineValidity::Valid;
     let lines: Vec<usize> = (0..response.values.len()).filter(valid).collect();
-    let spacing = line_spacing_hz(response);
+    let spacing = line_spacing_hz(response)?;
     let first = lines.first().copied().unwrap_or(0);
     let in_a_row = lines.iter().zip(first..).all(|(line, n)| *line == n);
     // few programs read what is no number: lines without information are left out

@@ -1,0 +1,255 @@
+//! Responses of long records: stationary random excitation by one input or several, averaged over overlapped segments.
+
+use labio::hits::{Copy, Extent, find_copy, repeated_extreme};
+use labio::{AveragedSpectra, Detrend, Record, Welch};
+
+use super::estimate;
+use super::scope::{band_of, outputs_of, outside_of};
+use super::sheet::{DetrendSheet, FrfSheet, SegmentsSheet};
+use super::{Named, of_the_test, report, universal, warn};
+use crate::job::Surroundings;
+use crate::outcome::Verdict;
+use crate::records::{NamedRecord, expect_different_files};
+use crate::responses::{EstimatorSheet, with_silence};
+use crate::rounded::short;
+use crate::{Outcome, RodlabError};
+
+/// Part of a segment that the next one shares, where the sheet states none.
+const OVERLAP: f64 = 0.5;
+
+pub(super) fn run(
+    sheet: &FrfSheet,
+    segments: &SegmentsSheet,
+    around: &Surroundings<'_>,
+    mut outcome: Outcome,
+) -> Result<Outcome, RodlabError> {
+    refuse_hits(sheet)?;
+    let outputs = outputs_of(sheet, &sheet.records, "")?;
+    around.progress.begins("reading records", 0);
+    let loaded = sheet.records.load(around.folder, "records")?;
+    outcome.inputs.extend(loaded.inputs);
+    outcome.settings.extend(loaded.settings);
+    outcome.warnings.extend(loaded.warnings);
+    outcome.log.extend(loaded.left_out);
+    expect_different_files(&outcome.inputs)?;
+    let inputs = sheet.inputs();
+    let channels: Vec<&str> = inputs
+        .iter()
+        .copied()
+        .chain(outputs.iter().map(String::as_str))
+        .collect();
+    check_measurements(&loaded.records, &channels, &mut outcome)?;
+    let Some(first) = loaded.records.first().map(|first| &first.record) else {
+        return Err(RodlabError::request(
+            "records.files",
+            "no record",
+            "at least one",
+        ));
+    };
+    for input in &inputs {
+        for output in &outputs {
+            estimate::check_kind(sheet, first, (input, output))?;
+        }
+    }
+    around.has_read_all()?;
+    let rate = first.sampling_rate_hz();
+    let silent = match &sheet.silent {
+        None => 0,
+        Some(silent) => Extent::Seconds(silent.si())
+            .samples(rate)
+            .map_err(|error| RodlabError::step("silent", error))?,
+    };
+    if let Some(silent) = &sheet.silent {
+        outcome.settings.push(crate::outcome::Setting {
+            name: "silent".to_owned(),
+            value: silent.to_string(),
+            by_default: false,
+        });
+    }
+    let averaging = |error| RodlabError::step("averaging segments", error);
+    let whole: Vec<&Record> = loaded.records.iter().map(|named| &named.record).collect();
+    let excited = whole
+        .iter()
+        .map(|record| record.part(silent..record.n_samples()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(averaging)?;
+    let excited: Vec<&Record> = excited.iter().collect();
+    let length = length_of(segments, rate)?;
+    around.progress.begins("averaging segments", 2);
+    let mut averages = Vec::with_capacity(2);
+    for length in [length, length / 2] {
+        around.go_on()?;
+        let averaged = welch(sheet, segments, length)?
+            .spectra_of(&excited)
+            .map_err(averaging)?;
+        averages.push(averaged);
+        around.progress.one_more();
+    }
+    let (Some(halved), Some(spectra)) = (averages.pop(), averages.pop()) else {
+        return Err(RodlabError::request("segments", "none", "segments"));
+    };
+    let stated = (silent > 0).then_some(silent);
+    let spectra = with_silence(spectra, &whole, stated, &channels, "silent")?;
+    if let Some(reason) = too_few(&spectra, inputs.len()) {
+        outcome
+            .summary
+            .push(format!("No frequency response: {reason}."));
+        outcome.verdict = Verdict::NotAllowed { reason };
+        return Ok(outcome);
+    }
+    let band = band_of(sheet, &spectra)?;
+    let greyed = outside_of(sheet, band, &spectra);
+    let tests = std::slice::from_ref(&spectra);
+    of_the_test(sheet, &[Vec::new()], tests, &greyed, &mut outcome)?;
+    let mut estimated = Vec::new();
+    around.progress.begins("forming responses", outputs.len());
+    for output in &outputs {
+        around.go_on()?;
+        for (input, node) in inputs.iter().zip(1..) {
+            let names = (*input, output.as_str());
+            estimated.push(Named {
+                output: output.clone(),
+                input: (*input).to_owned(),
+                node,
+                one: estimate::of_segments(sheet, [&spectra, &halved], names, first)?,
+            });
+        }
+        around.progress.one_more();
+    }
+    report(sheet, &estimated, band, &greyed, &mut outcome);
+    outcome
+        .attachments
+        .push(universal::attachment(&estimated, &sheet.title)?);
+    outcome.summary.push(format!(
+        "{} segments of {} samples are averaged, worth {} independent ones.",
+        spectra.n_averages(),
+        spectra.n_samples(),
+        short(spectra.effective_averages())
+    ));
+    warn(sheet, tests, &estimated, &mut outcome);
+    Ok(outcome)
+}
+
+/// Refuses what is said of hits.
+fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
+    let hits = &sheet.hits;
+    let stated = [
+        ("hits", hits.is_stated()),
+        ("force_window", sheet.force_window.is_some()),
+        ("exponential_window", sheet.exponential_window.is_some()),
+        ("second_hammer", sheet.second_hammer.is_some()),
+        ("detrend", sheet.detrend == Some(DetrendSheet::Rest)),
+    ];
+    if let Some((field, _)) = stated.into_iter().find(|(_, stated)| *stated) {
+        return Err(RodlabError::request(
+            field,
+            "stated beside `segments`",
+            "nothing that belongs to hits: segments are of records without beginning and end",
+        ));
+    }
+    let estimator = sheet.estimator.unwrap_or_default();
+    if !sheet.further_inputs.is_empty() && estimator != EstimatorSheet::H1 {
+        return Err(RodlabError::request(
+            "estimator",
+            format!("{estimator:?}"),
+            "H1, the estimator of several inputs",
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses records or channels that are one measurement; a channel that stays at a limit is a reason for doubt.
+fn check_measurements(
+    records: &[NamedRecord],
+    channels: &[&str],
+    outcome: &mut Outcome,
+) -> Result<(), RodlabError> {
+    let comparing = |error| RodlabError::step("comparing records", error);
+    let all: Vec<&Record> = records.iter().map(|named| &named.record).collect();
+    let name = |place: usize| records.get(place).map_or("", |named| named.name.as_str());
+    let one = |first: String, second: String| RodlabError::OneMeasurement {
+        first,
+        second,
+        how: "have the same samples",
+    };
+    match find_copy(&all, channels).map_err(comparing)? {
+        Some(Copy::Hits { first, second }) => {
+            return Err(one(name(first).to_owned(), name(second).to_owned()));
+        }
+        Some(Copy::Channels { hit, first, second }) => {
+            let second = format!("channel `{second}` of {}", name(hit));
+            return Err(one(format!("channel `{first}`"), second));
+        }
+        None => {}
+    }
+    for NamedRecord { name, record } in records {
+        for channel in channels {
+            let samples = record.recorded(channel).map_err(comparing)?.to_vec();
+            if let Some((value, count)) = repeated_extreme(&samples) {
+                outcome.doubt(format!(
+                    "`{channel}` of {name} is clipped: {count} samples are at {}, more than next to it",
+                    short(value)
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Number of samples of a segment.
+fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> {
+    let length = segments
+        .length
+        .extent()
+        .samples(rate)
+        .map_err(|error| RodlabError::step("segments.length", error))?;
+    if length < 16 || !length.is_multiple_of(2) {
+        return Err(RodlabError::request(
+            "segments.length",
+            format!("{}, {length} samples", segments.length),
+            "an even number of samples, 16 or more: segments of half the length tell the error by the width of the lines",
+        ));
+    }
+    Ok(length)
+}
+
+/// Segments of `length` samples.
+fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<Welch, RodlabError> {
+    let overlap = segments
+        .overlap
+        .as_ref()
+        .map_or(OVERLAP, |overlap| overlap.si());
+    if !(0.0..1.0).contains(&overlap) {
+        return Err(RodlabError::request(
+            "segments.overlap",
+            format!("{} %", 100.0 * overlap),
+            "a part of the segment from 0 % to less than 100 %",
+        ));
+    }
+    let shared = Extent::Seconds(overlap * length as f64).samples(1.0);
+    let detrend = match sheet.detrend {
+        Some(DetrendSheet::Nothing) => Detrend::None,
+        Some(DetrendSheet::Line) => Detrend::Linear,
+        Some(DetrendSheet::Mean | DetrendSheet::Rest) | None => Detrend::Mean,
+    };
+    shared
+        .and_then(|shared| Welch::new(length)?.with_overlap(shared))
+        .map(|welch| {
+            let window = sheet.window_or_default().window();
+            welch.with_window(window).with_detrend(detrend)
+        })
+        .map_err(|error| RodlabError::step("segments.overlap", error))
+}
+
+/// Why there are no errors; `None` if there are.
+fn too_few(spectra: &AveragedSpectra, n_inputs: usize) -> Option<String> {
+    let effective = spectra.effective_averages();
+    (effective < n_inputs as f64 + 1.0).then(|| {
+        format!(
+            "the records hold {} segments, worth {} independent ones, and {n_inputs} inputs need {} or more",
+            spectra.n_averages(),
+            short(effective),
+            n_inputs + 1
+        )
+    })
+}
