@@ -125,6 +125,11 @@ impl Welch {
                 expected: 1,
             });
         };
+        // before memory is taken for a segment
+        let mut lengths = records.iter().map(|record| record.n_samples());
+        if let Some(short) = lengths.find(|length| *length < self.n_samples) {
+            return Err(self.too_short(short));
+        }
         let mut averager = self.averager(first.channels(), first.sampling_rate_hz())?;
         let window = self.window.sample(self.n_samples)?;
         let (mut sum, mut scatter) = (0.0, 0.0);
@@ -150,9 +155,6 @@ impl Welch {
         reason = "a record has a row for each channel, and a segment ends with the samples of the record or before"
     )]
     fn add(&self, averager: &mut SpectrumAverager, record: &Record) -> Result<(), LabioError> {
-        if record.n_samples() < self.n_samples {
-            return Err(self.too_short(record.n_samples()));
-        }
         averager.check_channels(record)?;
         let samples = record.samples();
         let samples = samples.as_standard_layout();

@@ -75,6 +75,11 @@ impl EstimatorSheet {
 }
 
 /// How two tests become one, line by line.
+///
+/// Both state errors that cover alike, to 1 %. A soft and a hard tip on a body of two modes, noise on force and response, 100 tests: of ten hits
+/// each the mean error of a line is 0.5 to 1 % smaller weighed than chosen, and 0.3 % larger where noise of the force prevails. Of three hits, whose
+/// variances are poor weights, it is up to 6 % larger with the noise at rest known, and up to a quarter without: state `LargerInput` there.
+/// Hammers of equal force gain a third by weighing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
     /// Weighed by the inverse of their relative variances.

@@ -206,7 +206,11 @@ fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> 
     if length < 16 || !length.is_multiple_of(2) {
         return Err(RodlabError::request(
             "segments.length",
-            format!("{}, {length} samples", segments.length),
+            if segments.length.extent() == Extent::Samples(length) {
+                segments.length.to_string()
+            } else {
+                format!("{}, {length} samples", segments.length)
+            },
             "an even number of samples, 16 or more: segments of half the length tell the error by the width of the lines",
         ));
     }
