@@ -33,6 +33,9 @@ const GOOD_ENOUGH: f64 = 0.1;
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 
+/// Points, the heaviest first, at which a further proposal is tried.
+const MOST_TRIED: usize = 4;
+
 /// Step along a ridge in standard deviations, and by how much less than the ½ 3² of a normal the logarithm of L π may fall along it, from its centre on.
 const RIDGE_STEP: f64 = 3.0;
 const RIDGE_DROP: f64 = 3.0;
@@ -194,9 +197,17 @@ pub(crate) fn evidence(
                 error,
             });
         }
-        let heaviest = sample.points.iter().zip(&ln_weights);
-        let heaviest = heaviest.max_by(|(_, a), (_, b)| a.total_cmp(b));
-        let (proposal, _) = Proposal::about(&integrand, heaviest.map(|(point, _)| point)?)?;
+        let mut by_weight: Vec<_> = sample.points.iter().zip(&ln_weights).collect();
+        by_weight.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        // the heaviest point that linearises; without any the last proposal goes on
+        let next = by_weight
+            .iter()
+            .take(MOST_TRIED)
+            .find_map(|(point, _)| Proposal::about(&integrand, point));
+        let proposal = match next {
+            Some((proposal, _)) => proposal,
+            None => sample.proposals.last()?.1.clone(),
+        };
         sample.add(&integrand, proposal, first);
     }
 }
@@ -214,12 +225,14 @@ impl Sample {
     /// Draws `count` points from `proposal`.
     fn add(&mut self, integrand: &Integrand<'_>, proposal: Proposal, count: usize) {
         let begin = self.points.len();
-        let indices: Vec<usize> = (begin..begin + count).collect();
-        let points: Vec<_> = indices.iter().map(|index| proposal.point(*index)).collect();
+        let steps = recurrence_steps(proposal.scales.len());
+        let points: Vec<_> = (begin..begin + count)
+            .map(|index| proposal.point(index, &steps))
+            .collect();
         self.ln_values
             .extend(map_in_order(&points, |z| integrand.at(z)));
         self.points.extend(points);
-        self.proposals.push((indices.len() as f64, proposal));
+        self.proposals.push((count as f64, proposal));
     }
 
     /// Logarithms of the integrand over the density of the mixture of all proposals.
@@ -262,6 +275,15 @@ fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     }
     let variance = (count * squares / (sum * sum) - 1.0).max(0.0);
     (largest + (sum / count).ln(), (variance / count).sqrt())
+}
+
+/// Steps of the additive recurrence along `axes` axes: powers of the inverse root of x^(d+1) = x + 1 (Roberts, 2018).
+fn recurrence_steps(axes: usize) -> Vec<f64> {
+    let exponent = 1.0 / (axes as f64 + 1.0);
+    let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
+    (0..axes)
+        .map(|axis| ratio.powf(-(axis as f64 + 1.0)))
+        .collect()
 }
 
 /// A product of split t distributions with four degrees of freedom along the columns of a factor.
@@ -322,17 +344,14 @@ impl Proposal {
         Some(self.factor.iter().map(product).collect())
     }
 
-    /// Point `index` in standard deviations of the normal.
-    fn point(&self, index: usize) -> Vec<f64> {
-        // the root of x^(d+1) = x + 1 (Roberts, 2018)
-        let exponent = 1.0 / (self.scales.len() as f64 + 1.0);
-        let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
+    /// Point `index` of a recurrence of these steps, in standard deviations of the normal.
+    fn point(&self, index: usize, steps: &[f64]) -> Vec<f64> {
         let along: Vec<f64> = self
             .scales
             .iter()
-            .enumerate()
-            .map(|(axis, [below, above])| {
-                let share = (0.5 + (index as f64 + 1.0) * ratio.powf(-(axis as f64 + 1.0))).fract();
+            .zip(steps)
+            .map(|([below, above], step)| {
+                let share = (0.5 + (index as f64 + 1.0) * step).fract();
                 // the halves of a split density meet at its peak: each has the weight of its scale
                 let left = below / (below + above);
                 if share < left {
