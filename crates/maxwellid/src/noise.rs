@@ -22,6 +22,11 @@ pub enum HistoryNoise {
         /// Sampling rate \[Hz\].
         rate_hz: f64,
     },
+    /// Of an autocovariance that is known.
+    Coloured {
+        /// From lag 0 on, nothing beyond [m²/s²].
+        autocovariance: Vec<f64>,
+    },
 }
 
 impl HistoryNoise {
@@ -36,6 +41,7 @@ impl HistoryNoise {
                 differentiator,
                 rate_hz,
             } => (displacement * rate_hz).powi(2) * differentiator.autocovariance(lag),
+            Self::Coloured { autocovariance } => autocovariance.get(lag).copied().unwrap_or(0.0),
         }
     }
 

@@ -13,10 +13,14 @@
 //! √(2/n), n the number of lines, or above 1, no parameter of a nonlinear law is to be trusted.
 //!
 //! # Validity
-//! The noise is stated ([`RodTest::with_noise`] and its kin). A signal below a third of the noise is not seen, and may still bias E by a standard error. A cut-off that is not stated is taken as the
+//! The noise is stated ([`RodTest::with_noise`] and its kin). A signal below a third of the noise is not seen, and may still bias E by a standard error: [`NarrowedBand`] asks the estimate itself. A cut-off that is not stated is taken as the
 //! usual one of recorders, the sampling rate over 2.56.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
+
+mod narrowed_band;
+
+pub use narrowed_band::{BandDifference, KEPT, LEAST_SHARE, LEVEL, NarrowedBand};
 
 use crate::error::MaxwellidError;
 use crate::test::RodTest;

@@ -206,7 +206,7 @@ impl Weighting {
                 });
                 &scaled * scaled.transpose()
             }
-            HistoryNoise::Differentiated { .. } => {
+            HistoryNoise::Differentiated { .. } | HistoryNoise::Coloured { .. } => {
                 &transfer.matrix
                     * toeplitz(&noise.excitation, samples)
                     * transfer.matrix.transpose()

@@ -203,3 +203,46 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + 
             .collect()
     })
 }
+
+/// Striker, rod, filter, samples: both histories through the recorder.
+pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
+    let record = struck(law, velocity);
+    Exact {
+        velocity,
+        excitation: record.excitation,
+        response: record.response,
+        generator: "characteristics of striker and rod",
+    }
+}
+
+/// The near end behind a rounded striker: that of a flat one, smoothed by a normal density of `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder
+/// loses nothing.
+pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
+    let record = struck(law, velocity);
+    let sharp = &record.excitation_before_sampling;
+    let times = times(&record);
+    let end = times[times.len() - 1];
+    let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();
+    let weights: Vec<f64> = places.iter().map(|z| (-0.5 * z * z).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    let excitation: Vec<f64> = times
+        .iter()
+        .map(|t| {
+            let pairs = places.iter().zip(&weights);
+            let values = pairs.map(|(z, w)| w * sharp.at((t + deviation * z).clamp(0.0, end)));
+            values.sum::<f64>() / sum
+        })
+        .collect();
+    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
+    let driven = SampledHistory::new(&excitation, ACQUISITION.recorder.rate_hz).unwrap();
+    let response = LumpedRod::new(&rod, 400, 0.5)
+        .unwrap()
+        .free_end_velocity(&driven, &times)
+        .unwrap();
+    Exact {
+        velocity,
+        excitation,
+        response,
+        generator: lumped::GENERATOR,
+    }
+}

@@ -10,7 +10,7 @@ mod words;
 pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
 use maxwellid::profile::Profile;
-use maxwellid::recorder::RecorderCheck;
+use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Selection};
 use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
@@ -117,12 +117,32 @@ struct Found {
     comparison: Option<Comparison>,
     /// A check for each test.
     recorders: Vec<RecorderCheck>,
+    /// Estimates of nonlinear laws on a narrower band, where no recorder is biased by its excitation alone.
+    bands: Vec<NarrowedBand>,
     /// Name of the law that the profiles are of.
     profiled: Option<String>,
     profiles: Vec<Profile>,
 }
 
 impl Found {
+    /// The estimates that move on a narrower band.
+    fn sensitive(&self) -> impl Iterator<Item = &NarrowedBand> {
+        let laws = self.bands.len();
+        self.bands
+            .iter()
+            .filter(move |band| band.is_sensitive(laws))
+    }
+
+    /// What shows that the recorder biases nonlinear laws.
+    fn why_biased(&self) -> String {
+        let of_excitation = || {
+            "the excitation stands above its noise beyond 0.6 of the recorder's cut-off".to_owned()
+        };
+        self.sensitive()
+            .next()
+            .map_or_else(of_excitation, NarrowedBand::to_string)
+    }
+
     /// Whether the fastest test is distinctly faster than the slowest, as the comparison understands it.
     fn has_several_velocities(&self) -> bool {
         let fastest = self.impact_velocities.iter().copied().fold(0.0, f64::max);
@@ -197,7 +217,7 @@ pub(crate) fn run(
     around.has_read_all()?;
 
     let recorders = recorders(sheet, &tests)?;
-    let is_biased = recorders.iter().any(RecorderCheck::is_biased);
+    let mut is_biased = recorders.iter().any(RecorderCheck::is_biased);
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     around.progress.begins("identification", steps);
     let comparison = sheet
@@ -211,19 +231,36 @@ pub(crate) fn run(
         .map_err(|error| RodlabError::step("comparing the laws", error))?;
     around.progress.one_more();
     around.go_on()?;
-    let left = Left::of(comparison.as_ref(), is_biased);
+    let mut left = Left::of(comparison.as_ref(), is_biased);
     let cell = sheet.cell.as_ref().map(Exact::si);
     let mut fits = Vec::new();
     for candidate in candidates(sheet, &left, comparison.as_ref())? {
         fits.push(LawFit::of(candidate, cell, comparison.as_ref()));
     }
     let mut laws = Vec::with_capacity(fits.len());
+    let mut bands = Vec::new();
     for fit in &fits {
-        let mut law = fit.fitted(&tests)?;
+        let identified = fit.fitted(&tests)?;
+        let mut law = FittedLaw::of(&identified);
         law.standing = left.standing(&law, comparison.as_ref(), is_biased);
+        if law.is_stated_nonlinear() {
+            match fit.on_narrowed_band(&identified, &tests, &recorders) {
+                Ok(band) => bands.push(band),
+                Err(error) => outcome.warnings.push(format!(
+                    "the estimate was not compared with one on a narrower band: {error}"
+                )),
+            }
+        }
         laws.push(law);
         around.progress.one_more();
         around.go_on()?;
+    }
+    if bands.iter().any(|band| band.is_sensitive(bands.len())) {
+        is_biased = true;
+        left = Left::of(comparison.as_ref(), is_biased);
+        for law in &mut laws {
+            law.standing = left.standing(law, comparison.as_ref(), is_biased);
+        }
     }
     let profiled = sheet
         .profiles
@@ -254,6 +291,7 @@ pub(crate) fn run(
         left,
         comparison,
         recorders,
+        bands,
         profiled,
         profiles,
     };
@@ -267,6 +305,13 @@ pub(crate) fn run(
             what: format!("recorder of test `{}`", check.test),
             accepted: !check.is_biased(),
             reasons: vec![check.to_string()],
+        });
+    }
+    for band in &found.bands {
+        outcome.log.push(LogEntry {
+            what: format!("estimate of {} on a narrower band", band.model),
+            accepted: !band.is_sensitive(found.bands.len()),
+            reasons: vec![band.to_string()],
         });
     }
     if let Some(comparison) = &found.comparison {

@@ -115,7 +115,8 @@ impl Left {
 /// The first sentences, the verdict and the warnings.
 pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     let biased: Vec<&RecorderCheck> = found.recorders.iter().filter(|r| r.is_biased()).collect();
-    tell_comparison(found, !biased.is_empty(), outcome);
+    let is_biased = !biased.is_empty() || found.sensitive().next().is_some();
+    tell_comparison(found, is_biased, outcome);
     for law in &found.laws {
         outcome.summary.push(law.in_words());
         if law.standing == Standing::Possible {
@@ -136,7 +137,12 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     for check in biased.iter().filter(|_| asks_nonlinear) {
         outcome.warnings.push(check.to_string());
     }
-    tell_verdict(found, !biased.is_empty(), outcome);
+    for band in found.sensitive() {
+        outcome.warnings.push(format!(
+            "{band}: the filter of the recorder biases the parameters of nonlinear laws; use a striker of smoother pulse or a faster recorder"
+        ));
+    }
+    tell_verdict(found, is_biased, outcome);
 }
 
 #[allow(
@@ -230,18 +236,20 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
     if !found.laws.iter().any(stands) {
         let reason = if is_none {
-            "none of the laws explains the data, so that none of their parameters is one of the material"
+            "none of the laws explains the data, so that none of their parameters is one of the material".to_owned()
         } else if is_biased {
-            "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified"
+            format!(
+                "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified ({})",
+                found.why_biased()
+            )
         } else {
-            "no law that the data leave has a damping that they determine"
+            "no law that the data leave has a damping that they determine".to_owned()
         };
-        outcome.verdict = Verdict::NotAllowed {
-            reason: reason.to_owned(),
-        };
+        outcome.verdict = Verdict::NotAllowed { reason };
         return;
     }
     if is_biased && nonlinear_is_left() {
-        outcome.doubt("nonlinear laws are not identified: the excitation stands above its noise beyond 0.6 of the recorder's cut-off; use a striker of smoother pulse or a faster recorder");
+        let why = found.why_biased();
+        outcome.doubt(format!("nonlinear laws are not identified: {why}; use a striker of smoother pulse or a faster recorder"));
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use maxwellid::profile::Profile;
+use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison};
 use maxwellid::{
     Estimate, Fit, FitFlag, Identification, Noise, RodModel, RodTest, Role, Scale,
@@ -80,6 +81,8 @@ fn found_by(comparison: &Comparison, candidate: &Candidate) -> Option<Vec<f64>> 
     Some(candidate.model().special_case(&series)?.parameters)
 }
 
+pub(super) type Identified = Identification<Arc<dyn RodModel>>;
+
 /// The fit of a law, also from where the comparison found it.
 pub(super) struct LawFit {
     candidate: Candidate,
@@ -111,9 +114,21 @@ impl LawFit {
         move |error| RodlabError::step(what.as_str(), error)
     }
 
-    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<FittedLaw, RodlabError> {
-        let identified = self.fit.to(tests).map_err(self.refused())?;
-        Ok(FittedLaw::of(&identified))
+    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<Identified, RodlabError> {
+        self.fit.to(tests).map_err(self.refused())
+    }
+
+    /// The estimate on a narrower band beside `identified`.
+    pub(super) fn on_narrowed_band(
+        &self,
+        identified: &Identified,
+        tests: &[RodTest],
+        recorders: &[RecorderCheck],
+    ) -> Result<NarrowedBand, RodlabError> {
+        let cutoffs: Vec<Option<f64>> = recorders.iter().map(|r| Some(r.cutoff_hz)).collect();
+        self.fit
+            .on_narrowed_band(identified, tests, &cutoffs)
+            .map_err(self.refused())
     }
 
     /// The law at the lowest minimum that its profiles lead to as well, with the profiles.
@@ -138,7 +153,7 @@ impl FittedLaw {
         self
     }
 
-    fn of(identified: &Identification<Arc<dyn RodModel>>) -> Self {
+    pub(super) fn of(identified: &Identified) -> Self {
         let estimates = identified
             .identifiability(Noise::Stated)
             .map(|found| found.estimates)
@@ -164,6 +179,11 @@ impl FittedLaw {
             .iter()
             .skip(1)
             .any(|e| e.role == Role::Coordinate && e.verdict == Verdict::Identified)
+    }
+
+    /// Whether the law is nonlinear and its damping is stated as that of the material.
+    pub(super) fn is_stated_nonlinear(&self) -> bool {
+        !self.is_linear && self.standing == Standing::Possible && self.has_identified_damping()
     }
 
     /// Whether a profile may find more than the errors of the linearised problem say.

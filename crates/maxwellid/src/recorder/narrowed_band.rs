@@ -1,0 +1,380 @@
+//! Sensitivity of an estimate to the upper part of the band of its recorder.
+//!
+//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as the band narrows. Both histories pass one more low-pass filter without phase, of
+//! [`KEPT`] of the cut-off, and the law is fitted to them again. Where nothing but noise is lost the estimate stays where it was: with an efficient estimate on the
+//! whole band the variance of the difference is that of its parts (Hausman, *Econometrica* **46** (1978) 1251)
+//!
+//! ```text
+//! z = (θ_n - θ) / √(σ_n² - σ²)
+//! ```
+//!
+//! # Validity
+//! σ_n² - σ² is taken as [`LEAST_SHARE`]² σ² at least, where both estimates are nearly one. A parameter whose error on the narrower band exceeds
+//! [`IDENTIFIED_BELOW`] is left out. What is lost beyond the cut-off is not seen itself, only what is lost between [`KEPT`] of it and the whole. Half of the band would be too narrow:
+//! behind a pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors, although the whole band loses nothing.
+//!
+//! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
+
+use rodwave::band_limited::SampledHistory;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::USUAL_RATIO;
+use crate::error::MaxwellidError;
+use crate::fit::{Course, Fit};
+use crate::identifiability::{IDENTIFIED_BELOW, Noise};
+use crate::identification::Identification;
+use crate::model::RodModel;
+use crate::noise::{HistoryNoise, TestNoise};
+use crate::test::{RodTest, RodTestData};
+
+/// Share of the cut-off of the recorder that the narrower band keeps.
+pub const KEPT: f64 = 0.7;
+
+/// Probability of a false alarm over all parameters of all laws that are compared.
+pub const LEVEL: f64 = 0.01;
+
+/// Least standard error of a difference, in standard errors of the estimate.
+pub const LEAST_SHARE: f64 = 0.5;
+
+/// Edge of the stop band of the filter over its cut-off, where it passes a half.
+const STOP: f64 = 1.28;
+
+/// An estimate on the narrower band beside that on the whole.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct NarrowedBand {
+    /// Name of the model.
+    pub model: String,
+    /// Lowest cut-off of the narrower bands \[Hz\].
+    pub cutoff_hz: f64,
+    /// Of the parameters that the narrower band determines.
+    pub differences: Vec<BandDifference>,
+}
+
+/// A parameter on the narrower band and on the whole, in the coordinate of the fit.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct BandDifference {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// θ_n - θ.
+    pub difference: f64,
+    /// Standard error of θ.
+    pub full_error: f64,
+    /// Standard error of θ_n.
+    pub narrow_error: f64,
+}
+
+impl BandDifference {
+    /// Difference in its standard errors.
+    #[must_use]
+    pub fn z(&self) -> f64 {
+        let variance = self.narrow_error.powi(2) - self.full_error.powi(2);
+        self.difference / variance.sqrt().max(LEAST_SHARE * self.full_error)
+    }
+}
+
+impl NarrowedBand {
+    /// The parameter that differs most.
+    #[must_use]
+    pub fn worst(&self) -> Option<&BandDifference> {
+        let mut sorted: Vec<_> = self.differences.iter().collect();
+        sorted.sort_by(|a, b| a.z().abs().total_cmp(&b.z().abs()));
+        sorted.pop()
+    }
+
+    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 where the narrower band determines none.
+    #[must_use]
+    pub fn p_value(&self) -> f64 {
+        let z = self.worst().map_or(0.0, |worst| worst.z().abs());
+        (2.0 * Normal::standard().sf(z) * self.differences.len() as f64).min(1.0)
+    }
+
+    /// Whether a parameter moves by more than chance permits, where as many `laws` are compared: a false alarm of any of them has the probability [`LEVEL`].
+    #[must_use]
+    pub fn is_sensitive(&self, laws: usize) -> bool {
+        self.p_value() * (laws as f64) < LEVEL
+    }
+}
+
+/// The comparison with its numbers.
+impl std::fmt::Display for NarrowedBand {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Some(worst) = self.worst() else {
+            return write!(
+                f,
+                "{}: the band up to {:.1} kHz determines none of its parameters",
+                self.model,
+                1e-3 * self.cutoff_hz
+            );
+        };
+        write!(
+            f,
+            "{}: with both histories low-passed at {:.1} kHz, {KEPT} of the cut-off of the recorder, {} moves by {:.1} of its standard errors, which is {:.1} of those of \
+             such a difference (probability {:.1e} for the largest of all)",
+            self.model,
+            1e-3 * self.cutoff_hz,
+            worst.parameter,
+            worst.difference / worst.full_error,
+            worst.z(),
+            self.p_value()
+        )
+    }
+}
+
+impl<M: RodModel + Clone> Fit<M> {
+    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares. `cutoffs_hz` are those of the recorders \[Hz\], `None` where one is not known.
+    ///
+    /// # Errors
+    /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
+    pub fn on_narrowed_band(
+        &self,
+        found: &Identification<M>,
+        tests: &[RodTest],
+        cutoffs_hz: &[Option<f64>],
+    ) -> Result<NarrowedBand, MaxwellidError> {
+        let cutoffs: Vec<f64> = tests
+            .iter()
+            .enumerate()
+            .map(|(index, test)| {
+                let usual = test.sampling_rate_hz / USUAL_RATIO;
+                let stated = cutoffs_hz.get(index).copied().flatten();
+                KEPT * stated.unwrap_or(usual).min(usual)
+            })
+            .collect();
+        let narrow = tests
+            .iter()
+            .zip(&cutoffs)
+            .map(|(test, cutoff)| low_passed(test, *cutoff))
+            .collect::<Result<Vec<_>, _>>()?;
+        let fit = self.clone().with_cell(found.cell());
+        fit.check_all(&narrow)?;
+        let narrowed = fit.lowest_from(&narrow, found.parameters(), Course::default())?;
+        let narrowed = fit.concluded(narrowed);
+        let errors = |of: &Identification<M>| {
+            of.identifiability(Noise::Stated)
+                .map(|judged| judged.coordinate_errors)
+                .ok_or(MaxwellidError::Decomposition {
+                    iteration: of.iterations(),
+                })
+        };
+        let names = found.model().parameter_names();
+        let values = narrowed.parameters().iter().zip(found.parameters());
+        let errors = errors(&narrowed)?.into_iter().zip(errors(found)?);
+        let differences = names
+            .iter()
+            .zip(values)
+            .zip(errors)
+            .map(
+                |((name, (other, full)), (narrow_error, full_error))| BandDifference {
+                    parameter: (*name).to_owned(),
+                    difference: other - full,
+                    full_error,
+                    narrow_error,
+                },
+            )
+            .filter(|difference| difference.narrow_error < IDENTIFIED_BELOW)
+            .collect();
+        Ok(NarrowedBand {
+            model: found.model().name().to_owned(),
+            cutoff_hz: cutoffs.into_iter().fold(f64::INFINITY, f64::min),
+            differences,
+        })
+    }
+}
+
+/// Both histories through a low-pass filter without phase that passes half of the amplitude at `cutoff` [Hz], with every few samples kept.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "kept samples end half of the filter before the record does"
+)]
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cut-off is above 0 and below 0.28 of the sampling rate, and sample counts are far below 2^52"
+)]
+fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
+    let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
+        test: test.name().to_owned(),
+    })?;
+    let share = cutoff / test.sampling_rate_hz;
+    let keep = ((0.5 / (STOP * share)).floor() as usize).max(1);
+    let taps = taps(share);
+    let reach = taps.len() / 2;
+    let count = test.excitation_samples.len();
+    let kept = count.saturating_sub(reach).div_ceil(keep);
+    let filtered = |samples: &[f64]| -> Vec<f64> {
+        (0..kept)
+            .map(|k| {
+                let at = k * keep + reach;
+                let terms = taps.iter().enumerate();
+                // the rod is at rest before the record
+                terms
+                    .filter_map(|(j, h)| Some(h * samples.get(at.checked_sub(j)?)?))
+                    .sum()
+            })
+            .collect()
+    };
+    let of_history = |noise: &HistoryNoise| HistoryNoise::Coloured {
+        autocovariance: covariance_through(noise, &taps, keep, kept),
+    };
+    let narrow = RodTest::new(RodTestData {
+        name: test.name.clone(),
+        length: test.length,
+        density: test.density,
+        impact_velocity: test.impact_velocity,
+        sampling_rate_hz: test.sampling_rate_hz / keep as f64,
+        excitation: filtered(&test.excitation_samples),
+        response: filtered(&test.response),
+        provenance: test.provenance.clone(),
+    })?
+    .with_history_noise(TestNoise {
+        excitation: of_history(&noise.excitation),
+        response: of_history(&noise.response),
+    })?;
+    // behind a window that was set or a clipped sample nothing is compared
+    let window = (test.window.saturating_sub(1) / keep + 1)
+        .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));
+    Ok(RodTest { window, ..narrow })
+}
+
+/// Windowed sinc (Hamming): passes 1 at frequency 0, a half at `share` of the sampling rate, and less than 0.3 % from [`STOP`] times that on.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share is at least 1e-9 or so; some hundred taps"
+)]
+fn taps(share: f64) -> Vec<f64> {
+    // the window's transition is 3.3 over the number of taps
+    let reach = (0.5 * 3.3 / (2.0 * (STOP - 1.0) * share)).ceil() as usize;
+    let raw: Vec<f64> = (0..=2 * reach)
+        .map(|j| {
+            let x = j as f64 - reach as f64;
+            let phase = std::f64::consts::TAU * share * x;
+            let sinc = if j == reach { 1.0 } else { phase.sin() / phase };
+            sinc * (0.54 + 0.46 * (std::f64::consts::PI * x / (reach as f64 + 1.0)).cos())
+        })
+        .collect();
+    let sum: f64 = raw.iter().sum();
+    raw.into_iter().map(|h| h / sum).collect()
+}
+
+/// Autocovariance of noise behind a filter of which every `keep`-th sample is kept, up to `lags`.
+fn covariance_through(noise: &HistoryNoise, taps: &[f64], keep: usize, lags: usize) -> Vec<f64> {
+    let of_taps: Vec<f64> = (0..taps.len())
+        .map(|lag| {
+            taps.iter()
+                .zip(taps.iter().skip(lag))
+                .map(|(a, b)| a * b)
+                .sum()
+        })
+        .collect();
+    (0..lags)
+        .map(|k| {
+            let at = k * keep;
+            let terms = of_taps.iter().enumerate();
+            terms
+                .map(|(m, h)| {
+                    let below = h * noise.autocovariance(at.abs_diff(m));
+                    if m == 0 {
+                        below
+                    } else {
+                        below + h * noise.autocovariance(at + m)
+                    }
+                })
+                .sum()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// |Σ h_j e^{-iωj}| of a filter that is even about its middle.
+    fn gain(taps: &[f64], frequency: f64) -> f64 {
+        let middle = 0.5 * (taps.len() as f64 - 1.0);
+        let terms = taps.iter().enumerate();
+        terms
+            .map(|(j, h)| h * (std::f64::consts::TAU * frequency * (j as f64 - middle)).cos())
+            .sum()
+    }
+
+    #[test]
+    fn r02_the_filter_passes_its_band_and_no_more() {
+        for share in [0.07, 0.2, 0.7 / 2.56] {
+            let taps = taps(share);
+            assert!((gain(&taps, 0.0) - 1.0).abs() < 1e-12);
+            // a half at the cut-off, for a window that is narrow against the band
+            assert!((gain(&taps, share) - 0.5).abs() < 5e-3, "{share}");
+            // side lobes of a Hamming window: -53 dB
+            for k in 0..200 {
+                let beyond = STOP * share + (0.5 - STOP * share) * f64::from(k) / 200.0;
+                assert!(gain(&taps, beyond).abs() < 4e-3, "{share} {beyond}");
+                let within = (2.0 - STOP) * share * f64::from(k) / 200.0;
+                assert!((gain(&taps, within) - 1.0).abs() < 4e-3, "{share} {within}");
+            }
+        }
+    }
+
+    /// The autocovariance behind the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a period, which is exact for it.
+    #[test]
+    fn r02_noise_behind_the_filter_is_that_of_its_spectrum() {
+        let noise = HistoryNoise::Coloured {
+            autocovariance: vec![2.0, -0.7, 0.1],
+        };
+        let taps = taps(0.1);
+        let density = |f: f64| {
+            let wave = |lag: f64| (std::f64::consts::TAU * f * lag).cos();
+            2.0 - 1.4 * wave(1.0) + 0.2 * wave(2.0)
+        };
+        let found = covariance_through(&noise, &taps, 3, 8);
+        for (k, found) in found.iter().enumerate() {
+            let lines = 1000;
+            let expected: f64 = (0..lines)
+                .map(|j| f64::from(j) / f64::from(lines))
+                .map(|f| {
+                    let turn = (std::f64::consts::TAU * f * 3.0 * k as f64).cos();
+                    gain(&taps, f).powi(2) * density(f) * turn / f64::from(lines)
+                })
+                .sum();
+            assert!((found - expected).abs() < 1e-12, "{k}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn r02_differences_are_judged_by_their_own_error() {
+        let band = |difference: f64, full_error: f64, narrow_error: f64| NarrowedBand {
+            model: "law".into(),
+            cutoff_hz: 1e4,
+            differences: vec![
+                BandDifference {
+                    parameter: "exponent".into(),
+                    difference,
+                    full_error,
+                    narrow_error,
+                },
+                BandDifference {
+                    parameter: "ln_modulus".into(),
+                    difference: 0.0,
+                    full_error,
+                    narrow_error,
+                },
+            ],
+        };
+        // 3, 4, 5; two parameters, the normal's 0.005 to either side at 2.807 for a level of 0.01
+        assert!((band(0.04, 0.03, 0.05).differences[0].z() - 1.0).abs() < 1e-12);
+        assert!(band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(1));
+        assert!(!band(-0.04 * 2.80, 0.03, 0.05).is_sensitive(1));
+        assert!(!band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(2));
+        // nothing but noise is lost
+        assert!((band(0.03, 0.03, 0.03).differences[0].z() - 2.0).abs() < 1e-12);
+        let said = band(-0.4, 0.03, 0.05).to_string();
+        assert!(
+            said.contains("10.0 kHz") && said.contains("exponent"),
+            "{said}"
+        );
+    }
+}
