@@ -36,6 +36,8 @@ pub struct Identification<M> {
     course: Course,
     /// Whether χ² beside the minimum is not that of the standard error, an entry for each parameter of the model.
     curved: Vec<bool>,
+    /// The same with weights and excitation renewed there.
+    bent: Vec<bool>,
 }
 
 /// Ratio of a half width of an interval to that of the standard error within which the error stands for it.
@@ -88,6 +90,7 @@ impl<M: RodModel> Identification<M> {
             difference,
             course,
             curved: Vec::new(),
+            bent: Vec::new(),
         }
         .with_curvature(problem, minimum)
     }
@@ -136,12 +139,29 @@ impl<M: RodModel> Identification<M> {
                 let rise = problem
                     .residual(&end)
                     .map_or(f64::INFINITY, |r| sum_of_squares(&r) - least);
-                let promised = QUANTILE_95 * self.error_factor();
-                // the rise goes as the square of the distance
-                !STRAIGHT.contains(&(promised / rise.max(0.0).sqrt()))
+                self.is_bent_by(rise)
             })
         });
         self
+    }
+
+    /// Whether a rise of χ² at an end of an interval of 95 % is not that of the standard error.
+    pub(crate) fn is_bent_by(&self, rise: f64) -> bool {
+        let promised = QUANTILE_95 * self.error_factor();
+        // the rise goes as the square of the distance
+        !STRAIGHT.contains(&(promised / rise.max(0.0).sqrt()))
+    }
+
+    /// States the parameters whose error does not stand for χ² with weights and excitation renewed.
+    pub(crate) fn with_bent(mut self, bent: Vec<bool>) -> Self {
+        self.bent = bent;
+        self.curved = self.curved_or_bent();
+        self
+    }
+
+    fn curved_or_bent(&self) -> Vec<bool> {
+        let both = self.curved.iter().zip(&self.bent);
+        both.map(|(curved, bent)| *curved || *bent).collect()
     }
 
     /// Factor on standard errors for a residual above the noise.
@@ -172,6 +192,7 @@ impl<M: RodModel> Identification<M> {
                 !(is_straight(profile.lower) && is_straight(profile.upper))
             })
             .collect();
+        self.curved = self.curved_or_bent();
         self.course
             .flags
             .retain(|flag| !matches!(flag, FitFlag::Curved { .. }));

@@ -279,10 +279,10 @@ fn standard_errors(linearisation: &Linearisation, deviations: &[f64]) -> Vec<f64
 }
 
 /// A problem with one parameter held.
-struct Held<'a> {
-    problem: &'a dyn LeastSquares,
-    index: usize,
-    value: f64,
+pub(crate) struct Held<'a> {
+    pub(crate) problem: &'a dyn LeastSquares,
+    pub(crate) index: usize,
+    pub(crate) value: f64,
 }
 
 impl Held<'_> {

@@ -268,7 +268,7 @@ fn the_alternation_ends_where_nothing_moves() {
     let weighted = |start: &[f64]| {
         let problem = TestResidual::new(&tests, &fit.model, 6e-3);
         let mut course = Course::default();
-        let (_, minimum) = fit.weighted(problem, start, &mut course).unwrap();
+        let (_, minimum) = fit.weighted(problem, start, None, &mut course).unwrap();
         (minimum, course.iterations)
     };
     let (mut at, _) = weighted(&fit.model.parameters(3.209e9));

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! # Validity
-//! σ_n² - σ² is taken as [`LEAST_SHARE`]² σ² at least, where both estimates are nearly one. A parameter whose error on the narrower band exceeds
+//! σ_n² - σ² is taken as [`LEAST_SHARE`]² σ² at least, so that a difference within the error of the estimate itself accuses nobody. A parameter whose error on the narrower band exceeds
 //! [`IDENTIFIED_BELOW`] is left out. What is lost beyond the cut-off is not seen itself, only what is lost between [`KEPT`] of it and the whole. Half of the band would be too narrow:
 //! behind a pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors, although the whole band loses nothing.
 //!
@@ -34,7 +34,7 @@ pub const KEPT: f64 = 0.7;
 pub const LEVEL: f64 = 0.01;
 
 /// Least standard error of a difference, in standard errors of the estimate.
-pub const LEAST_SHARE: f64 = 0.5;
+pub const LEAST_SHARE: f64 = 1.0;
 
 /// Edge of the stop band of the filter over its cut-off, where it passes a half.
 const STOP: f64 = 1.28;
@@ -309,12 +309,12 @@ mod tests {
             assert!((gain(&taps, 0.0) - 1.0).abs() < 1e-12);
             // a half at the cut-off, for a window that is narrow against the band
             assert!((gain(&taps, share) - 0.5).abs() < 5e-3, "{share}");
-            // side lobes of a Hamming window: -53 dB
+            // side lobes of a Hamming window: -53 dB; where the transition begins they add up to twice that
             for k in 0..200 {
                 let beyond = STOP * share + (0.5 - STOP * share) * f64::from(k) / 200.0;
-                assert!(gain(&taps, beyond).abs() < 4e-3, "{share} {beyond}");
+                assert!(gain(&taps, beyond).abs() < 3e-3, "{share} {beyond}");
                 let within = (2.0 - STOP) * share * f64::from(k) / 200.0;
-                assert!((gain(&taps, within) - 1.0).abs() < 4e-3, "{share} {within}");
+                assert!((gain(&taps, within) - 1.0).abs() < 6e-3, "{share} {within}");
             }
         }
     }
@@ -370,7 +370,7 @@ mod tests {
         assert!(!band(-0.04 * 2.80, 0.03, 0.05).is_sensitive(1));
         assert!(!band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(2));
         // nothing but noise is lost
-        assert!((band(0.03, 0.03, 0.03).differences[0].z() - 2.0).abs() < 1e-12);
+        assert!((band(0.03, 0.03, 0.03).differences[0].z() - 1.0).abs() < 1e-12);
         let said = band(-0.4, 0.03, 0.05).to_string();
         assert!(
             said.contains("10.0 kHz") && said.contains("exponent"),
