@@ -164,7 +164,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
         of_generator,
         Ok(worst(&fit.model.parameters())),
     );
-    let verdicts = fit.estimates.clone().map(|estimate| estimate.verdict);
+    let verdicts = fit.estimates.map(|estimate| estimate.verdict);
     assert_eq!(
         verdicts,
         [

@@ -217,7 +217,7 @@ fn what_does_not_fit_is_refused_before_the_first_byte() {
         as_float(&with(|s| s.kind = SeriesKind::Coherence)),
         as_float(&with(|s| s.abscissa_axis.unit_text = "ms".to_owned())),
         as_float(&with(|s| {
-            s.properties.push(("block".to_owned(), "1".to_owned()))
+            s.properties.push(("block".to_owned(), "1".to_owned()));
         })),
         as_float(&at(0.0, 0.3)),
         as_float(&at(1.0, 0.5)),

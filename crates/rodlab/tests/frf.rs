@@ -1311,9 +1311,8 @@ fn shaken(path: &Path, n: usize, silent: usize, other: f64, seed: u64) {
             .map(|_| 40.0 * normal())
             .collect::<Vec<f64>>()
     });
-    for knot in 0..silent.div_ceil(KNOTS) + 1 {
-        numbers[0][knot] = 0.0;
-        numbers[1][knot] = 0.0;
+    for numbers in &mut numbers {
+        numbers[..=silent.div_ceil(KNOTS)].fill(0.0);
     }
     // the shakers hear each other
     let forces = |t: f64| {

@@ -141,7 +141,7 @@ impl FrequencyResponse {
         let at = |line: usize| even.get(line).copied();
         Ok((0..self.values.len())
             .map(|line| match (at(line / 2), at(line.div_ceil(2))) {
-                (Some(one), Some(other)) if !(one > other) => other,
+                (Some(one), Some(other)) if one.total_cmp(&other).is_lt() => other,
                 (Some(one), _) => one,
                 (None, _) => f64::NAN,
             })
