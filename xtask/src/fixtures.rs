@@ -39,7 +39,10 @@ pub(crate) fn run(check: bool) -> Outcome {
     refuse_orphans(&golden, &expected)?;
     paper_d::load()?;
     let tests = reference::tests(root)?;
-    if let Some(name) = expected.iter().find(|name| !tests.contains(&*name.to_string_lossy())) {
+    if let Some(name) = expected
+        .iter()
+        .find(|name| !tests.contains(&*name.to_string_lossy()))
+    {
         return Err(Box::new(FixtureError::NotRead {
             path: golden.join(name),
         }));

@@ -230,6 +230,7 @@ mod tests {
     }
 
     /// Equations 3 and 4 as printed.
+    /// (Ödeen 1993, paper B, eqs. 8 and 9).
     #[test]
     fn closed_form_is_that_of_paper_a() {
         for (r, phi) in [

@@ -221,6 +221,7 @@ mod tests {
         exponent: 1.8,
     };
 
+    /// (Ödeen 1993, paper C, eq. 2).
     #[test]
     fn viscosity_is_the_slope_of_the_power_law() {
         let model = ThreeElement::new(PRINTED).unwrap();
@@ -264,6 +265,7 @@ mod tests {
         );
     }
 
+    /// (Ödeen 1993, paper C, eq. 3).
     #[test]
     fn high_frequency_form_errs_as_stated() {
         let model = ThreeElement::new(PRINTED).unwrap();

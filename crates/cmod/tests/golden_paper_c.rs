@@ -103,6 +103,7 @@ const COMPUTED: [(&str, f64, [f64; 8]); 6] = [
     ),
 ];
 
+/// (Ödeen 1993, paper C, eq. 4; paper C, Table 1).
 #[test]
 fn changes_of_the_loss_factor_are_those_computed_apart() {
     let recoveries = recoveries();

@@ -128,6 +128,7 @@ mod tests {
         ForceHistory::new(0.0, 0.5, force.to_vec()).unwrap()
     }
 
+    /// (Ödeen 1993, paper E, eq. 3).
     #[test]
     fn the_contact_ends_at_the_first_zero_and_stays_ended() {
         let stick = history(&[0.0, 4.0, 1.0, 2.0, 3.0, -1.0, -2.0, 5.0]);

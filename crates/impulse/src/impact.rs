@@ -39,6 +39,7 @@ pub struct Pair<'a> {
 }
 
 /// An impact: the first body meets the second, which is at rest.
+/// (Ödeen 1993, paper E, Figure 1).
 ///
 /// ```
 /// use impulse::Impact;

@@ -156,8 +156,8 @@ pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{
     BlowSpan, CalibrationBlow, CalibrationLines, CalibrationScatter, ChoiceVerdict,
     ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, FrequencyBand, NonNegativity,
-    Parameter, Penalty, PivotingEnd, RandomErrorOfForce, ProfileInterval, ReconstructedForce, Reconstruction,
-    Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
+    Parameter, Penalty, PivotingEnd, ProfileInterval, RandomErrorOfForce, ReconstructedForce,
+    Reconstruction, Regularisation, ResponseEnd, ResponseNoise, Sensor, TimeInterval,
 };
 pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};

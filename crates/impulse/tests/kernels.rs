@@ -34,6 +34,7 @@ fn claims_hold() {
 }
 
 /// An impulse 1/Z and echoes 2/Z every 2T, each as a hat over the step that holds it and its neighbour.
+/// (Ödeen 1993, paper E, eq. 1).
 fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     claims.by("G = coth(sT)/Z, free elastic rod");
     let to_the_end = 60.3;

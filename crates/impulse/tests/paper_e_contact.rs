@@ -273,6 +273,7 @@ fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<Pape
     );
 }
 
+/// (Ödeen 1993, paper E, Figure 1).
 fn momentum_and_energy(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("balance of momentum and energy");
     let found: Ours<Vec<Prediction>> = CASES

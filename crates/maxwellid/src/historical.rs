@@ -263,6 +263,7 @@ mod tests {
         }
     }
 
+    /// (Ödeen 1993, paper D, eq. 14).
     #[test]
     fn the_bottom_of_a_bowl_is_found() {
         let minimum = minimise(&Bowl, &[-4.0, 6.0], 1e-24).unwrap().unwrap();

@@ -46,6 +46,7 @@ fn criterion<L: InelasticLaw>(records: &[RodTestData], modulus: f64, law: &L) ->
 }
 
 /// Eq. 12 and the error δ below Table 4, and that the identified parameters are where H is least.
+/// (Ödeen 1993, paper D, eqs. 10, 11 and 12).
 #[test]
 fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     let records = records(&Maxwell::new(4e6).unwrap());
@@ -90,6 +91,7 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
 }
 
 /// Eq. 13 off the minimum, where it is not zero: 2 Σ (∂v/∂p)ᵀ (v - measured) against central differences of eq. 12.
+/// (Ödeen 1993, paper D, eq. 13).
 #[test]
 fn gradient_is_that_of_the_sum_of_squares() {
     let records = records(&MaxwellNorton::new(2.0, 4e13).unwrap());
@@ -134,6 +136,7 @@ fn gradient_is_that_of_the_sum_of_squares() {
 }
 
 /// Eq. 9, over V0.
+/// (Ödeen 1993, paper D, eq. 9).
 #[test]
 fn pattern_is_the_difference_of_the_two_velocities() {
     let [data, _] = records(&Maxwell::new(4e6).unwrap());

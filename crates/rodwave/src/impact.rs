@@ -60,6 +60,7 @@ impl Striker {
 }
 
 /// A rod struck at one end; the other end is free.
+/// (Ödeen 1993, paper D, Figure 1).
 #[derive(Debug, Clone)]
 pub struct ImpactTest<L> {
     /// The striker.

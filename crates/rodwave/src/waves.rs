@@ -333,6 +333,7 @@ mod tests {
         assert!((found.waves.backward_at(1.0) - Complex64::I).norm() < 1e-15);
     }
 
+    /// (Ödeen 1993, paper E, eq. A15).
     #[test]
     fn waves_and_state_are_the_same() {
         let state = State {

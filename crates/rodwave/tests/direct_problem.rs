@@ -76,6 +76,7 @@ proptest! {
     }
 }
 
+/// (Ödeen 1993, paper D, eq. 4).
 #[test]
 fn the_rod_is_at_rest_until_the_front_arrives() {
     let law = MaxwellNorton::new(2.108, 7e13).unwrap();

@@ -39,6 +39,7 @@ proptest! {
     /// Paper B, eqs. 6-7, for any ends, any distance and both kinds of excitation. The strains are the sum of two waves of sizes up to
     /// e^{αL} of each other (αL < 4 here); near a node of the middle section, where ε₀ vanishes, the relation is tested by
     /// the terms that cancel: ε₁ + ε₂ = 2ε₀ cosh γa, to 1e-11 of the largest.
+    /// (Ödeen 1993, paper B, eq. 5).
     #[test]
     fn three_point_relation(
         left in support(),

@@ -372,6 +372,7 @@ mod tests {
     }
 
     /// Equation 7 against differences of exact roots in μ: five-point central formulas at μ = 0.
+    /// (Ödeen 1993, paper A, eqs. 6 and 7).
     #[test]
     fn series_has_the_derivatives_of_the_exact_root() {
         for free_end in roots() {

@@ -7,6 +7,7 @@ use crate::inelastic::InelasticLaw;
 
 /// Displacement histories of a struck rod from the first contact on, exact at the sensors: not filtered, not sampled at a
 /// recorder's rate.
+/// (Ödeen 1993, paper D, Figure 2).
 ///
 /// In the chain that computes them a displacement is the sum of velocity times step, so nothing is lost against the velocities.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +93,7 @@ mod tests {
 
     /// A striker of the rod's own material sends a pulse of V/2 and 2 Lₛ/c: it moves a section by V Lₛ/c, the free end by twice
     /// that, and the section once more when it comes back.
+    /// (Ödeen 1993, paper D, Figure 2).
     #[test]
     fn displacements_are_those_of_de_saint_venant() {
         let striker = Striker {

@@ -192,6 +192,7 @@ pub struct Specimen {
 }
 
 /// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and every history exact.
+/// (Ödeen 1993, paper A, Figures 1 and 2).
 #[derive(Debug, Clone)]
 pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     specimen: Specimen,

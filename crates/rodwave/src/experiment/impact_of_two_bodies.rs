@@ -202,6 +202,7 @@ impl ImpactRecord<'_> {
 
     /// Force -N \[N\], positive in compression, that the impact sends through a section of the second body, `distance` \[m\]
     /// behind the near face of its `element`; `(n_samples)`.
+    /// (Ödeen 1993, paper E, Figure 4).
     ///
     /// # Errors
     /// As [`AnalyticChain::section`](crate::Chain::section) and [`Section::state_at_s`](crate::chain::Section::state_at_s).

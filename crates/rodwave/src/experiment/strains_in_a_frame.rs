@@ -84,6 +84,7 @@ impl fmt::Debug for Excitation<'_> {
 }
 
 /// A spring and a dashpot to the ground and a mass, side by side: Z(s) = k/s + q + sm.
+/// (Ödeen 1993, paper B, Figure 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndSupport {
     /// Stiffness k [N/m].

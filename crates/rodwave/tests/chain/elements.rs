@@ -182,6 +182,7 @@ proptest! {
     }
 
     /// Cut anywhere, the parts in a row are the whole.
+    /// (Ödeen 1993, paper E, eq. A9).
     #[test]
     fn composition(
         kind in 0..3usize,

@@ -24,6 +24,7 @@ fn body() -> Chain {
 }
 
 /// The state at a section is that of the impact face, carried there by the matrices of what lies between.
+/// (Ödeen 1993, paper E, eq. A8).
 #[test]
 fn states_follow_from_the_impact_face() {
     let chain = body();

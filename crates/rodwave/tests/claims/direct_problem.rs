@@ -69,6 +69,7 @@ trait Number {
     fn of<L: InelasticLaw>(&self, law: &L) -> f64;
 }
 
+/// (Ödeen 1993, paper D, eqs. 1, 2, 5, 6, 7 and 8).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

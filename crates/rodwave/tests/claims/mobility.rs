@@ -58,6 +58,7 @@ fn segment_error(segment: &Segment, frequency_hz: f64) -> f64 {
         / (expected.normal_force.norm() + z * expected.velocity.norm())
 }
 
+/// (Ödeen 1993, paper E, eqs. A1 and A16).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

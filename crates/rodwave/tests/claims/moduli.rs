@@ -15,6 +15,7 @@ use testbed::hold;
 use crate::bodies::{nylon, prony};
 use crate::linear_laws::frequencies;
 
+/// (Ödeen 1993, paper A, eq. 2).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

@@ -7,6 +7,7 @@ use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
+/// (Ödeen 1993, paper D, Figure 1).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

@@ -9,6 +9,7 @@ use testbed::hold;
 
 use crate::experiment_impact::{VELOCITY, deviation, impedance, long_rod, rod, run, transit_time};
 
+/// (Ödeen 1993, paper E, Figure 4).
 #[test]
 fn claims_hold() {
     let mut report = Claims::default();

@@ -51,6 +51,7 @@ impl RelaxationFlow for FixedFlow {
 }
 
 /// Laws plug in, with parameters or without.
+/// (Ödeen 1993, paper D, eq. 3).
 #[test]
 fn a_law_of_the_users_own_relaxes() {
     let gauge = Gauge {

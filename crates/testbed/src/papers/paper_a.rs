@@ -32,6 +32,7 @@ pub struct PaperA {
 }
 
 /// One row of Table 2.
+/// (Ödeen 1993, paper A, Table 2).
 #[derive(Debug, Clone)]
 pub struct Test {
     pub name: String,

@@ -25,6 +25,7 @@ pub struct Printed {
 }
 
 /// One row of Table 2.
+/// (Ödeen 1993, paper D, Table 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodTestConditions {
     pub test: u32,
