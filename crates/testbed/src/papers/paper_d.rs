@@ -336,6 +336,7 @@ mod tests {
         }
     }
 
+    /// (Ödeen 1993, paper D, Table 2).
     #[test]
     fn tests_and_set_up_are_those_of_the_print() {
         let paper = load().unwrap();
