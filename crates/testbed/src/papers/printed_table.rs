@@ -265,7 +265,7 @@ pub fn read_value(
             row,
             column,
             unit_name,
-            "a unit of the list in xtask/src/fixtures/unit.rs",
+            "a unit of the list in crates/testbed/src/papers/unit.rs",
         )
     })?;
     let number =
@@ -392,7 +392,7 @@ mod tests {
         );
         assert_eq!(
             message("GPa", "Gpa"),
-            "table.ron, row 1, column modulus: found `Gpa`, expected a unit of the list in xtask/src/fixtures/unit.rs"
+            "table.ron, row 1, column modulus: found `Gpa`, expected a unit of the list in crates/testbed/src/papers/unit.rs"
         );
         assert_eq!(
             message("[\"2\", ", "[\"1\", "),
