@@ -52,8 +52,10 @@ enum ValidationError {
     },
     #[error("{PAGE} is not current in {rows} rows: run `{COMMAND}` and review the difference")]
     Stale { rows: usize },
-    #[error("the tests that make the claims ended with {0}")]
-    Tests(std::process::ExitStatus),
+    #[error(
+        "the tests that make the claims ended with {0:?}, so that rows may be missing: the page is not written"
+    )]
+    Tests(Option<i32>),
     #[error("{}: {reason}", path.display())]
     Rows { path: PathBuf, reason: String },
 }
@@ -65,10 +67,10 @@ struct Section {
     report: Claims,
 }
 
-/// Rows of the tests that have run or, if none has, of those that run now.
-fn rows(data: Option<&Path>) -> Result<PathBuf, Box<dyn std::error::Error>> {
+/// Rows of the tests that have run or, if none has, of those that run now, and the exit status of these.
+fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
     if let Some(folder) = env::var_os(FOLDER) {
-        return Ok(folder.into());
+        return Ok((folder.into(), Some(0)));
     }
     let folder = target_folder().join("validate").join("claims");
     if folder.exists() {
@@ -91,11 +93,7 @@ fn rows(data: Option<&Path>) -> Result<PathBuf, Box<dyn std::error::Error>> {
         tests.env("RODLAB_DATA", std::path::absolute(data)?);
     }
     let ended = tests.status()?;
-    // a claim that failed has its row, which the page names
-    if !ended.success() && !folder.exists() {
-        return Err(Box::new(ValidationError::Tests(ended)));
-    }
-    Ok(folder)
+    Ok((folder, ended.code()))
 }
 
 /// In the order of the page.
@@ -119,7 +117,8 @@ fn sections(folder: &Path) -> Result<Vec<Section>, Box<dyn std::error::Error>> {
 }
 
 pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
-    let sections = sections(&rows(data)?)?;
+    let (folder, ended) = rows(data)?;
+    let sections = sections(&folder)?;
     all_different(&sections)?;
     let written = workspace_root().join(PAGE);
     let committed = committed(&written)?;
@@ -135,6 +134,10 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         .filter(|check| check.verdict == Verdict::Fail)
         .count();
     let total = sections.iter().map(|s| s.report.checks.len()).sum();
+    // a test that panicked before its claims were asserted leaves no rows, which a page written now would lose
+    if ended != Some(0) && failed == 0 {
+        return Err(Box::new(ValidationError::Tests(ended)));
+    }
     if check {
         let drifts = drift::between(&committed, &current);
         for drift in &drifts {
@@ -143,7 +146,7 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         if !drifts.is_empty() {
             return Err(Box::new(ValidationError::Stale { rows: drifts.len() }));
         }
-    } else {
+    } else if ended == Some(0) {
         write_whole(&written, &current.with_rows_of(&committed).to_markdown())?;
     }
     if failed > 0 {
