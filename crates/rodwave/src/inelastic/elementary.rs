@@ -48,18 +48,30 @@ const EXPONENTIAL: [f64; 13] = [
 /// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs side by side, in
 /// place of the long one of Horner's rule.
 #[inline(always)]
-#[allow(clippy::indexing_slicing, reason = "no chunk is empty")]
+#[allow(
+    clippy::indexing_slicing,
+    reason = "`first` is a multiple of 4 below `N`, and a term is taken only where it exists"
+)]
 pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let square = x * x;
     let fourth = square * square;
-    let mut groups = coefficients.chunks(4).rev().map(|terms| match terms {
-        [a, b, c, d] => (a + b * x) + (c + d * x) * square,
-        [a, b, c] => (a + b * x) + c * square,
-        [a, b] => a + b * x,
-        _ => terms[0],
-    });
-    let highest = groups.next().unwrap_or(0.0);
-    groups.fold(highest, |sum, group| sum * fourth + group)
+    // plain loops: an iterator that is left as a call of its own is one without vector instructions
+    let group = |first: usize| match N - first {
+        1 => coefficients[first],
+        2 => coefficients[first] + coefficients[first + 1] * x,
+        3 => (coefficients[first] + coefficients[first + 1] * x) + coefficients[first + 2] * square,
+        _ => {
+            (coefficients[first] + coefficients[first + 1] * x)
+                + (coefficients[first + 2] + coefficients[first + 3] * x) * square
+        }
+    };
+    let mut first = (N - 1) / 4 * 4;
+    let mut sum = group(first);
+    while first > 0 {
+        first -= 4;
+        sum = sum * fourth + group(first);
+    }
+    sum
 }
 
 /// The largest of several numbers, by halves; what is not a number may be passed over.

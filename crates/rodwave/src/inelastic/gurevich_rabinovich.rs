@@ -176,9 +176,17 @@ const SERIES_LIMIT: f64 = 4.8e-2;
 )]
 fn shrink_by_series<const TERMS: usize>(a: f64, p: f64) -> f64 {
     let mut sum = 0.0;
-    for (n, row) in SERIES[..TERMS].iter().enumerate().rev() {
-        let (highest, lower) = (row[n], &row[..n]);
-        sum = sum * a + lower.iter().rev().fold(highest, |sum, c| sum * p + c);
+    // plain loops: an iterator that is left as a call of its own is one without vector instructions
+    let mut n = TERMS;
+    while n > 0 {
+        n -= 1;
+        let row = &SERIES[n];
+        let (mut of_row, mut k) = (row[n], n);
+        while k > 0 {
+            k -= 1;
+            of_row = of_row * p + row[k];
+        }
+        sum = sum * a + of_row;
     }
     a * sum
 }
@@ -497,8 +505,12 @@ fn mean_growth_by_series<const TERMS: usize>(x: f64) -> f64 {
         1.0 / 40_320.0,
         1.0 / 362_880.0,
     ];
-    let coefficients = COEFFICIENTS[..TERMS].iter();
-    coefficients.rev().fold(0.0, |sum, c| sum * x + c)
+    let (mut sum, mut k) = (0.0, TERMS);
+    while k > 0 {
+        k -= 1;
+        sum = sum * x + COEFFICIENTS[k];
+    }
+    sum
 }
 
 #[cfg(test)]
