@@ -1,10 +1,9 @@
 //! Convolution with a history that comes into being step by step.
 
 use std::fmt;
-use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rodwave::fourier::RealFourier;
 
 /// Steps whose mutual influence is summed directly; from there on by blocks.
 const LEAF: usize = 64;
@@ -25,13 +24,9 @@ pub(crate) struct OnlineConvolution<'a> {
 /// Squares of one size L: transforms of 2L points.
 struct Level {
     length: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    fourier: RealFourier,
     /// transform of the kernel from 0 to 2L, over 2L
     kernel: Vec<Complex64>,
-    samples: Vec<f64>,
-    lines: Vec<Complex64>,
-    scratch: Vec<Complex64>,
 }
 
 impl fmt::Debug for OnlineConvolution<'_> {
@@ -47,11 +42,10 @@ impl fmt::Debug for OnlineConvolution<'_> {
 impl<'a> OnlineConvolution<'a> {
     /// For as many steps as the kernel has elements.
     pub(crate) fn new(kernel: &'a [f64]) -> Self {
-        let mut planner = RealFftPlanner::new();
         let mut levels = Vec::new();
         let mut length = LEAF;
         while length < kernel.len() {
-            levels.push(Level::new(&mut planner, kernel, length));
+            levels.push(Level::new(kernel, length));
             length *= 2;
         }
         Self {
@@ -97,61 +91,31 @@ impl<'a> OnlineConvolution<'a> {
 }
 
 impl Level {
-    fn new(planner: &mut RealFftPlanner<f64>, kernel: &[f64], length: usize) -> Self {
-        let forward = planner.plan_fft_forward(2 * length);
-        let inverse = planner.plan_fft_inverse(2 * length);
-        let scratch_length = forward.get_scratch_len().max(inverse.get_scratch_len());
-        let mut level = Self {
-            length,
-            kernel: forward.make_output_vec(),
-            samples: forward.make_input_vec(),
-            lines: forward.make_output_vec(),
-            scratch: vec![Complex64::ZERO; scratch_length],
-            forward,
-            inverse,
-        };
-        for (sample, weight) in level.samples.iter_mut().zip(kernel) {
+    fn new(kernel: &[f64], length: usize) -> Self {
+        let mut fourier = RealFourier::new(2 * length);
+        for (sample, weight) in fourier.samples().iter_mut().zip(kernel) {
             *sample = *weight;
         }
-        level.transform();
         let scale = 0.5 / length as f64;
-        for (line, value) in level.kernel.iter_mut().zip(&level.lines) {
-            *line = value * scale;
+        Self {
+            length,
+            kernel: fourier.forward().iter().map(|line| line * scale).collect(),
+            fourier,
         }
-        level
-    }
-
-    /// Lines of the samples, which are destroyed.
-    #[expect(
-        clippy::expect_used,
-        reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
-    )]
-    fn transform(&mut self) {
-        self.forward
-            .process_with_scratch(&mut self.samples, &mut self.lines, &mut self.scratch)
-            .expect("buffers of the plan");
     }
 
     /// Adds what `block` does to the steps right after it.
-    #[expect(
-        clippy::expect_used,
-        reason = "the transform fails only on wrong buffer lengths, and on imaginary parts at both ends of the spectrum, \
-                  which products of real lines there do not have"
-    )]
     fn add(&mut self, block: &[f64], later: &mut [f64]) {
-        self.samples.fill(0.0);
-        for (sample, value) in self.samples.iter_mut().zip(block) {
+        let samples = self.fourier.samples();
+        samples.fill(0.0);
+        for (sample, value) in samples.iter_mut().zip(block) {
             *sample = *value;
         }
-        self.transform();
-        for (line, weight) in self.lines.iter_mut().zip(&self.kernel) {
+        for (line, weight) in self.fourier.forward().iter_mut().zip(&self.kernel) {
             *line *= weight;
         }
-        self.inverse
-            .process_with_scratch(&mut self.lines, &mut self.samples, &mut self.scratch)
-            .expect("buffers of the plan");
         // the circle has wrapped around onto the first half only
-        let result = self.samples.iter().skip(self.length);
+        let result = self.fourier.inverse().iter().skip(self.length);
         for (pending, value) in later.iter_mut().zip(result) {
             *pending += value;
         }
@@ -159,38 +123,25 @@ impl Level {
 }
 
 /// $`\sum_{j\le n} w_{n-j} x_j`$ for a whole history, by one transform.
-#[expect(
-    clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths, and on imaginary parts at both ends of the spectrum, which \
-              products of real lines there do not have"
-)]
 pub(crate) fn causal_convolution(kernel: &[f64], given: &[f64]) -> Vec<f64> {
     let n = given.len();
     let n_points = (2 * n).next_power_of_two().max(2);
-    let mut planner = RealFftPlanner::new();
-    let forward = planner.plan_fft_forward(n_points);
-    let transform = |values: &[f64]| {
-        let mut samples = forward.make_input_vec();
+    let mut fourier = RealFourier::new(n_points);
+    let mut transform = |values: &[f64]| {
+        let samples = fourier.samples();
+        samples.fill(0.0);
         for (sample, value) in samples.iter_mut().zip(values.iter().take(n)) {
             *sample = *value;
         }
-        let mut lines = forward.make_output_vec();
-        forward
-            .process(&mut samples, &mut lines)
-            .expect("buffers of the plan");
-        lines
+        fourier.forward().to_vec()
     };
+    let of_kernel = transform(kernel);
+    transform(given);
     let scale = 1.0 / n_points as f64;
-    let mut product: Vec<Complex64> = transform(kernel)
-        .iter()
-        .zip(transform(given))
-        .map(|(w, x)| w * x * scale)
-        .collect();
-    let inverse = planner.plan_fft_inverse(n_points);
-    let mut samples = inverse.make_output_vec();
-    inverse
-        .process(&mut product, &mut samples)
-        .expect("buffers of the plan");
+    for (line, w) in fourier.lines().iter_mut().zip(of_kernel) {
+        *line = w * *line * scale;
+    }
+    let mut samples = fourier.inverse().to_vec();
     samples.truncate(n);
     samples
 }

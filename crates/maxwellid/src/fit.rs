@@ -9,7 +9,7 @@ use crate::agreement::{FitFlag, disagreements};
 use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{
-    Evaluations, Minimum, ScaledDecomposition, minimise, minimise_to, sum_of_squares,
+    Evaluations, Minimum, minimise, minimise_to, sum_of_squares,
 };
 use crate::model::{MODULUS_BOUNDS, RodModel, check_cell, check_counts};
 use crate::nuisance::Nuisances;
@@ -67,9 +67,6 @@ const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Movement of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
-
-/// Distance of a start from a minimum, in standard errors, up to which it leads there again.
-const OF_ONE_MINIMUM: f64 = 1.0;
 
 /// The minimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -288,7 +285,7 @@ impl<M: RodModel> Fit<M> {
         let mut lowest = self.lowest_from(tests, &start, course)?;
         for start in &self.also_from {
             let found = &lowest.minimum;
-            if movement(found, &padded(start, found.parameters.len())) < OF_ONE_MINIMUM {
+            if found.is_reached_from(&padded(start, found.parameters.len())) {
                 continue;
             }
             let next = self.lowest_from(tests, start, lowest.course.clone())?;
@@ -532,7 +529,7 @@ impl<M: RodModel> Fit<M> {
             let found = match held {
                 None => self
                     .minimise(&problem, &parameters, Some(WHITE))?
-                    .map(|minimum| (movement(&minimum, &parameters), minimum)),
+                    .map(|minimum| (minimum.movement(&parameters), minimum)),
                 Some(index) => minimum_held(&problem, &parameters, index)?,
             };
             let (moved, minimum) = found.ok_or_else(|| start_error(modulus_at(&parameters)))?;
@@ -576,6 +573,7 @@ impl<M: RodModel> Fit<M> {
         let errors = judged.coordinate_errors.iter().zip(&mut bent);
         for (index, (error, bent)) in errors.enumerate().skip(1) {
             if *error < IDENTIFIED_BELOW {
+                // the others as they are: from where they belong the search may miss what the renewal changes
                 *bent = [-1.0, 1.0].into_iter().any(|sign| {
                     let mut start = minimum.parameters.clone();
                     if let Some(own) = start.get_mut(index) {
@@ -706,7 +704,7 @@ fn minimum_held<M: RodModel>(
     };
     let minimum = minimise_to(&held, &others, rounding(problem), WHITE)?;
     Ok(minimum.map(|mut minimum| {
-        let moved = movement(&minimum, &others);
+        let moved = minimum.movement(&others);
         minimum.parameters.insert(index, value);
         (moved, minimum)
     }))
@@ -795,28 +793,6 @@ fn duration(tests: &[RodTest]) -> f64 {
 fn padded(start: &[f64], count: usize) -> Vec<f64> {
     let nuisances = std::iter::repeat(&0.0);
     start.iter().chain(nuisances).take(count).copied().collect()
-}
-
-/// Largest change of the parameters of a white problem in standard errors, along its singular directions.
-pub(crate) fn movement(minimum: &Minimum, before: &[f64]) -> f64 {
-    let ones = vec![1.0; before.len()];
-    let Some(svd) = ScaledDecomposition::new(&minimum.linearisation, &ones) else {
-        return f64::INFINITY;
-    };
-    let change: Vec<f64> = minimum
-        .parameters
-        .iter()
-        .zip(before)
-        .map(|(a, b)| a - b)
-        .collect();
-    svd.right
-        .iter()
-        .zip(&svd.singular_values)
-        .map(|(vector, s)| {
-            let along: f64 = vector.iter().zip(&change).map(|(v, c)| v * c).sum();
-            (along * s).abs()
-        })
-        .fold(0.0, f64::max)
 }
 
 /// E \[Pa\] from ln E, the first of θ.

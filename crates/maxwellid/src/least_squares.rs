@@ -101,6 +101,38 @@ pub(crate) struct Minimum {
     pub(crate) termination: Termination,
 }
 
+/// Distance of a start from a minimum, in standard errors, up to which it leads there again.
+const OF_ONE_MINIMUM: f64 = 1.0;
+
+impl Minimum {
+    /// Largest change of the parameters of a white problem from `before`, in standard errors, along its singular directions.
+    pub(crate) fn movement(&self, before: &[f64]) -> f64 {
+        let ones = vec![1.0; before.len()];
+        let Some(svd) = ScaledDecomposition::new(&self.linearisation, &ones) else {
+            return f64::INFINITY;
+        };
+        let change: Vec<f64> = self
+            .parameters
+            .iter()
+            .zip(before)
+            .map(|(a, b)| a - b)
+            .collect();
+        svd.right
+            .iter()
+            .zip(&svd.singular_values)
+            .map(|(vector, s)| {
+                let along: f64 = vector.iter().zip(&change).map(|(v, c)| v * c).sum();
+                (along * s).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// Whether a search from `start` would lead here again, `start` being this close.
+    pub(crate) fn is_reached_from(&self, start: &[f64]) -> bool {
+        self.movement(start) < OF_ONE_MINIMUM
+    }
+}
+
 pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
     residual.iter().map(|r| r * r).sum()
 }

@@ -57,6 +57,7 @@ pub mod characteristics;
 pub mod element;
 mod error;
 pub mod experiment;
+pub mod fourier;
 pub mod impact;
 pub mod inelastic;
 mod interpolation;

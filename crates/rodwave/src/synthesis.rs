@@ -32,10 +32,10 @@ pub use damped::DampedSynthesis;
 pub use fourier::FourierSynthesis;
 
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::RodwaveError;
 use crate::error::check_samples;
+use crate::fourier::RealFourier;
 
 /// A history at equal intervals.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,21 +60,10 @@ impl SynthesizedHistory {
 /// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real history; unscaled.
 ///
 /// The lines at 0 and N/2 keep their real parts, all that real samples can show of them.
-#[expect(
-    clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths, which are made here, and on imaginary parts of the \
-              first and the last line, which are removed here"
-)]
-fn to_samples(mut lines: Vec<Complex64>) -> Vec<f64> {
-    let plan = RealFftPlanner::new().plan_fft_inverse(2 * (lines.len() - 1));
-    if let [first, .., last] = lines.as_mut_slice() {
-        first.im = 0.0;
-        last.im = 0.0;
-    }
-    let mut samples = plan.make_output_vec();
-    plan.process(&mut lines, &mut samples)
-        .expect("buffers of the plan");
-    samples
+fn to_samples(lines: &[Complex64]) -> Vec<f64> {
+    let mut fourier = RealFourier::new(2 * (lines.len() - 1));
+    fourier.lines().copy_from_slice(lines);
+    fourier.inverse().to_vec()
 }
 
 /// Accepts samples of a synthesis that did not overflow.

@@ -73,9 +73,9 @@ fn movement_is_in_standard_errors_along_singular_directions() {
     };
     let before = [1.0, 1.0];
     // rounding of a decomposition of three rows
-    assert!(relative(movement(&minimum(vec![1.1, 0.9]), &before), 0.3) < 1e-12);
-    assert!(relative(movement(&minimum(vec![1.5, 1.0]), &before), 1.0) < 1e-12);
-    assert!(movement(&minimum(vec![1.0, 1.0]), &before) < 1e-15);
+    assert!(relative(minimum(vec![1.1, 0.9]).movement(&before), 0.3) < 1e-12);
+    assert!(relative(minimum(vec![1.5, 1.0]).movement(&before), 1.0) < 1e-12);
+    assert!(minimum(vec![1.0, 1.0]).movement(&before) < 1e-15);
 }
 
 #[test]
@@ -278,11 +278,11 @@ fn the_alternation_ends_where_nothing_moves() {
     // From the solution one round confirms the transfer and one that nothing moves: one iteration each.
     let (again, iterations) = weighted(&at.parameters);
     assert_eq!(iterations, 2);
-    assert!(movement(&again, &at.parameters) < SETTLED);
+    assert!(again.movement(&at.parameters) < SETTLED);
     // From far away the transfer is renewed at the solution, so that the end is the same.
     let far: Vec<f64> = vec![at.parameters[0] + 0.02, at.parameters[1] + 1.0];
     let (from_afar, _) = weighted(&far);
-    let moved = movement(&from_afar, &at.parameters);
+    let moved = from_afar.movement(&at.parameters);
     assert!(moved < SETTLED, "{moved} standard errors");
 }
 

@@ -1,11 +1,10 @@
 //! Histories to transforms on a line Re s = a, and back.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rodwave::band_limited::VelocityHistory;
+use rodwave::fourier::RealFourier;
 
 /// aT_p: what comes around from the next period is damped by e^{-16} = 1.1e-7.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
@@ -22,8 +21,7 @@ pub(super) struct LaplaceLine {
     interval: f64,
     count: usize,
     damping: f64,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    fourier: RealFourier,
 }
 
 impl LaplaceLine {
@@ -31,13 +29,11 @@ impl LaplaceLine {
     pub(super) fn new(samples: usize, sampling_rate_hz: f64) -> Self {
         let count = (2 * (FINER * samples + TAPER)).next_power_of_two();
         let interval = 1.0 / (sampling_rate_hz * FINER as f64);
-        let mut planner = RealFftPlanner::new();
         Self {
             interval,
             count,
             damping: DAMPING_OVER_PERIOD / (interval * count as f64),
-            forward: planner.plan_fft_forward(count),
-            inverse: planner.plan_fft_inverse(count),
+            fourier: RealFourier::new(count),
         }
     }
 
@@ -49,13 +45,14 @@ impl LaplaceLine {
 
     /// Σ q(t_n) e^{-s t_n}, unscaled, of a history that is known over `samples` samples and then taken to zero.
     pub(super) fn transform(
-        &self,
+        &mut self,
         history: &dyn VelocityHistory,
         samples: usize,
-    ) -> Option<Vec<Complex64>> {
+    ) -> Vec<Complex64> {
         let known = FINER * samples.saturating_sub(1) + 1;
         let last = history.at((known - 1) as f64 * self.interval);
-        let mut damped = self.forward.make_input_vec();
+        let damped = self.fourier.samples();
+        damped.fill(0.0);
         for (n, value) in damped.iter_mut().enumerate().take(known + TAPER) {
             let time = n as f64 * self.interval;
             let undamped = if n < known {
@@ -66,9 +63,7 @@ impl LaplaceLine {
             };
             *value = undamped * (-self.damping * time).exp();
         }
-        let mut lines = self.forward.make_output_vec();
-        self.forward.process(&mut damped, &mut lines).ok()?;
-        Some(lines)
+        self.fourier.forward().to_vec()
     }
 
     /// Points a second of a history.
@@ -76,20 +71,17 @@ impl LaplaceLine {
         1.0 / self.interval
     }
 
-    /// The first `points` fine points of the history of this unscaled transform, which is overwritten.
-    pub(super) fn history(&self, lines: &mut [Complex64], points: usize) -> Option<Vec<f64>> {
-        // real samples show only the real parts of the first and the last line
-        if let [first, .., last] = lines {
-            first.im = 0.0;
-            last.im = 0.0;
+    /// The first `points` fine points of the history of this unscaled transform.
+    pub(super) fn history(&mut self, lines: &[Complex64], points: usize) -> Vec<f64> {
+        for (own, line) in self.fourier.lines().iter_mut().zip(lines) {
+            *own = *line;
         }
-        let mut history = self.inverse.make_output_vec();
-        self.inverse.process(lines, &mut history).ok()?;
-        history.truncate(points);
         let scale = 1.0 / self.count as f64;
-        for (n, value) in history.iter_mut().enumerate() {
-            *value *= scale * (self.damping * self.interval * n as f64).exp();
-        }
-        Some(history)
+        let (damping, interval) = (self.damping, self.interval);
+        let samples = self.fourier.inverse().iter().take(points);
+        samples
+            .enumerate()
+            .map(|(n, value)| value * (scale * (damping * interval * n as f64).exp()))
+            .collect()
     }
 }

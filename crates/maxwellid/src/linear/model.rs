@@ -98,14 +98,14 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
         let (ln_modulus, of_law) = parameters.split_first()?;
         let known = rod.samples.len();
-        let line = LaplaceLine::new(known, rod.sampling_rate_hz);
-        let mut lines = line.transform(rod.excitation, known)?;
+        let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
+        let mut lines = line.transform(rod.excitation, known);
         let times = Times::of(rod, known)?;
         for (value, s) in lines.iter_mut().zip(line.arguments()) {
             let shape = self.law.shape(s, of_law)?;
             *value *= secant_and_tangent(propagation(rod, *ln_modulus, s, shape)).0;
         }
-        times.read(&line, &mut lines)
+        times.read(&mut line, &mut lines)
     }
 
     #[allow(
@@ -119,8 +119,8 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     ) -> Option<LinearisedResponse> {
         let (ln_modulus, of_law) = parameters.split_first()?;
         let known = rod.samples.len();
-        let line = LaplaceLine::new(known, rod.sampling_rate_hz);
-        let mut lines = line.transform(rod.excitation, known)?;
+        let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
+        let mut lines = line.transform(rod.excitation, known);
         let times = Times::of(rod, known)?;
         let mut derivatives = vec![vec![Complex64::ZERO; lines.len()]; parameters.len()];
         let mut by_law = vec![Complex64::ZERO; of_law.len()];
@@ -138,10 +138,10 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
             }
         }
         Some(LinearisedResponse {
-            velocity: times.read(&line, &mut lines)?,
+            velocity: times.read(&mut line, &mut lines)?,
             by_parameter: derivatives
                 .iter_mut()
-                .map(|column| times.read(&line, column))
+                .map(|column| times.read(&mut line, column))
                 .collect::<Option<_>>()?,
         })
     }
@@ -211,7 +211,7 @@ impl<'a> Times<'a> {
     }
 
     /// The history of `lines` at these times; `None` unless it is finite.
-    fn read(&self, line: &LaplaceLine, lines: &mut [Complex64]) -> Option<Vec<f64>> {
+    fn read(&self, line: &mut LaplaceLine, lines: &mut [Complex64]) -> Option<Vec<f64>> {
         let history = match *self {
             Self::AtSamples {
                 first,
@@ -224,11 +224,11 @@ impl<'a> Times<'a> {
                         *value *= (s * delay).exp();
                     }
                 }
-                let fine = line.history(lines, FINER * (first + count))?;
+                let fine = line.history(lines, FINER * (first + count));
                 fine.iter().step_by(FINER).skip(first).copied().collect()
             }
             Self::Anywhere { times, known } => {
-                let fine = line.history(lines, FINER * known)?;
+                let fine = line.history(lines, FINER * known);
                 let between = SampledHistory::new(&fine, line.rate_hz()).ok()?;
                 times.iter().map(|t| between.at(*t)).collect::<Vec<f64>>()
             }

@@ -143,6 +143,9 @@ const RENEWALS: usize = 10;
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
+/// Share of χ² that is left where minima are told apart.
+const PRELIMINARY: f64 = 1e-4;
+
 /// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
 const SETTLED: f64 = 0.02;
 
@@ -245,12 +248,40 @@ impl Contest<'_> {
             .map(|(_, start)| start)
             .take(followed)
             .collect();
-        let found = map_in_order(&first, |start| self.from(start));
+        let distinct = self.distinct_minima(&first)?;
+        let found = map_in_order(&distinct, |start| self.from(start));
         let mut best: Option<Posterior> = None;
         for posterior in found {
             best = Posterior::better(best, posterior?);
         }
         Ok(best)
+    }
+
+    /// Where `starts` lead, the best start first, each minimum once. The excitation is that of the best start for all of them, so that
+    /// starts of one minimum meet there.
+    fn distinct_minima(&self, starts: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
+        if let [start] = starts {
+            return Ok(vec![start.to_vec()]);
+        }
+        let Some(tests) = starts.iter().find_map(|start| self.seen(start)) else {
+            return Ok(Vec::new());
+        };
+        let problem = self.problem(&tests);
+        let found = map_in_order(starts, |start| {
+            minimise_to(&problem, start, 0.0, PRELIMINARY)
+        });
+        let mut distinct: Vec<Minimum> = Vec::new();
+        for minimum in found {
+            let Some(minimum) = minimum? else { continue };
+            let is_known = |known: &Minimum| known.is_reached_from(&minimum.parameters);
+            if !distinct.iter().any(is_known) {
+                distinct.push(minimum);
+            }
+        }
+        Ok(distinct
+            .into_iter()
+            .map(|minimum| minimum.parameters)
+            .collect())
     }
 
     /// The most probable parameters near `start`.

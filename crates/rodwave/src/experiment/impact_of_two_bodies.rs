@@ -37,11 +37,11 @@
 //! one-dimensional theory; what that adds is 0.3 % of the impulse.
 
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::RodwaveError;
 use crate::chain::AnalyticChain;
 use crate::error::check_positive;
+use crate::fourier::RealFourier;
 use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 
 /// How [`ImpactOfTwoBodies::run`] makes its histories.
@@ -251,19 +251,12 @@ fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
 
 /// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform of a history without content
 /// above the Nyquist frequency.
-#[expect(
-    clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths, which are made here"
-)]
 fn transform_of_samples(samples: &[f64], interval: f64, damping: f64) -> Vec<Complex64> {
     // the samples of the kept half of a period and its end: a period has 2 (n - 1)
-    let plan = RealFftPlanner::new().plan_fft_forward(2 * (samples.len() - 1));
-    let mut damped = plan.make_input_vec();
-    for (index, (damped, sample)) in damped.iter_mut().zip(samples).enumerate() {
+    let mut fourier = RealFourier::new(2 * (samples.len() - 1));
+    let damped = fourier.samples().iter_mut().zip(samples);
+    for (index, (damped, sample)) in damped.enumerate() {
         *damped = interval * sample * (-damping * interval * index as f64).exp();
     }
-    let mut lines = plan.make_output_vec();
-    plan.process(&mut damped, &mut lines)
-        .expect("buffers of the plan");
-    lines
+    fourier.forward().to_vec()
 }

@@ -128,7 +128,7 @@ impl DampedSynthesis {
     pub fn history(&self, transform: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("transform", transform, self.half_count + 1)?;
         let start = -DELAY * self.smoothing;
-        let lines = transform
+        let lines: Vec<Complex64> = transform
             .iter()
             .zip(self.arguments())
             .map(|(value, s)| {
@@ -141,7 +141,7 @@ impl DampedSynthesis {
                 value * (s * start + gaussian).exp() * series
             })
             .collect();
-        let mut samples = to_samples(lines);
+        let mut samples = to_samples(&lines);
         samples.truncate(self.half_count + 1);
         let (damping, scale) = (self.damping(), 1.0 / self.period());
         for (index, sample) in samples.iter_mut().enumerate() {

@@ -72,7 +72,7 @@ impl FourierSynthesis {
     /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, as a pole that is hit.
     pub fn history(&self, spectrum: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("spectrum", spectrum, self.n_lines)?;
-        let mut samples = to_samples(spectrum.to_vec());
+        let mut samples = to_samples(spectrum);
         for sample in &mut samples {
             *sample *= self.frequency_step_hz;
         }

@@ -1,11 +1,12 @@
 //! Tables 4 and 5 on virtual tests with the geometry of Table 2.
 
+use maxwellid::recorder::RecorderCheck;
 use maxwellid::{Noise, RodTest, Verdict};
 use serde::Serialize;
 
 use super::identify::{Parameter, Settings, identify, one_by_one, stated};
 use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
-use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
+use testbed::papers::paper_d::{IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
@@ -14,6 +15,9 @@ pub(crate) const CELL: f64 = 4e-3;
 
 /// Cells of the chain in the shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 50.0;
+
+/// The verdict on parameters of a nonlinear law whose excitation the recorder could not follow.
+const BIASED: &str = "biased by the recorder's filter";
 
 /// What the recorded excitation is to the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,7 +143,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
     };
     let outcomes = one_by_one(job.material.model, &tests, plain)?;
     let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
-    let last = identify(
+    let mut last = identify(
         job.material.model,
         &weighed,
         Settings {
@@ -148,6 +152,16 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         },
         outcomes.last(),
     )?;
+    let recorders = weighed
+        .iter()
+        .map(|test| RecorderCheck::of(test, Some(virtual_test::CUTOFF_HZ)))
+        .collect::<Result<Vec<_>, _>>()?;
+    if job.material.model != ModelKind::Maxwell && recorders.iter().any(RecorderCheck::is_biased) {
+        for parameter in &mut last.parameters {
+            parameter.verdict = BIASED.into();
+            parameter.identified = false;
+        }
+    }
     let truth = stated(parameters)?;
     let lines = last
         .parameters
@@ -231,6 +245,12 @@ fn deviation(parameter: &Parameter, input: f64) -> Option<f64> {
 }
 
 impl Material {
+    /// Number of parameters that the recorder's filter biases.
+    pub(crate) fn biased(&self) -> usize {
+        let parameters = self.lines.iter().map(|line| &line.parameter);
+        parameters.filter(|p| p.verdict == BIASED).count()
+    }
+
     /// What the data say about the damping: the verdict on the rate (or viscosity).
     pub(crate) fn damping_verdict(&self) -> Verdict {
         let rate = ["F(10 MPa)", "eta"].iter().find_map(|symbol| {

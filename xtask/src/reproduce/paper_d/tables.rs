@@ -302,15 +302,22 @@ pub(crate) fn conclusion(
             .iter()
             .filter(|m| m.damping_verdict() == Verdict::Identified)
             .count();
+        let biased = group.iter().filter(|m| m.biased() > 0).count();
+        let of_biased = if biased > 0 {
+            format!("; the excitations of {biased} hold more than their recorder passes, and nothing is identified from them")
+        } else {
+            String::new()
+        };
         let deviations: Vec<f64> = group
             .iter()
+            .filter(|m| m.biased() == 0)
             .flat_map(|m| &m.lines)
             .filter(|line| line.parameter.verdict != "derived")
             .filter_map(|line| line.deviation)
             .collect();
         let within = deviations.iter().filter(|d| d.abs() < 2.0).count();
         sentences.push(format!("Table 4, {}: the damping of {identified} of {} materials is identified; {within} of {} identified \
-             parameters lie within two standard errors of the value put in.",
+             parameters lie within two standard errors of the value put in{of_biased}.",
             name_of(group[0]),
             group.len(),
             deviations.len()

@@ -30,7 +30,7 @@ pub(crate) const NOISE_OF_TABLE_5: f64 = 0.02;
 
 /// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter; this one leaves
 /// nothing above 20 kHz.
-const CUTOFF_HZ: f64 = 16_000.0;
+pub(crate) const CUTOFF_HZ: f64 = 16_000.0;
 
 /// Where the series that stands for a constant loss is right: 50 Hz to 20 kHz.
 pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
