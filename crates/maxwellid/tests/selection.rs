@@ -20,11 +20,11 @@ fn norton() -> MaxwellNorton {
 #[test]
 fn a_norton_law_is_named_from_two_velocities() {
     let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
-    let seeds: Vec<u64> = (0..20).collect();
+    let seeds: Vec<u64> = (0..10).collect();
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
     let names: Vec<String> = comparisons.iter().map(named).collect();
     let right = names.iter().filter(|name| *name == "Maxwell-Norton");
-    assert!(right.count() >= 19, "{names:?}");
+    assert!(right.count() >= 9, "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
         // four standard errors of 0.05

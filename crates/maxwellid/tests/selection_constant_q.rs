@@ -26,11 +26,11 @@ fn the_stack_of_branches_has_a_constant_loss_factor() {
     }
 }
 
-/// Forty cases of four materials: a verdict that is nonlinear in 15 % of such records is missed with a probability of 5 %.
+/// Twenty cases of four materials: a verdict that is nonlinear in 14 % of such records is missed with a probability of 5 %.
 #[test]
 fn constant_q_at_one_velocity_is_not_called_nonlinear() {
     let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
-    let cases: Vec<u64> = (0..40).collect();
+    let cases: Vec<u64> = (0..20).collect();
     let comparisons = in_parallel(&cases, |case| {
         let material = usize::try_from(case % 4).unwrap();
         compare(Candidate::standard(), &exact[material], *case)
@@ -39,10 +39,10 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .iter()
         .filter(|c| c.is_nonlinear_verdict())
         .count();
-    assert!(nonlinear <= 2, "{nonlinear}");
+    assert_eq!(nonlinear, 0);
     // and the right law, or others of flat loss that cannot be told from it, are not refuted: 0.1 % each
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
-    assert!(refuted <= 1, "{refuted}");
+    assert_eq!(refuted, 0);
     for comparison in &comparisons {
         assert!(comparison.nonlinear_probability < 1e-6, "{comparison:?}");
     }

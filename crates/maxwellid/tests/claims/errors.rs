@@ -10,7 +10,7 @@ use testbed::hold;
 
 /// Of either history, in m/s: 1 % of the impact velocity.
 const NOISE: f64 = 0.1;
-const SEEDS: u64 = 200;
+const SEEDS: u64 = 100;
 
 /// Of the parameter that is farthest off: part of the intervals that hold the truth less 0.95, mean of errors in standard errors and of
 /// their squares less 1. Mean ratio of residual to stated noise.
@@ -25,7 +25,7 @@ struct Covered {
 fn claims_hold() {
     let mut claims = Claims::default();
     let claims = &mut claims;
-    claims.by("200 draws of noise of 1 % of the impact velocity on both histories");
+    claims.by("100 draws of noise of 1 % of the impact velocity on both histories");
     let maxwell = || covered(3.0e9, &Maxwell::new(4e6)?, &Maxwell::new(1e6)?);
     let norton = || {
         let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6)?;
@@ -46,24 +46,24 @@ fn claims_hold() {
     ] {
         claims.deviation(
             format!("{name}: part of the intervals of 95 % that hold the truth, of each parameter"),
-            Within(0.031, "200 draws, 1.5 %; two of it"),
+            Within(0.045, "100 draws, 2.2 %; two of it"),
             of(&found, |found| found.inside),
         );
         claims.deviation(
             format!("{name}: mean of errors over standard errors, of each parameter"),
-            Within(0.3, "1/sqrt(200) = 7 %, four of it"),
+            Within(0.4, "1/sqrt(100) = 10 %, four of it"),
             of(&found, |found| found.mean),
         );
         claims.deviation(
             format!("{name}: mean square of errors over standard errors, of each parameter"),
-            Within(0.4, "sqrt(2/200) = 10 %, four of it"),
+            Within(0.56, "sqrt(2/100) = 14 %, four of it"),
             of(&found, |found| found.squares),
         );
         claims.claim(
             format!("{name}: residual over the stated noise"),
             "1",
             1.0,
-            Within(0.02, "1/sqrt(2 100 200) = 0.5 %, four of it"),
+            Within(0.03, "1/sqrt(2 100 100) = 0.7 %, four of it"),
             of(&found, |found| found.to_noise),
         );
     }
