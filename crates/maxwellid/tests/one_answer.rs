@@ -5,9 +5,9 @@ use crate::virtual_tests;
 use std::sync::Arc;
 
 use maxwellid::selection::Candidate;
-use maxwellid::{Fit, MaxwellidError, Noise, RodTest, Verdict};
+use maxwellid::{Fit, MaxwellidError, Noise, RodModel, RodTest, Verdict};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
-use virtual_tests::{by_the_chain, in_order, in_parallel, noisy, rounded};
+use virtual_tests::{MODULUS, by_the_chain, in_order, in_parallel, noisy, rounded};
 
 fn norton() -> Candidate {
     let mut all = Candidate::standard().into_iter();
@@ -149,14 +149,17 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     }
 }
 
-/// Of one velocity in two per cent of noise the excitation follows the exponent: this fit ends at 0.35 for a true 2, and its rate, wrong by five of its standard errors, is straight for fixed
-/// weights and excitation. Renewed at the ends of the intervals they show that the errors stand for nothing. In half a per cent of noise the exponent is identified.
+/// Of one velocity in two per cent of noise the excitation follows the exponent: fits end at 0.35 for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for
+/// fixed weights and excitation. Renewed at the ends of the intervals they show that the errors stand for nothing. In half a per cent of noise the exponent is identified.
 #[test]
 fn r13_what_the_excitation_follows_is_not_identified() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
     let round = rounded(&truth, 10.0, 30e-6);
     let sharp = by_the_chain(&truth, 10.0);
-    let cases = [(&round, 0.02, 50_040), (&sharp, 0.005, 50_000)];
+    let expected = RodModel::parameters(&truth, MODULUS);
+    let of_round = (50_038..50_044).map(|seed| (&round, 0.02, seed));
+    let cases: Vec<_> = of_round.chain([(&sharp, 0.005, 50_000)]).collect();
+    // exponent and logarithm of the rate: their errors in standard errors, where they are called identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];
         let found = Fit::of(Arc::clone(norton().model()))
@@ -164,12 +167,16 @@ fn r13_what_the_excitation_follows_is_not_identified() {
             .to(&tests)
             .unwrap();
         let judged = found.identifiability(Noise::Stated).unwrap();
-        let estimates = judged.estimates.iter().skip(1).take(2);
-        let verdicts: Vec<bool> = estimates
-            .map(|estimate| estimate.verdict == Verdict::Identified)
-            .collect();
-        verdicts
+        [1, 2].map(|index: usize| {
+            let is_identified = judged.estimates[index].verdict == Verdict::Identified;
+            let error = found.parameters()[index] - expected[index];
+            is_identified.then(|| error / judged.coordinate_errors[index])
+        })
     });
-    assert_eq!(identified[0], [false, false]);
-    assert!(identified[1][0]);
+    for (errors, (_, _, seed)) in identified.iter().zip(&cases) {
+        for error in errors.iter().flatten() {
+            assert!(error.abs() < 4.0, "seed {seed}: {errors:?}");
+        }
+    }
+    assert!(identified.last().unwrap()[0].is_some());
 }

@@ -152,14 +152,17 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         },
         outcomes.last(),
     )?;
-    let recorders = weighed
-        .iter()
-        .map(|test| RecorderCheck::of(test, Some(virtual_test::CUTOFF_HZ)))
-        .collect::<Result<Vec<_>, _>>()?;
-    if job.material.model != ModelKind::Maxwell && recorders.iter().any(RecorderCheck::is_biased) {
-        for parameter in &mut last.parameters {
-            parameter.verdict = BIASED.into();
-            parameter.identified = false;
+    // a rod that is driven by what was recorded has felt nothing else
+    if job.excitation == Excitation::Struck && job.material.model != ModelKind::Maxwell {
+        let recorders = weighed
+            .iter()
+            .map(|test| RecorderCheck::of(test, Some(virtual_test::CUTOFF_HZ)))
+            .collect::<Result<Vec<_>, _>>()?;
+        if recorders.iter().any(RecorderCheck::is_biased) {
+            for parameter in last.parameters.iter_mut().filter(|p| p.identified) {
+                parameter.verdict = BIASED.into();
+                parameter.identified = false;
+            }
         }
     }
     let truth = stated(parameters)?;
