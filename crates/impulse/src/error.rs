@@ -101,9 +101,12 @@ pub enum ImpulseError {
     /// A regularisation parameter is to be found from the noise of the response.
     #[error("the discrepancy principle needs the noise of the response, and it is not known")]
     NoiseNotKnown,
-    /// Tension is forbidden all over the record.
-    #[error("a force without tension needs a support, and there is none")]
-    NoSupport,
+    /// The force is sought all over the record.
+    #[error("{what} needs a support, and there is none")]
+    NoSupport {
+        /// The force that needs one.
+        what: &'static str,
+    },
     /// Components are cut off that a force without tension cannot be without.
     #[error(
         "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"

@@ -14,6 +14,7 @@ mod outcome;
 mod path_errors;
 mod profile;
 mod sensor;
+mod shifted;
 mod solution;
 mod support;
 mod supposed;
@@ -24,6 +25,7 @@ use self::lines::{Grid, Transformed};
 use self::modes::Filter;
 use self::path_errors::PathErrors;
 use self::profile::Constrained;
+use self::shifted::Shift;
 use self::solution::{Gain, Solved};
 use self::support::{Support, SupportProblem};
 use crate::error::{check_interval, check_positive};
@@ -93,6 +95,7 @@ pub struct Reconstruction<'a> {
     support: Option<TimeInterval>,
     is_non_negative: bool,
     blows: Option<&'a CalibrationLines>,
+    decay_rate: Option<f64>,
 }
 
 impl<'a> Reconstruction<'a> {
@@ -151,6 +154,7 @@ impl<'a> Reconstruction<'a> {
             support: None,
             is_non_negative: false,
             blows: None,
+            decay_rate: None,
         })
     }
 
@@ -201,6 +205,20 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
+    /// The frequency responses were made under the exponential window $`e^{-\sigma t}`$, `decay_rate` $`\sigma`$ \[1/s\], on force and response from the first sample
+    /// on: their lines are $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of lines, variances of
+    /// frequency responses and calibration lines are those of windowed histories; a white noise is that of the response as given.
+    ///
+    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$, and the force found times $`e^{\sigma t}`$ is the force. Its error grows likewise, so that it is
+    /// best known early in the record. A regularised force then needs a support.
+    #[must_use]
+    pub fn with_added_damping(self, decay_rate: f64) -> Self {
+        Self {
+            decay_rate: Some(decay_rate),
+            ..self
+        }
+    }
+
     /// The force is nowhere tension. Needs a support.
     #[must_use]
     pub fn non_negative(self) -> Self {
@@ -214,7 +232,7 @@ impl<'a> Reconstruction<'a> {
     ///
     /// # Errors
     ///
-    /// - [`ImpulseError::NonPhysical`] for a given parameter; [`ImpulseError::EmptyInterval`] for band or support;
+    /// - [`ImpulseError::NonPhysical`] for a given parameter, or the decay rate of an exponential window; [`ImpulseError::EmptyInterval`] for band or support;
     ///   [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`]; [`ImpulseError::UnknownLine`] for a line to be left out.
     /// - [`ImpulseError::NoiseNotKnown`] for the discrepancy principle without noise; [`ImpulseError::NoSupport`] and
     ///   [`ImpulseError::TruncatedWithoutTension`] for a force without tension.
@@ -222,11 +240,38 @@ impl<'a> Reconstruction<'a> {
     /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`]; [`ImpulseError::NoDecomposition`].
     pub fn solve(&self) -> Result<ReconstructedForce, ImpulseError> {
         self.check()?;
-        let n_samples = self.sensors.first().map_or(0, |s| s.response.len());
-        let grid = Grid {
-            n_samples,
-            sampling_rate_hz: self.sampling_rate_hz,
+        let grid = self.grid();
+        let Some(decay_rate) = self.decay_rate else {
+            return self.solve_on(grid, None);
         };
+        let shift = Shift::of(decay_rate, grid)?;
+        let sensors = self.sensors.iter();
+        let windowed: Vec<Vec<f64>> = sensors
+            .map(|sensor| shift.windowed(sensor.response))
+            .collect();
+        let sensors = self.sensors.iter().zip(&windowed);
+        let sensors = sensors.map(|(sensor, response)| sensor.windowed(response, &shift));
+        let on_line = Reconstruction {
+            sensors: sensors.collect(),
+            ..self.clone()
+        };
+        on_line.solve_on(grid, Some(shift))
+    }
+
+    fn grid(&self) -> Grid {
+        Grid {
+            n_samples: self.sensors.first().map_or(0, |s| s.response.len()),
+            sampling_rate_hz: self.sampling_rate_hz,
+        }
+    }
+
+    /// Computes the force of responses that have the window of `shift` already.
+    fn solve_on(
+        &self,
+        grid: Grid,
+        shift: Option<Shift>,
+    ) -> Result<ReconstructedForce, ImpulseError> {
+        let n_samples = grid.n_samples;
         let support = self
             .support
             .map(|interval| Support::of(interval, n_samples, self.sampling_rate_hz))
@@ -241,6 +286,7 @@ impl<'a> Reconstruction<'a> {
             band: self.band,
             errors: None,
             prior: None,
+            shift,
         };
         let has_variance = self.sensors.iter().any(|s| s.variance.is_some());
         let noise_is_known = self.noise_is_known();
@@ -308,10 +354,7 @@ impl<'a> Reconstruction<'a> {
             }
         }
         if let Regularisation::Tikhonov { penalty, .. } = self.regularisation {
-            let grid = Grid {
-                n_samples: self.sensors.first().map_or(0, |s| s.response.len()),
-                sampling_rate_hz: self.sampling_rate_hz,
-            };
+            let grid = self.grid();
             let last = grid.n_lines() - 1;
             if ![1, last]
                 .map(|line| penalty.weight(grid.omega(line)))
@@ -323,9 +366,19 @@ impl<'a> Reconstruction<'a> {
                 });
             }
         }
+        if self.decay_rate.is_some()
+            && self.support.is_none()
+            && self.regularisation != Regularisation::None
+        {
+            return Err(ImpulseError::NoSupport {
+                what: "a regularised force by a path under an exponential window",
+            });
+        }
         if self.is_non_negative {
             if self.support.is_none() {
-                return Err(ImpulseError::NoSupport);
+                return Err(ImpulseError::NoSupport {
+                    what: "a force without tension",
+                });
             }
             if let Regularisation::Truncated { .. } = self.regularisation {
                 return Err(ImpulseError::TruncatedWithoutTension);
@@ -367,8 +420,9 @@ impl<'a> Reconstruction<'a> {
             let lost = lines.lost(filter, self.penalty(), value);
             let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
+                // under a window it takes all lines, with the noise of the end of the record
                 impulse: mean
-                    .filter(|(power, _)| **power > 0.0)
+                    .filter(|(power, _)| **power > 0.0 && transformed.shift.is_none())
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
                 bias: None,
                 samples: fourier::to_samples(&force, n_samples),
@@ -381,13 +435,15 @@ impl<'a> Reconstruction<'a> {
                 n_silent: 0,
             });
         };
-        let variance = transformed.errors.as_ref().map(|errors| {
+        let covariance = transformed.errors.as_ref().map(|errors| {
             let nothing = vec![Complex64::ZERO; lines.grid.n_lines()];
             let force = weights_for.unwrap_or(&nothing);
-            let variance = transformed.cross_variance(weights_for, force, 0.0);
-            (errors, variance)
+            (
+                errors,
+                transformed.cross_covariance(weights_for, force, 0.0, support),
+            )
         });
-        let errors = variance.as_ref().map(|(errors, v)| (*errors, v.as_slice()));
+        let errors = covariance.as_ref().map(|(errors, v)| (*errors, v));
         let mut problem = SupportProblem::new(&lines, support, self.penalty(), errors, self.blows)?;
         let in_record = |on_support: &[f64]| {
             let mut samples = vec![0.0; n_samples];
@@ -420,7 +476,9 @@ impl<'a> Reconstruction<'a> {
         let value = parameter.as_ref().map_or(0.0, |p| p.value);
         let gain = problem.inverse(filter, value);
         let on_support = by(&problem, &gain);
-        let impulse = time_step * on_support.iter().sum::<f64>();
+        let growth = transformed.growth_from(support.first);
+        let grown = on_support.iter().zip(growth).map(|(f, growth)| f * growth);
+        let impulse = time_step * grown.sum::<f64>();
         let bias = plain.map(|plain| {
             let pairs = on_support.iter().zip(&plain);
             in_record(&pairs.map(|(with, plain)| with - plain).collect::<Vec<_>>())
@@ -472,20 +530,24 @@ impl<'a> Reconstruction<'a> {
         let filter = Filter::of(self.regularisation);
         let value = solved.parameter.as_ref().map_or(0.0, |p| p.value);
         let point = solved.modes.point(filter, value);
-        let per_freedom = (point.freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
-            .then(|| point.squared_residual / point.freedom_left);
+        let freedom_left = solved
+            .freedom_left(transformed, (weights_for, &force))
+            .unwrap_or(point.freedom_left);
+        let per_freedom = (freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
+            .then(|| point.squared_residual / freedom_left);
         let bias = solved.bias.take().unwrap_or_else(|| solved.bias());
         let error_for = |unit_noise: f64, force: &[Complex64]| {
-            let variance = transformed.cross_variance(weights_for, force, unit_noise);
-            // weights are by the noise where it is known
-            let noise = if unit_noise > 0.0 { unit_noise } else { 1.0 };
-            solved.error(&variance, noise, &bias)
+            let lines = (weights_for, force);
+            solved.error(transformed, lines, unit_noise, &bias)
         };
         let error = match (self.noise_is_known(), per_freedom) {
             (true, _) => RandomErrorOfForce::Stated(error_for(0.0, &force)?),
             (false, Some(noise)) if noise > 0.0 => RandomErrorOfForce::Estimated {
                 error: error_for(noise, &force)?,
-                standard_deviation: (noise / n_samples as f64).sqrt(),
+                standard_deviation: (noise
+                    / transformed.shift.as_ref().map_or(1.0, Shift::mean_square)
+                    / n_samples as f64)
+                    .sqrt(),
             },
             (false, _) => RandomErrorOfForce::NoiseNotKnown,
         };
@@ -493,22 +555,26 @@ impl<'a> Reconstruction<'a> {
             (true, _) => Some(1.0),
             (false, noise) => noise.filter(|noise| *noise > 0.0),
         };
-        let peak_interval = noise.and_then(|noise| solved.peak_interval(noise, &bias));
+        let peak_interval = noise.and_then(|noise| solved.peak_interval(transformed, noise, &bias));
         let noise_gain = solved.noise_gain(transformed, weights_for);
         let response_end = self
             .sensors
             .iter()
             .map(|sensor| ResponseEnd::of(sensor.response))
             .fold(ResponseEnd::DiedOut, ResponseEnd::worse);
+        let grown = |samples: &[f64]| -> Vec<f64> {
+            let pairs = samples.iter().zip(transformed.growth_from(0));
+            pairs.map(|(x, growth)| x * growth).collect()
+        };
         Ok(ReconstructedForce {
             regularisation: self.regularisation,
             impulse: solved.impulse,
-            regularisation_bias: bias,
+            regularisation_bias: grown(&bias),
             relative_residual: transformed.relative_residual(&force),
             reduced_chi_square: per_freedom.filter(|_| self.noise_is_known()),
             noise_gain,
             error,
-            history: ForceHistory::new(0.0, 1.0 / self.sampling_rate_hz, solved.samples)?,
+            history: ForceHistory::new(0.0, 1.0 / self.sampling_rate_hz, grown(&solved.samples))?,
             parameter: solved.parameter,
             excluded: solved.lines.excluded,
             silent_components: solved.n_silent,

@@ -1,11 +1,14 @@
 //! The sums over sensors at every spectral line.
 
+use faer::Mat;
 use num_complex::Complex64;
 
 use super::modes::{Filter, Modes};
 use super::outcome::{ExcludedLine, ExclusionReason};
 use super::path_errors::PathErrors;
 use super::sensor::Sensor;
+use super::shifted::Shift;
+use super::support::{self, Support};
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
@@ -66,6 +69,8 @@ pub(super) struct Transformed<'a> {
     pub(super) errors: Option<PathErrors>,
     /// Inverse of the power that is supposed of the force on each line, for lines that stand for themselves.
     pub(super) prior: Option<Vec<f64>>,
+    /// The window that the responses have, if the frequency responses were made under one.
+    pub(super) shift: Option<Shift>,
 }
 
 #[allow(
@@ -183,7 +188,64 @@ impl Transformed<'_> {
         })
     }
 
-    /// Root of the same under white noise of standard deviation 1 on all responses, over the number of samples. The squares of very large or very small weights
+    /// Covariance of the same sums over a support, as histories.
+    pub(super) fn cross_covariance(
+        &self,
+        weights_for: Option<&[Complex64]>,
+        force: &[Complex64],
+        unit_noise: f64,
+        support: Support,
+    ) -> Mat<f64> {
+        let Some(shift) = &self.shift else {
+            let variance = self.cross_variance(weights_for, force, unit_noise);
+            let lags = support::lags(&variance, self.grid.n_samples, support.length);
+            return support::toeplitz(&lags);
+        };
+        shift.covariance(&self.noise_filters(weights_for, force, unit_noise), support)
+    }
+
+    /// The filters of the errors of which [`Self::cross_variance`] is the variance.
+    pub(super) fn noise_filters(
+        &self,
+        weights_for: Option<&[Complex64]>,
+        force: &[Complex64],
+        unit_noise: f64,
+    ) -> Vec<Vec<Complex64>> {
+        self.filters(weights_for, |sensor, line| {
+            let noise = sensor.noise_at(line).unwrap_or(unit_noise);
+            noise + sensor.variance_at(line) * force[line].norm_sqr()
+        })
+    }
+
+    /// The filter of every sensor from white noise, each line of which has the variance N, to the cross sums.
+    pub(super) fn filters(
+        &self,
+        weights_for: Option<&[Complex64]>,
+        variance: impl Fn(&Sensor<'_>, usize) -> f64,
+    ) -> Vec<Vec<Complex64>> {
+        let n_samples = self.grid.n_samples as f64;
+        let of_sensor = |(index, sensor): (usize, &Sensor<'_>)| {
+            let of_line = |line: usize| {
+                let h = sensor.frequency_response[line];
+                if !self.uses(sensor, line) || h.norm() == 0.0 {
+                    return Complex64::ZERO;
+                }
+                let gain = self.cross_gain(index, line, weights_for) / h.norm();
+                gain * (variance(sensor, line) / n_samples).sqrt() * h.conj()
+            };
+            (0..self.grid.n_lines()).map(of_line).collect()
+        };
+        self.sensors.iter().enumerate().map(of_sensor).collect()
+    }
+
+    /// Factor from the force that is found to the force, from sample `first` on: 1 without a window.
+    pub(super) fn growth_from(&self, first: usize) -> impl Iterator<Item = f64> {
+        let growth = self.shift.iter().flat_map(move |s| s.growth_from(first));
+        let none = self.shift.is_none().then(|| std::iter::repeat(1.0));
+        growth.chain(none.into_iter().flatten())
+    }
+
+    /// Root of the same variance under white noise of standard deviation 1 on all responses, over the number of samples. The squares of very large or very small weights
     /// have no digits.
     pub(super) fn white_cross_deviation(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
         let of_line = |line: usize| {

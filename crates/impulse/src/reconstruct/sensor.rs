@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex64;
 
+use super::shifted::Shift;
 use crate::ImpulseError;
 use crate::error::{check_positive, check_samples};
 
@@ -112,6 +113,24 @@ impl<'a> Sensor<'a> {
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
         self.left_out.extend(lines);
         self
+    }
+
+    /// The sensor with its response under the window of `shift`; the noise of lines is that of such a response already.
+    pub(super) fn windowed<'b>(&self, response: &'b [f64], shift: &Shift) -> Sensor<'b>
+    where
+        'a: 'b,
+    {
+        let noise = match self.noise {
+            ResponseNoise::White(deviation) => {
+                ResponseNoise::White(deviation * shift.mean_square().sqrt())
+            }
+            other => other,
+        };
+        Sensor {
+            response,
+            noise,
+            ..self.clone()
+        }
     }
 
     /// Noise of a line, if the noise is known.

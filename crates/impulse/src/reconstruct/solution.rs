@@ -56,38 +56,94 @@ impl Solved {
         clippy::indexing_slicing,
         reason = "the support lies in the record, of which the bias has an element a sample"
     )]
-    pub(super) fn peak_interval(&self, noise: f64, bias: &[f64]) -> Option<ProfileInterval> {
+    pub(super) fn peak_interval(
+        &self,
+        transformed: &Transformed<'_>,
+        noise: f64,
+        bias: &[f64],
+    ) -> Option<ProfileInterval> {
         let (Some(constrained), Gain::Support { support, .. }) = (&self.constrained, &self.gain)
         else {
             return None;
         };
-        let force = constrained.force.iter().enumerate();
-        let (at, _) = force.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let growth = transformed.growth_from(support.first);
+        let force = constrained.force.iter().zip(growth).enumerate();
+        let (at, (_, growth)) =
+            force.max_by(|(_, (a, b)), (_, (c, d))| (*a * b).total_cmp(&(*c * d)))?;
         let mut sample = vec![0.0; support.length];
-        sample[at] = 1.0;
-        constrained.interval(&sample, noise, bias[support.first + at])
+        sample[at] = growth;
+        constrained.interval(&sample, noise, growth * bias[support.first + at])
     }
 
-    /// The error of the force for cross sums of this variance and a noise of the weighted variance `noise`; what the regularisation takes off is in it.
+    /// Expected sum of squares that a force on a support leaves unexplained of noise of the weighted variance 1, where the noise decays with a window: the force
+    /// takes more of it early in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G and the covariance C of the right side.
+    pub(super) fn freedom_left(
+        &self,
+        transformed: &Transformed<'_>,
+        (weights_for, force): (Option<&[Complex64]>, &[Complex64]),
+    ) -> Option<f64> {
+        let (
+            Some(_),
+            Gain::Support {
+                support,
+                gain,
+                quadratic,
+                informed: None,
+                ..
+            },
+        ) = (&transformed.shift, &self.gain)
+        else {
+            return None;
+        };
+        let covariance = transformed.cross_covariance(weights_for, force, 1.0, *support);
+        let once = gain * covariance;
+        let twice = gain * quadratic * &once;
+        let trace =
+            |matrix: &faer::Mat<f64>| -> f64 { (0..support.length).map(|i| matrix[(i, i)]).sum() };
+        Some(self.lines.n_data - 2.0 * trace(&once) + trace(&twice))
+    }
+
+    /// The error of the force of the lines `force`, and `unit_noise` where the noise is not known; what the regularisation takes off is in it.
     ///
     /// A regularisation is a supposition on the force: its variance is that of the supposition by what the responses tell of it (G. Wahba's interval), and where
     /// `bias` is more it is this. Where the force without regularisation has an error of its own, the error is that and the `bias`.
     pub(super) fn error(
         &self,
-        cross_variance: &[f64],
-        noise: f64,
+        transformed: &Transformed<'_>,
+        (weights_for, force): (Option<&[Complex64]>, &[Complex64]),
+        unit_noise: f64,
         bias: &[f64],
     ) -> Result<ForceError, ImpulseError> {
+        // weights are by the noise where it is known
+        let noise = if unit_noise > 0.0 { unit_noise } else { 1.0 };
         let n_samples = self.samples.len();
         let none = ForceError::none(n_samples);
         let mut supposed = vec![0.0; n_samples];
         let random = match &self.gain {
             Gain::Lines { gains, lost } => {
                 let scale = (n_samples as f64).powi(-2);
-                let lines = gains.iter().zip(cross_variance).zip(lost);
-                let variances = lines
-                    .map(|((g, v), lost)| (g * g * v + noise * lost) * scale)
-                    .collect();
+                let variances = match &transformed.shift {
+                    None => {
+                        let cross = transformed.cross_variance(weights_for, force, unit_noise);
+                        let lines = gains.iter().zip(cross).zip(lost);
+                        lines
+                            .map(|((g, v), lost)| (g * g * v + noise * lost) * scale)
+                            .collect()
+                    }
+                    Some(shift) => {
+                        let mut sum = vec![0.0; gains.len()];
+                        for mut filter in transformed.noise_filters(weights_for, force, unit_noise)
+                        {
+                            for (line, gain) in filter.iter_mut().zip(gains) {
+                                *line *= gain;
+                            }
+                            for (sum, own) in sum.iter_mut().zip(shift.unwound(&filter)) {
+                                *sum += own * scale;
+                            }
+                        }
+                        sum
+                    }
+                };
                 let all: f64 = lost
                     .iter()
                     .enumerate()
@@ -104,8 +160,8 @@ impl Solved {
                 lost,
                 ..
             } => {
-                let lags = support::lags(cross_variance, n_samples, support.length);
-                let mut covariance = support::toeplitz(&lags);
+                let mut covariance =
+                    transformed.cross_covariance(weights_for, force, unit_noise, *support);
                 if let Some(informed) = informed {
                     covariance = informed.covariance(&covariance);
                 }
@@ -123,8 +179,15 @@ impl Solved {
                     }
                 }
                 let factor = support::error_factor(&covariance)?;
-                let rows = (0..support.length)
-                    .map(|i| (0..support.length).map(|j| factor[(i, j)]).collect())
+                let rows = transformed
+                    .growth_from(support.first)
+                    .take(support.length)
+                    .enumerate();
+                let rows = rows
+                    .map(|(i, growth)| {
+                        let row = (0..support.length).map(|j| growth * factor[(i, j)]);
+                        row.collect()
+                    })
                     .collect();
                 none.with_support(support.first, rows)
             }
@@ -132,7 +195,10 @@ impl Solved {
         let excess: Vec<f64> = bias
             .iter()
             .zip(supposed)
-            .map(|(bias, supposed)| (bias * bias - supposed).max(0.0).sqrt().copysign(*bias))
+            .zip(transformed.growth_from(0))
+            .map(|((bias, supposed), growth)| {
+                growth * (bias * bias - supposed).max(0.0).sqrt().copysign(*bias)
+            })
             .collect();
         Ok(if excess.iter().any(|excess| *excess != 0.0) {
             random.with_common(excess)
@@ -151,6 +217,20 @@ impl Solved {
         let n_samples = self.samples.len();
         match &self.gain {
             Gain::Lines { gains, .. } => {
+                if let Some(shift) = &transformed.shift {
+                    let filters = transformed
+                        .filters(weights_for, |_, _| n_samples as f64 * shift.mean_square());
+                    let square: f64 = filters
+                        .into_iter()
+                        .flat_map(|filter| {
+                            let lines = filter.iter().zip(gains).map(|(c, gain)| c * gain);
+                            shift.unwound(&lines.collect::<Vec<_>>())
+                        })
+                        .enumerate()
+                        .map(|(index, line)| self.lines.grid.sides(index % gains.len()) * line)
+                        .sum();
+                    return square.sqrt() / n_samples as f64;
+                }
                 let lines = gains.iter().zip(&deviation).enumerate();
                 let square: f64 = lines
                     .map(|(line, (g, d))| self.lines.grid.sides(line) * (g * d).powi(2))
@@ -163,6 +243,24 @@ impl Solved {
                 informed,
                 ..
             } => {
+                if let Some(shift) = &transformed.shift {
+                    let filters = transformed
+                        .filters(weights_for, |_, _| n_samples as f64 * shift.mean_square());
+                    let gain = match informed {
+                        Some(informed) => gain * &informed.weights,
+                        None => gain.clone(),
+                    };
+                    let spread = &gain * shift.covariance(&filters, *support);
+                    let growth = transformed.growth_from(support.first);
+                    let square: f64 = (0..support.length)
+                        .zip(growth)
+                        .map(|(i, growth)| {
+                            let row = (0..support.length).map(|j| spread[(i, j)] * gain[(i, j)]);
+                            growth * growth * row.sum::<f64>()
+                        })
+                        .sum();
+                    return (square / support.length as f64).sqrt();
+                }
                 let variance: Vec<f64> = deviation.iter().map(|d| d * d).collect();
                 let lags = support::lags(&variance, n_samples, support.length);
                 let gain = match informed {

@@ -84,7 +84,7 @@ impl Informed {
     fn new(
         quadratic: &Mat<f64>,
         right_side: &[f64],
-        (errors, variance): (&PathErrors, &[f64]),
+        (errors, covariance): (&PathErrors, &Mat<f64>),
         blows: Option<&CalibrationLines>,
         support: Support,
         n_samples: usize,
@@ -100,7 +100,7 @@ impl Informed {
         });
         let (values, rotation) = eigen(&(whitening.transpose() * quadratic * &whitening), length)?;
         let components = whitening * rotation;
-        let scatter = toeplitz(&lags(variance, n_samples, length)) * &components;
+        let scatter = covariance * &components;
         let counted: Vec<f64> = (0..length)
             .map(|j| {
                 let tau: f64 = (0..length)
@@ -165,7 +165,7 @@ impl SupportProblem {
         lines: &WeightedLines,
         support: Support,
         penalty: Penalty,
-        errors: Option<(&PathErrors, &[f64])>,
+        errors: Option<(&PathErrors, &Mat<f64>)>,
         blows: Option<&CalibrationLines>,
     ) -> Result<Self, ImpulseError> {
         let Support { first, length } = support;
@@ -181,15 +181,9 @@ impl SupportProblem {
             .collect();
         let penalty_lags = lags(&weights, n_samples, length);
         let mut informed = None;
-        if let Some((errors, variance)) = errors {
-            let (of, equations, side) = Informed::new(
-                &quadratic,
-                &right_side,
-                (errors, variance),
-                blows,
-                support,
-                n_samples,
-            )?;
+        if let Some(errors) = errors {
+            let (of, equations, side) =
+                Informed::new(&quadratic, &right_side, errors, blows, support, n_samples)?;
             (quadratic, right_side, informed) = (equations, side, Some(of));
         }
         // columns W with W^T D W = 1

@@ -9,13 +9,18 @@ const TURN: f64 = 0.2;
 /// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory after 2000 samples is 0.98^2000 =
 /// 3e-18, so that the record holds the whole response.
 fn respond(force: &[f64]) -> Vec<f64> {
+    ring(RADIUS, force)
+}
+
+/// The same of another radius r.
+fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     let mut response: Vec<f64> = Vec::new();
     let past = |response: &[f64], n: usize, lag: usize| {
         n.checked_sub(lag).map_or(0.0, |earlier| response[earlier])
     };
     for (n, f) in force.iter().enumerate() {
-        let x = 2.0 * RADIUS * TURN.cos() * past(&response, n, 1)
-            - RADIUS * RADIUS * past(&response, n, 2)
+        let x = 2.0 * radius * TURN.cos() * past(&response, n, 1)
+            - radius * radius * past(&response, n, 2)
             + f;
         response.push(x);
     }
@@ -558,6 +563,10 @@ struct HammerTest {
     /// Noise of the response over the largest response to the blow that is sought.
     level: f64,
     n_blows: usize,
+    /// Radius of the resonator.
+    radius: f64,
+    /// Decay rate of the exponential window on force and response of the blows for the path, 0 for none.
+    decay_rate: f64,
 }
 
 /// What a reconstruction is off by in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
@@ -598,7 +607,7 @@ impl HammerTest {
         use rand::{RngExt, SeedableRng};
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let truth = self.blow(300.0);
-        let clean = respond(&truth);
+        let clean = ring(self.radius, &truth);
         let level = self.level * clean.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
         let mut noisy = |clean: Vec<f64>, level: f64| -> Vec<f64> {
             let mut normal = || -> f64 { random.sample(rand_distr::StandardNormal) };
@@ -608,8 +617,14 @@ impl HammerTest {
         let (mut forces, mut lines) = (Vec::new(), Vec::new());
         for blow in 0..self.n_blows {
             let force = self.blow(170.0 + 20.0 * blow as f64);
-            let answer = noisy(respond(&force), level);
-            let force = noisy(force, 0.01);
+            let answer = noisy(ring(self.radius, &force), level);
+            let window = |mut samples: Vec<f64>| {
+                for (n, x) in samples.iter_mut().enumerate() {
+                    *x *= (-self.decay_rate * n as f64 / RATE).exp();
+                }
+                samples
+            };
+            let (force, answer) = (window(noisy(force, 0.01)), window(answer));
             lines.push((fourier::to_spectrum(&force), fourier::to_spectrum(&answer)));
             forces.push(force);
         }
@@ -647,6 +662,11 @@ impl HammerTest {
         } else {
             problem.like_blows(&told)
         };
+        let problem = if self.decay_rate > 0.0 {
+            problem.with_added_damping(self.decay_rate)
+        } else {
+            problem
+        };
         (change(problem).solve().unwrap(), truth)
     }
 
@@ -683,6 +703,8 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
         length: 10,
         level: 0.003,
         n_blows: 5,
+        radius: RADIUS,
+        decay_rate: 0.0,
     };
     let support = test.support();
     let seeds = 40;
@@ -708,7 +730,7 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
     };
     // 81 and 98 % of 200 other seeds, whose 27 samples hang together: the blows are alike, and are not supposed to be
     assert!((0.68..0.92).contains(&part(1.0)), "{}", part(1.0));
-    assert!(part(1.96) > 0.93, "{}", part(1.96));
+    assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
 }
 
 /// 1 % of noise, where the responses tell a blow of ten samples no sharper than 19 N too low: the mean of the calibration blows tells the rest.
@@ -719,6 +741,8 @@ fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
         length: 10,
         level: 0.01,
         n_blows: 5,
+        radius: RADIUS,
+        decay_rate: 0.0,
     };
     let support = test.support();
     let all: Vec<Off> = (0..60)
@@ -745,6 +769,8 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
         length: 10,
         level: 0.003,
         n_blows: 5,
+        radius: RADIUS,
+        decay_rate: 0.0,
     };
     let support = test.support();
     let smooth = Regularisation::Tikhonov {
@@ -776,6 +802,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
         length: 10,
         level: 0.003,
         n_blows: 5,
+        radius: RADIUS,
+        decay_rate: 0.0,
     };
     let support = test.support();
     let (mut inside, mut narrower) = ([0, 0], 0.0);
@@ -855,6 +883,8 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
         length: 30,
         level: 0.003,
         n_blows: 5,
+        radius: RADIUS,
+        decay_rate: 0.0,
     };
     let band = FrequencyBand {
         from_hz: 20.0,
@@ -867,4 +897,119 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
         let off = test.off(seed, |problem| problem.within(band).acting_during(support));
         assert!(off.impulse.abs() < 3.5, "{seed}: {}", off.impulse);
     }
+}
+
+/// A body that rings on to 0.37 at the end of the record, its path by five blows under a window that leaves 1 % there. By the lines of the path as they stand
+/// the peak of 300 N is 3013 N.
+#[test]
+fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
+    let test = HammerTest {
+        n_samples: N,
+        length: 30,
+        level: 0.001,
+        n_blows: 5,
+        radius: 0.9995,
+        decay_rate: 23.0,
+    };
+    let support = test.support();
+    let seeds = 40;
+    let all: Vec<Off> = (0..seeds)
+        .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
+        .collect();
+    let mean = all.iter().map(|off| off.newton).sum::<f64>() / seeds as f64;
+    // 0.83 N in the root mean square of forty, and four times their mean's
+    assert!(mean.abs() < 0.53, "{mean} N");
+    assert!(rms(all.iter().map(|off| off.newton)) < 1.2);
+    let impulse = rms(all.iter().map(|off| off.impulse));
+    assert!((0.6..1.3).contains(&impulse), "{impulse}");
+    let part = |limit: f64| {
+        let inside = all.iter().flat_map(|off| &off.samples);
+        inside.clone().filter(|z| z.abs() < limit).count() as f64 / inside.count() as f64
+    };
+    // blows that are alike, as without a window
+    assert!((0.66..0.90).contains(&part(1.0)), "{}", part(1.0));
+    assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
+}
+
+/// The same body by its exact windowed impulse response: the only error is the white noise of the response, whose lines hang together under the window.
+#[test]
+fn s4_white_noise_is_followed_through_the_window() {
+    use rand::{RngExt, SeedableRng};
+    // 1e-7 is left at the end: nothing comes round
+    let (radius, decay_rate, level) = (0.9995, 80.0, 0.4);
+    let mut impulse = vec![0.0; N];
+    impulse[0] = 1.0;
+    let mut windowed = ring(radius, &impulse);
+    for (n, h) in windowed.iter_mut().enumerate() {
+        *h *= (-decay_rate * n as f64 / RATE).exp();
+    }
+    let lines = fourier::to_spectrum(&windowed);
+    for at in [40, 300] {
+        let truth: Vec<f64> = (0..N)
+            .map(|n| match n.checked_sub(at) {
+                Some(k) if k < 30 => 500.0 * (PI * (k as f64 + 0.5) / 30.0).sin(),
+                _ => 0.0,
+            })
+            .collect();
+        let clean = ring(radius, &truth);
+        let support = TimeInterval {
+            from: (at as f64 - 5.5) / RATE,
+            to: (at as f64 + 35.5) / RATE,
+        };
+        let mut off: [Vec<f64>; 3] = Default::default();
+        for seed in 0..60 {
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let response: Vec<f64> = clean
+                .iter()
+                .map(|x| -> f64 { x + level * random.sample::<f64, _>(rand_distr::StandardNormal) })
+                .collect();
+            let sensor = |noise| {
+                Sensor::new(&response, &lines)
+                    .unwrap()
+                    .with_noise(noise)
+                    .unwrap()
+            };
+            let of = |noise| {
+                Reconstruction::of_sensors(vec![sensor(noise)], RATE)
+                    .unwrap()
+                    .with_added_damping(decay_rate)
+            };
+            let stated = ResponseNoise::White(level);
+            let problems = [
+                of(stated).acting_during(support),
+                of(stated),
+                of(ResponseNoise::Unknown).acting_during(support),
+            ];
+            for (off, problem) in off.iter_mut().zip(problems) {
+                let found = problem.solve().unwrap();
+                let error = found.error.known().unwrap().standard_error();
+                off.extend((at..at + 30).map(|n| (found.history.force()[n] - truth[n]) / error[n]));
+            }
+        }
+        for (index, off) in off.iter().enumerate() {
+            let part = |limit: f64| {
+                off.iter().filter(|z| z.abs() < limit).count() as f64 / off.len() as f64
+            };
+            // some 300 to 1800 independent numbers: 68.3 +- 2.7 and 95.0 +- 1.3 %, three times
+            assert!(
+                (part(1.0) - 0.683).abs() < 0.08,
+                "{at} {index} {}",
+                part(1.0)
+            );
+            assert!(
+                (part(1.96) - 0.95).abs() < 0.038,
+                "{at} {index} {}",
+                part(1.96)
+            );
+        }
+    }
+    let problem = Reconstruction::new(&windowed, RATE, &lines).unwrap();
+    assert!(problem.clone().with_added_damping(-1.0).solve().is_err());
+    let regularised = problem
+        .with_added_damping(decay_rate)
+        .with_regularisation(tikhonov(1.0));
+    assert_eq!(
+        regularised.solve().unwrap_err().to_string(),
+        "a regularised force by a path under an exponential window needs a support, and there is none"
+    );
 }
