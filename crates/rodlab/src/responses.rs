@@ -20,7 +20,8 @@ pub use support::{CompletionSheet, SupportSheet, measured_body};
 
 use labio::hits::samples_at_rest;
 use labio::{
-    AveragedSpectra, FrequencyResponse, LabioError, LineValidity, Record, completed_motion,
+    AddedDamping, AveragedSpectra, FrequencyResponse, LabioError, LineValidity, Record,
+    completed_motion,
 };
 
 use crate::RodlabError;
@@ -84,14 +85,19 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
     }
 }
 
-/// Samples of a channel with the motion behind the end of the hit, as its transform is divided by a response of [`HitsSource`].
+/// Samples of a channel with the motion behind the end of the hit, as its transform is divided by a response of [`HitsSource`], under `window` if that was made
+/// under one.
 ///
 /// # Errors
 ///
 /// [`LabioError::UnknownChannel`].
-pub fn completed(hit: &Record, channel: &str) -> Result<Vec<f64>, LabioError> {
+pub fn completed(
+    hit: &Record,
+    channel: &str,
+    window: Option<AddedDamping>,
+) -> Result<Vec<f64>, LabioError> {
     let rest = samples_at_rest(&[hit], &[channel])?;
-    completed_motion(hit, channel, rest)
+    completed_motion(hit, channel, rest, window)
 }
 
 /// Relative systematic error of the lines of the response of `output` over `input` by the end of the records; of two tests, by the share of the

@@ -278,7 +278,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
         refused(
             &HITS.replace(
                 "force: \"hammer\"",
-                "exponential_window: \"1 %\", force: \"hammer\"",
+                "exponential_window: \"120 %\", force: \"hammer\"",
             ),
             "",
         ),
@@ -299,7 +299,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     problem.noise.FromRest is 10 samples, expected from 20 to 2048 samples
     problem.acting is 30 ms to 60 ms, expected a time span from 0 s to 0.040000 s, the end of the record
     problem: the frequency band [Hz] runs from 5000 to 1000, expected finite and increasing limits
-    problem.path.exponential_window is stated, expected no statement: the response of the blow has no such window
+    problem.path.exponential_window: end weight of the exponential window [-] is 1.2, expected a weight between 0 and 1
     No such file or directory (os error 2)
     ");
 }

@@ -1219,7 +1219,7 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
 }
 
 #[test]
-fn s4_the_added_damping_goes_with_the_response_through_files() {
+fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     let folder = tempfile::tempdir().unwrap();
     write_motions(
         folder.path(),
@@ -1287,16 +1287,40 @@ fn s4_the_added_damping_goes_with_the_response_through_files() {
         r#"file: "frf.uff", data_set: 1"#,
         r#"file: "table.csv", data_set: "real part of mobility", imaginary: "imaginary part of mobility""#,
     ] {
-        let force = format!(
-            r#"Force(title: "blow", problem: Response(path: File({file}), response: "struck end",
+        let force = |rest: &str| {
+            format!(
+                r#"Force(title: "blow", problem: Response(path: File({file}), response: "struck end", {rest}
                 record: (files: ["hit_00.npy"], sampling_rate: "8192 Hz", channels: [(name: "struck end", from: 2, unit: "m/s^2")])))"#
-        );
-        let error = run(folder.path(), &force).unwrap_err();
+            )
+        };
+        let error = run(folder.path(), &force("")).unwrap_err();
+        assert!(error.contains("grows by 12.5 1/s"), "{file}: {error}");
+        let rest = r#"regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms"),"#;
+        let outcome = run(folder.path(), &force(rest)).unwrap();
+        let (impulse, error) = quantity(&outcome, "impulse");
+        // a squared sine of 150 N has half its peak in the mean of its millisecond; by the lines as those of the frequency axis it would be 0.089
         assert!(
-            error.contains("under an exponential window of 12.5 1/s"),
-            "{file}: {error}"
+            (impulse / 0.075 - 1.0).abs() < 0.02,
+            "{file}: {impulse} {error:?}"
         );
     }
+    // the same from the hits, the first of which is the blow, whose response is that of a velocity
+    let folder = tempfile::tempdir().unwrap();
+    write_motions(folder.path(), Quantity::Velocity, (7, N, 1e-3), |_, _| {});
+    fs::rename(
+        folder.path().join("hit_00.npy"),
+        folder.path().join("blow.npy"),
+    )
+    .unwrap();
+    let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s")]"#;
+    let text = format!(
+        r#"Force(title: "blow", problem: Response(
+            path: Hits(records: (files: ["hit_*.npy"], {channels}), force: "hammer", response: "struck end", exponential_window: "1 %"),
+            record: (files: ["blow.npy"], {channels}), response: "struck end", compare_with: "hammer"))"#
+    );
+    let outcome = run(folder.path(), &text).unwrap();
+    let (impulse, error) = quantity(&outcome, "impulse");
+    assert!((impulse / 0.075 - 1.0).abs() < 0.02, "{impulse} {error:?}");
 }
 
 /// Forces on both masses and the acceleration of the struck one, of random forces that are linear between `knots` samples, in volts of

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::Detrend;
 use crate::channel;
-use crate::{LabioError, Quantity, Record};
+use crate::{AddedDamping, LabioError, Quantity, Record};
 
 /// Part of a hit, at its end, from which the motion behind it is told.
 const TAIL: usize = 4;
@@ -104,6 +104,12 @@ impl Ending {
 /// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
 /// ```
 ///
+/// Under an exponential `window` that leaves $`q`$ at the end of the record the samples, still without its weights, are on all lines
+///
+/// ```math
+/// x_n + \frac{q}{1-q}\Bigl(u + v\,n + \frac{v\,qN}{1-q}\Bigr) .
+/// ```
+///
 /// Other quantities stay as they are.
 ///
 /// # Errors
@@ -113,6 +119,7 @@ pub fn completed_motion(
     hit: &Record,
     channel: &str,
     n_rest: Option<usize>,
+    window: Option<AddedDamping>,
 ) -> Result<Vec<f64>, LabioError> {
     let (_, known) = channel::find(hit.channels(), channel)?;
     let ending = Ending::of(known.quantity());
@@ -128,6 +135,14 @@ pub fn completed_motion(
     let (_, tail) = samples.split_at(n_samples - tail_length(n_samples));
     let end = ending.fit(tail);
     let n = n_samples as f64;
+    if let Some(window) = window {
+        let left = (-window.decay_rate() * n / hit.sampling_rate_hz()).exp();
+        let again = left / (1.0 - left);
+        for (index, x) in samples.iter_mut().enumerate() {
+            *x += again * (end.level + end.slope * (index as f64 + n * again));
+        }
+        return Ok(samples);
+    }
     for (index, x) in samples.iter_mut().enumerate() {
         let at = index as f64;
         *x -= end.level * at / n - end.slope * at * (n - at) / (2.0 * n);
@@ -255,9 +270,21 @@ mod tests {
         let mut lines = forward(&plain);
         let end = Ending::Ramp.fit(&plain[36..]);
         Completion::new(48, 1.0).complete(Ending::Ramp, end, &mut lines);
-        let found = forward(&completed_motion(&hit, "end", Some(12)).unwrap());
+        let found = forward(&completed_motion(&hit, "end", Some(12), None).unwrap());
         for (a, b) in found.iter().zip(&lines).skip(1) {
             // sums of numbers of some tens
+            assert!((a - b).norm() < 1e-11, "{a} {b}");
+        }
+        // s4: under a window that leaves e^{-2.4} at the end
+        let window = AddedDamping::new(0.05).unwrap();
+        let weigh = |samples: &[f64]| -> Vec<f64> {
+            let weights = window.weights(48, 1.0).unwrap();
+            samples.iter().zip(weights).map(|(x, w)| x * w).collect()
+        };
+        let mut lines = forward(&weigh(&plain));
+        Completion::new(48, (-0.05_f64).exp()).complete(Ending::Ramp, end, &mut lines);
+        let found = completed_motion(&hit, "end", Some(12), Some(window)).unwrap();
+        for (a, b) in forward(&weigh(&found)).iter().zip(&lines) {
             assert!((a - b).norm() < 1e-11, "{a} {b}");
         }
     }

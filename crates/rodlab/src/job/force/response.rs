@@ -10,7 +10,8 @@ use crate::hits::{FoundHits, Stretch};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_quantity;
-use crate::responses::{HitsSource, completed, expect_undamped, line_spacing_hz};
+use crate::responses::{HitsSource, completed, line_spacing_hz};
+use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
 /// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
@@ -81,24 +82,11 @@ pub(super) fn run(
         }
     }
     let file = match &sheet.path {
-        PathSheet::File(file) => {
-            let path = file.read(around.folder, "problem.path", outcome)?;
-            expect_undamped(&path, "problem.path.file")?;
-            Some(path)
-        }
+        PathSheet::File(file) => Some(file.read(around.folder, "problem.path", outcome)?),
         PathSheet::Hits(_) => None,
     };
     let calibration = match &sheet.path {
-        PathSheet::Hits(hits) => {
-            if hits.exponential_window.is_some() {
-                return Err(RodlabError::request(
-                    "problem.path.exponential_window",
-                    "stated",
-                    "no statement: the response of the blow has no such window",
-                ));
-            }
-            Some((hits, hits.read(around, "problem.path", outcome)?))
-        }
+        PathSheet::Hits(hits) => Some((hits, hits.read(around, "problem.path", outcome)?)),
         PathSheet::File(_) => None,
     };
     let found = read_blow(sheet, around, outcome)?;
@@ -157,6 +145,16 @@ pub(super) fn run(
             span = response_solve::span_of(hits, &accepted)?;
             problem.acting = response_solve::acting_like_hits(&problem, span, outcome)?;
         }
+    }
+    if let (Some(window), None) = (problem.path.added_damping, problem.acting) {
+        return Err(RodlabError::request(
+            "problem.acting",
+            "not stated",
+            format!(
+                "the time span in which the force acts: by a path under an exponential window the error of the force grows by {} 1/s",
+                short(window.decay_rate())
+            ),
+        ));
     }
     problem.rest = problem.acting.and_then(|acting| {
         let rate = problem.sampling_rate_hz;
@@ -365,8 +363,8 @@ fn problem<'a>(
         .map_err(step)?;
     Ok(Problem {
         sheet,
+        samples: completed(record, &sheet.response, path.added_damping).map_err(step)?,
         path,
-        samples: completed(record, &sheet.response).map_err(step)?,
         sampling_rate_hz: record.sampling_rate_hz(),
         noise,
         rest: None,
@@ -477,6 +475,15 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
             by_default: true,
         });
     };
+    if let Some(window) = problem.path.added_damping {
+        say(
+            "path.exponential_window",
+            format!(
+                "{} 1/s, put on the response too and taken off the force",
+                short(window.decay_rate())
+            ),
+        );
+    }
     if matches!(problem.sheet.noise, NoiseSheet::Unknown) {
         say(
             "noise",

@@ -135,6 +135,9 @@ impl Blow<'_> {
         if let Some(blows) = self.blows {
             reconstruction = reconstruction.like_blows(blows);
         }
+        if let Some(window) = path.added_damping {
+            reconstruction = reconstruction.with_added_damping(window.decay_rate());
+        }
         Ok(reconstruction)
     }
 
@@ -245,7 +248,15 @@ pub(super) fn lines_of_hits(
     let Some(variance) = &path.variance else {
         return Ok(None);
     };
-    let forces = forces_of(hits, records)?;
+    let mut forces = forces_of(hits, records)?;
+    if let (Some(window), Some(first)) = (path.added_damping, records.first()) {
+        let weights = window
+            .weights(first.n_samples(), first.sampling_rate_hz())
+            .map_err(|error| RodlabError::step("problem.path", error))?;
+        for (sample, weight) in forces.iter_mut().flat_map(|f| f.iter_mut().zip(&weights)) {
+            *sample *= weight;
+        }
+    }
     let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
     let lines = CalibrationLines::of(variance, &forces)
         .map_err(|error| RodlabError::step("problem.path, noise by calibration hits", error))?;
@@ -290,9 +301,19 @@ pub(super) fn acting_like_hits(
     let Ok(divided) = divided else {
         return Ok(None);
     };
-    let force = divided.history.force();
-    let peak = divided.history.peak();
-    let Some(at) = divided.history.index_near(peak.time) else {
+    // as it stands under the window, where its noise is the same at all times
+    let decay = problem
+        .path
+        .added_damping
+        .map_or(0.0, |window| window.decay_rate());
+    let force: Vec<f64> = (divided.history.force().iter().enumerate())
+        .map(|(n, f)| f * (-decay * n as f64 / problem.sampling_rate_hz).exp())
+        .collect();
+    let largest = force
+        .iter()
+        .enumerate()
+        .max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let Some((at, peak)) = largest else {
         return Ok(None);
     };
     let window = span.about(at, force.len());
@@ -301,10 +322,10 @@ pub(super) fn acting_like_hits(
         .enumerate()
         .filter(|(index, _)| !window.contains(index))
         .fold(0.0_f64, |top, (_, f)| top.max(f.abs()));
-    if elsewhere > ELSEWHERE * peak.force {
+    if elsewhere > ELSEWHERE * peak {
         outcome.warnings.push(format!(
             "By division there is {:.0} % of the peak force at other times than a calibration hit lasts: the force is sought all over the record. State `acting` if it is known.",
-            100.0 * elsewhere / peak.force
+            100.0 * elsewhere / peak
         ));
         return Ok(None);
     }
@@ -345,7 +366,7 @@ pub(super) fn scatter(
         let path = path_of(hits, others.iter().copied(), around)?;
         let mut path = on_lines_of(path, hit, &hits.response)?;
         let lines = lines_of_hits(hits, &others, &mut path)?;
-        let response = completed(hit, &hits.response)
+        let response = completed(hit, &hits.response, path.added_damping)
             .map_err(|error| RodlabError::step("problem.path", error))?;
         let measured = hit
             .channel(&hits.force)
