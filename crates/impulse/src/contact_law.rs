@@ -124,6 +124,14 @@ impl ContactLaw {
         }
     }
 
+    /// Approach at which the force has vanished on the way back: the dent, 0 without one.
+    pub(crate) fn dent(&self, memory: Memory) -> f64 {
+        match self {
+            Self::Tabulated(table) => table.dent(memory.deepest),
+            _ => 0.0,
+        }
+    }
+
     /// Energy \[J\] that the contact takes from `from` to `to`, where `memory` is that at `from`.
     pub(crate) fn work(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let (begin, end) = (from.max(0.0), to.max(0.0));

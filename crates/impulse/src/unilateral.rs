@@ -109,9 +109,9 @@ impl March<'_> {
                 ContactLaw::Rigid => step.force * (step.approach - approach),
                 _ => self.law.work(memory, approach, step.approach),
             };
-            log.enter(self, index, approach, step);
             past.push(step.force);
             memory.reach(step.approach);
+            log.enter(self, index, approach, step, self.law.dent(memory));
             approach = step.approach;
             marched.approach.push(approach);
         }
@@ -256,15 +256,18 @@ struct ContactLog {
     /// forces of the two steps before
     last: [f64; 2],
     highest: f64,
-    /// when the approach came back to zero, if it did within the last step
+    /// when the approach came back to where a soft contact does not press any more, if it did within the last step
     parted: Option<f64>,
 }
 
 impl ContactLog {
-    fn enter(&mut self, march: &March<'_>, index: usize, before: f64, step: Step) {
+    /// A step from the approach `before`; a soft contact does not press at an approach up to `dent`.
+    fn enter(&mut self, march: &March<'_>, index: usize, before: f64, step: Step, dent: f64) {
         let time_step = march.time_step;
         let begin_of_step = index as f64 * time_step;
         self.highest = self.highest.max(step.force);
+        let parts = (before > dent && step.approach <= dent)
+            .then(|| begin_of_step + (before - dent) / (before - step.approach) * time_step);
         if step.force > PRESSING * self.highest {
             let contact = self.now.get_or_insert_with(|| {
                 // where the gap closes on the way to what the approach would be
@@ -305,14 +308,13 @@ impl ContactLog {
                     let pull = step.pull.min(0.0);
                     begin_of_step + (last / (last - pull) - 0.5) * time_step
                 }
-                _ => self.parted.unwrap_or(begin_of_step),
+                // the force of the step in which the faces part may be below what counts
+                _ => parts.or(self.parted).unwrap_or(begin_of_step),
             };
             contact.end = Some(end);
             self.done.push(contact);
         }
-        // where the approach of a soft contact comes back to zero
-        self.parted = (before > 0.0 && step.approach <= 0.0)
-            .then(|| begin_of_step + before / (before - step.approach) * time_step);
+        self.parted = parts;
         self.last = [self.last[1], step.force];
     }
 

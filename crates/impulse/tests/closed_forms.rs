@@ -1,6 +1,6 @@
 //! Impacts of rods and masses whose force has a closed form.
 
-use impulse::{Impact, Prediction, Quadrature};
+use impulse::{ContactLaw, Impact, MobilityLaw, Prediction, Quadrature, TabulatedContact};
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
@@ -299,4 +299,50 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
         Within(5e-15, "rounding of powers"),
         transform(),
     );
+}
+
+/// A mass on a rigid wall through a spring, by Hertz's law and through a table that leaves a dent: half a period, 2.943 of depth over velocity, and a quarter
+/// period of either stiffness.
+#[test]
+fn f6_soft_contacts_end_within_a_step() {
+    let (m, v) = (0.3, 1.7);
+    let body = MobilityLaw::analytic(move |s| 1.0 / (m * s))
+        .free(m)
+        .unwrap();
+    let wall = MobilityLaw::analytic(|_| Complex64::ZERO);
+    let (k, hertz) = (4e6_f64, 3e9_f64);
+    let depth = (1.25 * m * v * v / hertz).powf(0.4);
+    let table = TabulatedContact::new(&[(0.0, 0.0), (1.0, k)])
+        .unwrap()
+        .unloading_with(2.0 * k)
+        .unwrap();
+    // 4/5 of the Beta function B(2/5, 1/2)
+    let hertz_time = 2.943_275_2 * depth / v;
+    let quarter = 0.5 * std::f64::consts::PI * (m / k).sqrt();
+    for (what, law, time) in [
+        ("linear", ContactLaw::linear(k).unwrap(), 2.0 * quarter),
+        ("Hertz", ContactLaw::hertz(hertz).unwrap(), hertz_time),
+        (
+            "dent",
+            ContactLaw::Tabulated(table),
+            quarter * (1.0 + 0.5_f64.sqrt()),
+        ),
+    ] {
+        // with the end of the contact anywhere in its last step
+        let counts = [53.0, 101.3, 203.7]
+            .into_iter()
+            .chain((0..10).map(|tenth| 4100.0 + 0.1 * f64::from(tenth)));
+        for steps in counts {
+            let step = time / steps;
+            let found = Impact::between(&body, &wall)
+                .at_velocity(v)
+                .through(law.clone())
+                .in_steps_of(step)
+                .predict(1.1 * time)
+                .unwrap();
+            let error = (found.contacts[0].end.unwrap() - time) / step;
+            // of second order: 0.82 to 1.02 steps over their number, of which two decimals are stated
+            assert!((error * steps - 0.9).abs() < 0.2, "{what} {steps} {error}");
+        }
+    }
 }

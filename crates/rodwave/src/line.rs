@@ -13,9 +13,9 @@
 //!
 //! # Accuracy
 //! Second order for smooth histories of a line whose segments have whole numbers of cells, where elastic lines are exact; first order behind jumps. Other lines have
-//! wave speeds rounded by [`Grid::speed_change`], 1e-3 at most unless [`Line::with_speed_tolerance`] says otherwise: histories err by 2e-4 to 9e-4 of their largest
-//! value besides, which does not fall with the step unless the tolerance does. A smaller tolerance makes more cells, up to 64 times as many, or is refused. A contact opens at the end of a step:
-//! its duration is too long by half a step in the mean.
+//! wave speeds rounded by [`Grid::largest_rounding`], 1e-3 at most unless [`Line::with_speed_tolerance`] says otherwise: histories err by 2e-4 to 9e-4 of their largest
+//! value besides, which does not fall with the step unless the tolerance does. A smaller tolerance makes more cells, up to 64 times as many, or is refused. The force of a contact is
+//! that of whole steps; [`ContactHistory::opens`] tells when it ends within a step.
 //!
 //! This is not the grid of [`crate::characteristics`], which has nodes at the ends and one branch: the two check
 //! each other.

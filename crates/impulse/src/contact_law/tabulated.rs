@@ -137,6 +137,13 @@ impl TabulatedContact {
         }
     }
 
+    /// Approach at which the force of unloading vanishes.
+    pub(super) fn dent(&self, deepest: f64) -> f64 {
+        self.unloading_stiffness.map_or(0.0, |stiffness| {
+            deepest - self.loading(deepest).0 / stiffness
+        })
+    }
+
     /// Energy from some origin to `delta` >= 0 on the path of this `deepest` approach.
     pub(super) fn energy(&self, deepest: f64, delta: f64) -> f64 {
         match self.unloading_stiffness {

@@ -25,6 +25,13 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// Largest magnitude of [`Self::speed_change`]: what is rounded of a transit time, relative to it.
+    #[must_use]
+    pub fn largest_rounding(&self) -> f64 {
+        let changes = self.speed_change.iter();
+        changes.fold(0.0, |largest, change| largest.max(change.abs()))
+    }
+
     /// The grid for segments of these transit times \[s\], of a time step not above `longest_step`.
     ///
     /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, which is no whole number in general. Rounding

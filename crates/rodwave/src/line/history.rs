@@ -53,6 +53,11 @@ pub struct ContactHistory {
     pub force: Vec<f64>,
     /// Gap \[m\] at dt, 2 dt ...
     pub gap: Vec<f64>,
+    /// Times \[s\] at which the faces touch, where the gap closes within a step; faces that touch at rest close at the beginning of the step of their first force.
+    pub closes: Vec<f64>,
+    /// Times \[s\] at which the faces part, the zero between the last force and the pull that would hold them together. Error of second order in the step for a
+    /// force that falls smoothly, up to half a step for one that jumps.
+    pub opens: Vec<f64>,
 }
 
 /// Derivatives of all histories by one parameter.
@@ -142,6 +147,11 @@ impl LineHistory {
         for (index, contact) in self.contacts.iter_mut().enumerate() {
             contact.force.push(march.contact_force(index));
             contact.gap.push(march.gap(index));
+            match march.turn(index) {
+                Some((true, time)) => contact.closes.push(time),
+                Some((false, time)) => contact.opens.push(time),
+                None => {}
+            }
         }
         for (parameter, derivatives) in self.derivatives.iter_mut().enumerate() {
             for (history, state) in derivatives.ends.iter_mut().zip(march.ends_by(parameter)) {

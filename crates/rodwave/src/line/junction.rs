@@ -42,6 +42,8 @@ pub(super) struct Contact {
     pub(super) gap: f64,
     pub(super) gap_tangents: Vec<f64>,
     pub(super) closed: bool,
+    /// Force of the step before \[N\], positive in compression.
+    pub(super) last: f64,
 }
 
 /// Forces and velocities on both sides, and the energy lost in closing a gap.
@@ -50,6 +52,8 @@ pub(super) struct Encounter {
     pub(super) left: Meeting,
     pub(super) right: Meeting,
     pub(super) lost: f64,
+    /// When a contact closes or opens, in steps after the beginning of this one.
+    pub(super) turn: Option<f64>,
 }
 
 impl Junction {
@@ -57,11 +61,22 @@ impl Junction {
         let compliance = 1.0 / left.impedance + 1.0 / right.impedance;
         // velocity of separation of the faces if there were no force
         let separation = right.arriving + left.arriving;
+        let mut turn = None;
         let force = match self {
             Self::Bonded => separation / compliance,
             Self::Contact(contact) => {
                 let free_gap = contact.gap + step * separation;
+                let was_closed = contact.closed;
                 contact.closed = free_gap < 0.0;
+                turn = match (was_closed, contact.closed) {
+                    (false, true) => Some(contact.gap / (contact.gap - free_gap)),
+                    // the zero between the last force and the pull that would hold the faces together, both in the middle of their steps
+                    (true, false) => {
+                        let pull = separation / compliance;
+                        Some(contact.last / (contact.last + pull) - 0.5)
+                    }
+                    _ => None,
+                };
                 if contact.closed {
                     free_gap / (step * compliance)
                 } else {
@@ -83,8 +98,10 @@ impl Junction {
                 velocity: right.arriving - force / right.impedance,
             },
             lost,
+            turn,
         };
         if let Self::Contact(contact) = self {
+            contact.last = -force;
             contact.gap = if contact.closed {
                 0.0
             } else {

@@ -56,6 +56,7 @@ impl March {
                     gap: *gap,
                     gap_tangents: vec![0.0; parameters.len()],
                     closed: false,
+                    last: 0.0,
                 }));
             }
             for (index, segment) in body.segments.iter().enumerate() {
@@ -281,6 +282,16 @@ impl March {
     #[must_use]
     pub fn gap(&self, index: usize) -> f64 {
         self.contact(index).map_or(0.0, |(_, contact)| contact.gap)
+    }
+
+    /// Whether contact `index` is closed after the last step, and when \[s\] it came to that, if it did in this step.
+    pub(super) fn turn(&self, index: usize) -> Option<(bool, f64)> {
+        let (at, contact) = self.contact(index)?;
+        let steps = self.encounters[at].turn?;
+        Some((
+            contact.closed,
+            self.time() + (steps - 1.0) * self.grid.time_step,
+        ))
     }
 
     fn contact(&self, index: usize) -> Option<(usize, &Contact)> {

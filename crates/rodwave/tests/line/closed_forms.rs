@@ -2,6 +2,80 @@
 
 use super::*;
 
+/// A force that is let in at the left end leaves the contact a transit later and is all that the contact sees: it parts where the force comes to zero.
+#[test]
+fn f6_a_contact_opens_within_a_step() {
+    let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
+    // (1 - t/T)(1 + t/T)^2 t/T: zero at T, curved there
+    let force = move |t: f64| {
+        let part = t / last;
+        if (0.0..2.0).contains(&part) {
+            1e4 * part * (1.0 - part) * (1.0 + part).powi(2)
+        } else {
+            0.0
+        }
+    };
+    let error = |cells: f64| -> f64 {
+        let bar = || Body::new([steel(0.2, AREA)]).unwrap();
+        let line = Line::new([bar(), bar()])
+            .unwrap()
+            .with_left_end(End::Force(Drive::of(force)))
+            .unwrap()
+            .with_right_end(End::Matched)
+            .unwrap();
+        let history = line
+            .run(transit / cells, 1.5 * (transit + last), &[])
+            .unwrap();
+        let [opens, ..] = history.contacts[0].opens[..] else {
+            panic!("the contact opens")
+        };
+        let closes = history.contacts[0].closes[0];
+        assert!(
+            (closes - transit).abs() < 1.1 * history.grid.time_step,
+            "{closes}"
+        );
+        (opens - (transit + last)).abs() / history.grid.time_step
+    };
+    // in steps: h F''/(8 F') T = 5/8 h/T at most, which falls with the step; a whole step would be left by the force alone
+    for cells in [20.0, 40.0, 80.0, 160.0] {
+        let (found, limit) = (error(cells), 0.63 * transit / cells / last);
+        assert!(found < 1.05 * limit, "{cells}: {found} {limit}");
+    }
+}
+
+/// Three segments of one impedance and incommensurable transit times delay what is let in, and do nothing else.
+#[test]
+fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
+    let times = [17e-6, 17e-6 * 2.0_f64.sqrt(), 17e-6 * 3.0_f64.sqrt() / 2.0];
+    let segments = times.map(|time| {
+        // of equal impedance with the modulus over the speed: rho c = 4e7, E = rho c^2
+        let speed = 0.1 / time;
+        Segment::elastic(0.1, AREA, 4e7 / speed, 4e7 * speed).unwrap()
+    });
+    let pulse = |t: f64| (-((t - 60e-6) / 15e-6).powi(2)).exp();
+    let line = Line::new([Body::new(segments).unwrap()])
+        .unwrap()
+        .with_left_end(End::Velocity(Drive::of(pulse)))
+        .unwrap()
+        .with_right_end(End::Matched)
+        .unwrap();
+    let delay: f64 = times.iter().sum();
+    for tolerance in [1e-3, 1e-4, 3e-5] {
+        let line = line.clone().with_speed_tolerance(tolerance).unwrap();
+        let history = line.run(1e-6, 200e-6, &[]).unwrap();
+        let rounding = history.grid.largest_rounding();
+        assert!(rounding <= tolerance, "{rounding}");
+        let step = history.grid.time_step;
+        let velocity = history.ends[1].velocity.iter().enumerate();
+        let error = velocity
+            .map(|(n, v)| (v - pulse((n as f64 + 0.5) * step - delay)).abs())
+            .fold(0.0, f64::max);
+        // the steepest slope of the pulse, 0.86/15 us, by the delay that is rounded
+        let limit = 0.86 / 15e-6 * delay * rounding;
+        assert!(error < 1.01 * limit + 1e-9, "{tolerance}: {error} {limit}");
+    }
+}
+
 /// A gap delays the contact, and closing it costs less energy the finer the grid.
 #[test]
 fn a_gap_closes_with_the_relative_velocity() {
