@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::modulus::{ComplexModulus, FractionalZener, Tabulated};
+use std::f64::consts::{PI, TAU};
 
 fn law() -> FractionalZener {
     FractionalZener::new(2.0e9, 3.0e9, 1e-4, 0.5).unwrap()
@@ -106,4 +107,100 @@ fn impossible_tables_are_refused() {
         "angular frequency of a line [rad/s] is 2, expected more than that of the line before"
     );
     assert!(Tabulated::new(&[0.0, 2.0, 3.0], &modulus).is_err());
+}
+
+/// Zener, fractional and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω, against their closed forms in tenths of every interval.
+#[test]
+fn f8_the_error_of_interpolation_is_estimated() {
+    let (from, to) = (TAU * 100.0, TAU * 10e3);
+    let mut laws: Vec<Box<dyn Fn(f64) -> Complex64>> = Vec::new();
+    // loss peaks below, at the ends of, within and above the band
+    for peak in [0.5, 1.0, 5.0, 20.0, 100.0, 200.0] {
+        let tau = 1.0 / (peak * from);
+        for step in [0.1, 1.0] {
+            let zener = move |omega: f64| {
+                let s = Complex64::new(0.0, omega * tau);
+                2e9 * (1.0 + step * s / (1.0 + s))
+            };
+            laws.push(Box::new(zener));
+            for power in [0.4, 0.7] {
+                let fractional = move |omega: f64| {
+                    let s = Complex64::new(0.0, omega * tau).powf(power);
+                    2e9 * (1.0 + step * s / (1.0 + s))
+                };
+                laws.push(Box::new(fractional));
+            }
+        }
+    }
+    for loss in [0.01, 0.05, 0.2] {
+        let constant =
+            move |omega: f64| 3e9 * Complex64::new(0.0, omega / from).powf(2.0 / PI * loss);
+        laws.push(Box::new(constant));
+    }
+    let mut ratios: [Vec<f64>; 4] = Default::default();
+    for law in &laws {
+        for number in [5_u32, 7, 10, 14, 20, 28, 40] {
+            for is_log in [false, true] {
+                let at = |part: f64| {
+                    if is_log {
+                        from * (to / from).powf(part)
+                    } else {
+                        from + (to - from) * part
+                    }
+                };
+                let omega: Vec<f64> = (0..number)
+                    .map(|j| at(f64::from(j) / f64::from(number - 1)))
+                    .collect();
+                let modulus: Vec<Complex64> = omega.iter().map(|omega| law(*omega)).collect();
+                let table = Tabulated::new(&omega, &modulus).unwrap();
+                for pair in omega.windows(2) {
+                    for tenth in 1..10 {
+                        let between = (pair[0].ln()
+                            + (pair[1] / pair[0]).ln() * f64::from(tenth) / 10.0)
+                            .exp();
+                        let error = table.lookup(between).unwrap() - law(between);
+                        let estimate = table.interpolation_error(between).unwrap();
+                        // rounding of the table is no interpolation
+                        let rounding = 1e-13 * law(between).norm();
+                        let group = 2 * usize::from(is_log);
+                        ratios[group].push((estimate.re + rounding) / (error.re.abs() + rounding));
+                        ratios[group + 1]
+                            .push((estimate.im + rounding) / (error.im.abs() + rounding));
+                    }
+                }
+            }
+        }
+    }
+    for (what, ratios) in ["E' linear", "E'' linear", "E' log", "E'' log"]
+        .iter()
+        .zip(&mut ratios)
+    {
+        ratios.sort_by(f64::total_cmp);
+        let covered =
+            ratios.iter().filter(|ratio| **ratio >= 1.0).count() as f64 / ratios.len() as f64;
+        let median = ratios[ratios.len() / 2];
+        assert!(
+            covered > 0.95 && median < 20.0,
+            "{what}: {covered} {median}"
+        );
+    }
+}
+
+#[test]
+fn f8_three_lines_tell_no_error() {
+    let (omega, modulus) = lines(3);
+    let table = Tabulated::new(&omega, &modulus).unwrap();
+    assert_eq!(table.interpolation_error(2e3), None);
+    let (omega, modulus) = lines(4);
+    let table = Tabulated::new(&omega, &modulus).unwrap();
+    assert!(
+        table
+            .interpolation_error(2e3)
+            .is_some_and(|error| error.re > 0.0 && error.im > 0.0)
+    );
+    assert_eq!(
+        table.interpolation_error(-2e3),
+        table.interpolation_error(2e3)
+    );
+    assert_eq!(table.interpolation_error(2e5), None);
 }

@@ -10,6 +10,9 @@ pub(super) struct MonotoneCubic {
     points: Vec<Point>,
 }
 
+/// Parts of an interval at whose ends two cubics are compared.
+const PARTS: u32 = 8;
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     x: f64,
@@ -74,6 +77,35 @@ impl MonotoneCubic {
                 + u * (1.0 - 3.0 * t) * left.slope
                 + t * (1.0 - 3.0 * u) * right.slope
         })
+    }
+
+    /// Largest difference in the interval of `x` from the cubic through the four points nearest to it; `None` with fewer than four points.
+    pub(super) fn difference_of_cubics(&self, x: f64) -> Option<f64> {
+        let last_four = self.points.len().checked_sub(4)?;
+        let after = self.points.partition_point(|point| point.x <= x);
+        let right = after.clamp(1, self.points.len() - 1);
+        let nearest = self
+            .points
+            .get(right.saturating_sub(2).min(last_four)..)?
+            .get(..4)?;
+        let cubic = |x: f64| -> f64 {
+            let term = |(i, point): (usize, &Point)| {
+                let others = nearest.iter().enumerate().filter(|(j, _)| *j != i);
+                let basis: f64 = others
+                    .map(|(_, other)| (x - other.x) / (point.x - other.x))
+                    .product();
+                basis * point.y
+            };
+            nearest.iter().enumerate().map(term).sum()
+        };
+        let [from, to] = self.points.get(right - 1..=right)? else {
+            return None;
+        };
+        let inside = (1..PARTS).map(|part| {
+            let x = from.x + (to.x - from.x) * f64::from(part) / f64::from(PARTS);
+            (self.value(x) - cubic(x)).abs()
+        });
+        Some(inside.fold(0.0, f64::max))
     }
 
     fn within(&self, x: f64, formula: impl Fn(Point, Point, f64, f64) -> f64) -> f64 {
