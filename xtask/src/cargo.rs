@@ -1,4 +1,4 @@
-//! Calls of cargo, and what `cargo metadata` says of packages.
+//! Calls of cargo and other programs, and what `cargo metadata` says of packages.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -78,7 +78,9 @@ fn call(command: &Command) -> String {
         .get_args()
         .map(|word| word.to_string_lossy())
         .collect();
-    format!("cargo {}", words.join(" "))
+    let program = Path::new(command.get_program()).file_stem();
+    let program = program.unwrap_or_default().to_string_lossy();
+    format!("{program} {}", words.join(" "))
 }
 
 /// Packages and who depends on whom, as far as a task needs it.

@@ -16,6 +16,7 @@ mod api;
 mod bench;
 mod book;
 mod cargo;
+mod faults;
 mod fixtures;
 mod outside;
 mod package;
@@ -44,6 +45,14 @@ enum Task {
     /// Write fixtures/golden from the transcribed tables of fixtures/papers.
     Fixtures {
         /// Change nothing; fail, naming the command to run, where a golden file is not what would be written.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Put faults that once stood back, each in a copy of the tree, and demand that the tests that see it fail.
+    Faults {
+        /// Faults by the names of their patches; all, if none is named.
+        names: Vec<String>,
+        /// Compile nothing; fail where a patch does not apply to the tree.
         #[arg(long)]
         check: bool,
     },
@@ -174,6 +183,7 @@ fn main() -> ExitCode {
     }
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
+        Task::Faults { names, check } => faults::run(&names, check),
         Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], comparison.keep()),
         Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
         Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),

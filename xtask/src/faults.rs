@@ -1,0 +1,198 @@
+//! `cargo xtask faults [NAME...]`: faults that once stood, put back one at a time; the tests that each has to fail are run.
+//!
+//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` puts one back. The tree, without what git ignores, is copied below the folder of
+//! compiled files and built there with a folder of its own; only crates that a patch changes are compiled again. A patch that
+//! does not apply, a program that does not compile, and a test that passes or is not there are errors.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{fs, io};
+
+use serde::Deserialize;
+
+use crate::Outcome;
+use crate::cargo::{CargoError, cargo, run as run_command, target_folder};
+use testbed::generated::workspace_root;
+use testbed::ron_text::parse_ron;
+
+/// Patches and their list, from the root of the workspace.
+const FOLDER: &str = "xtask/faults";
+
+/// A fault that once stood, and the tests that see it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fault {
+    /// Name of the patch, without `.patch`.
+    patch: String,
+    /// The fault in one sentence.
+    fault: String,
+    /// Tests that fail with it.
+    seen_by: Vec<Seen>,
+}
+
+/// Tests of one program.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Seen {
+    package: String,
+    program: Program,
+    /// Tests by their full path in the program.
+    tests: Vec<String>,
+}
+
+/// A test program of a package.
+#[derive(Debug, Clone, Copy, Deserialize)]
+enum Program {
+    /// The unit tests.
+    Lib,
+    /// `tests/it.rs`.
+    It,
+}
+
+/// List, copy or test that is not as expected.
+#[derive(Debug, thiserror::Error)]
+enum FaultsError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error(
+        "faults.ron lists {listed:?} with the tests that see them, and {FOLDER} holds the patches {found:?}"
+    )]
+    Listed {
+        listed: Vec<String>,
+        found: Vec<String>,
+    },
+    #[error("there is no fault `{0}`, expected one of {1}")]
+    Unknown(String, String),
+    #[error("with {patch} the tests of {package} do not run:\n{said}")]
+    NotRun {
+        patch: String,
+        package: String,
+        said: String,
+    },
+    #[error("tests that do not see their fault: {}", .0.join(", "))]
+    NotSeen(Vec<String>),
+}
+
+/// Puts the faults of these `names` back, or all, and demands that their tests fail; with `check` only that each patch applies.
+pub(crate) fn run(names: &[String], check: bool) -> Outcome {
+    let root = workspace_root();
+    let faults = listed(root)?;
+    let is_unknown = |name: &&String| faults.iter().all(|fault| fault.patch != **name);
+    if let Some(found) = names.iter().find(is_unknown) {
+        let expected: Vec<_> = faults.iter().map(|fault| &*fault.patch).collect();
+        return Err(Box::new(FaultsError::Unknown(
+            found.clone(),
+            expected.join(", "),
+        )));
+    }
+    let copy = target_folder().join("faults").join("tree");
+    let mut unseen = Vec::new();
+    let is_chosen = |fault: &&Fault| names.is_empty() || names.contains(&fault.patch);
+    for fault in faults.iter().filter(is_chosen) {
+        let patch = root.join(FOLDER).join(format!("{}.patch", fault.patch));
+        if check {
+            run_command(git(root).args(["apply", "--check"]).arg(&patch))?;
+            continue;
+        }
+        println!("{}: {}", fault.patch, fault.fault);
+        mirror(root, &copy)?;
+        run_command(git(&copy).arg("apply").arg(&patch))?;
+        for seen in &fault.seen_by {
+            let said = said_by_tests(&copy, fault, seen)?;
+            for test in &seen.tests {
+                let line = format!("test {test} ... FAILED");
+                if said.lines().any(|said| said == line) {
+                    println!("    {test} fails");
+                } else {
+                    println!("    {test} DOES NOT FAIL");
+                    unseen.push(format!("{test} ({})", fault.patch));
+                }
+            }
+        }
+    }
+    if !unseen.is_empty() {
+        return Err(Box::new(FaultsError::NotSeen(unseen)));
+    }
+    if check {
+        println!("{} faults that once stood can be put back", faults.len());
+    }
+    Ok(())
+}
+
+/// The list, which names every patch of the folder, and at least one test for each.
+fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
+    let folder = root.join(FOLDER);
+    let list = folder.join("faults.ron");
+    let at = |path: &Path, source| FaultsError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let text = fs::read_to_string(&list).map_err(|source| at(&list, source))?;
+    let faults: Vec<Fault> = parse_ron(&list, &text)?;
+    let mut found = Vec::new();
+    for entry in fs::read_dir(&folder).map_err(|source| at(&folder, source))? {
+        let name = entry.map_err(|source| at(&folder, source))?.file_name();
+        let name = name.to_string_lossy();
+        found.extend(name.strip_suffix(".patch").map(str::to_owned));
+    }
+    let is_seen = |fault: &&Fault| fault.seen_by.iter().any(|seen| !seen.tests.is_empty());
+    let listed = faults.iter().filter(is_seen);
+    let mut listed: Vec<String> = listed.map(|fault| fault.patch.clone()).collect();
+    listed.sort();
+    found.sort();
+    if listed != found || listed.len() != faults.len() {
+        return Err(Box::new(FaultsError::Listed { listed, found }));
+    }
+    Ok(faults)
+}
+
+/// Git in `folder`, which it takes for no part of a repository above it.
+fn git(folder: &Path) -> Command {
+    let mut git = Command::new("git");
+    git.current_dir(folder);
+    git.env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap_or(folder));
+    git
+}
+
+/// Makes `copy` the tree of `root` without what git ignores. A file that is equal already keeps its time, so that it is not compiled again.
+fn mirror(root: &Path, copy: &Path) -> Outcome {
+    let every = ["--cached", "--others", "--exclude-standard"];
+    let files = run_command(git(root).args(["ls-files", "-z"]).args(every))?.output;
+    for file in files.split_terminator('\0') {
+        let (from, to) = (root.join(file), copy.join(file));
+        // a file that has been deleted is listed until that is committed
+        let Ok(contents) = fs::read(&from) else {
+            let _ = fs::remove_file(&to);
+            continue;
+        };
+        if fs::read(&to).is_ok_and(|there| there == contents) {
+            continue;
+        }
+        fs::create_dir_all(to.parent().unwrap_or(copy))
+            .and_then(|()| fs::write(&to, contents))
+            .map_err(|source| FaultsError::Io { path: to, source })?;
+    }
+    Ok(())
+}
+
+/// What the tests say in `tree`, where `fault` has been put back.
+fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Result<String, FaultsError> {
+    let program = match seen.program {
+        Program::Lib => &["--lib"][..],
+        Program::It => &["--test", "it"],
+    };
+    let mut command = cargo();
+    command.args(["test", "--locked", "--package", &seen.package]);
+    command.args(program).args(["--", "--exact"]);
+    command.args(&seen.tests).current_dir(tree);
+    command.env("CARGO_TARGET_DIR", target_folder().join("faults/target"));
+    match run_command(&mut command) {
+        Ok(said) => Ok(said.output),
+        Err(CargoError::Failed { said, .. }) if said.contains("test result:") => Ok(said),
+        Err(error) => Err(FaultsError::NotRun {
+            patch: fault.patch.clone(),
+            package: seen.package.clone(),
+            said: error.to_string(),
+        }),
+    }
+}
