@@ -16,9 +16,11 @@ const MOST_ROUNDS: u32 = 4;
 /// `level`.
 ///
 /// The nearest relaxing material is sought in units of the random errors of the lines, with the common errors of the specimen free within
-/// their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the sum of squares F = |δE|²/σ² that is left is at
-/// most half of a chi-square variable with 2n degrees of freedom for n lines, and one for each common error, because the truth is one of the materials
-/// among which the nearest was chosen. For the same reason false alarms are rarer than the level.
+/// their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the sum of squares F = |δE|²/σ² that is left, those
+/// of the common errors among them, is that of a projection on a cone. The nearest material lies on a face of the cone with as many dimensions p as it has
+/// parameters above 0. Of the records that end on this face twice the sum exceeds a value at most as often as a chi-square variable with 2n - p degrees of freedom for n
+/// lines: what is left is perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests with an order
+/// restriction as a null hypothesis*, 1986).
 ///
 /// With a variance of ν degrees of freedom F of a line follows Fisher's distribution, P(F > x) = (1 + 2x/ν)^{-ν/2}, so that
 ///
@@ -27,7 +29,8 @@ const MOST_ROUNDS: u32 = 4;
 /// ```
 ///
 /// has the distribution of F with a known variance, however small ν is. Σu takes the place of ΣF, and is what the nearest material minimises: lines
-/// that seem far away count less. Where neighbours share their variances, their u go together: with D degrees of freedom of all
+/// that seem far away count less. It is ν/(ν + 2) of a logarithm of a likelihood, and of that a parameter takes up half of a chi-square variable: p counts by this
+/// factor. Where neighbours share their variances, their u go together: with D degrees of freedom of all
 /// lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
 ///
 /// What is wrong with all losses alike drowns in this sum. The second statistic is by how much a factor on all losses lowers it
@@ -97,7 +100,7 @@ pub fn kramers_kronig_on(
         let of_lines: f64 = lines.iter().zip(&squares).map(of_line).sum();
         of_lines + factor * factor * by_common
     };
-    let freedom = 2.0 * n + common.len() as f64;
+    let freedom = 2.0 * n - taken_up(&nearest, &lines);
     let spread = 1.0 + n * shared(estimate, &lines);
     let p_of = |residual: f64| {
         let beyond_grid = (residual - nearest.grid_error).max(0.0);
@@ -106,6 +109,10 @@ pub fn kramers_kronig_on(
         } else {
             0.0
         };
+        if freedom <= 0.0 {
+            // a material goes through all values
+            return 1.0;
+        }
         chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
     // The optimum lies between the two; the smaller residual must be too large already.
@@ -115,7 +122,11 @@ pub fn kramers_kronig_on(
         .loss_error
         .map_or(1.0, |error| chi_square_tail(error.decrease / spread, 1.0));
     let p_value = (2.0 * all_lines.min(loss_alone)).min(1.0);
-    let statistic = (2.0 * sum(1.0) / freedom).sqrt();
+    let statistic = if freedom > 0.0 {
+        (2.0 * sum(1.0) / freedom).sqrt()
+    } else {
+        0.0
+    };
     let outcome = CheckOutcome::judged(Check::KramersKronig, (statistic, 1.0), p_value, level);
     let is_open = outcome.verdict == CheckVerdict::Passed && 2.0 * p_of(nearest.residual) < level;
     let worst = lines
@@ -173,6 +184,17 @@ impl<'a> Tested<'a> {
             self.error * (1.0 + 2.0 * square / freedom).sqrt()
         })
     }
+}
+
+/// Degrees of freedom that the parameters of the `nearest` material take up. Each common error takes the one that it brings.
+fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
+    let elastic = [nearest.equilibrium_modulus, nearest.viscosity];
+    let parameters = nearest.branches.len() + elastic.iter().filter(|x| **x > 0.0).count();
+    let of_line = |line: &Tested<'_>| {
+        line.freedom
+            .map_or(1.0, |freedom| freedom / (freedom + 2.0))
+    };
+    parameters as f64 * lines.iter().map(of_line).sum::<f64>() / lines.len() as f64
 }
 
 /// |δE|²/σ² of all lines, without the common errors.
