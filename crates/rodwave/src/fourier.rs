@@ -51,10 +51,14 @@ impl RealFourier {
     /// The lines of the samples, which are lost.
     #[expect(
         clippy::expect_used,
+        clippy::missing_panics_doc,
         reason = "the transform fails only on wrong buffer lengths, and the buffers are of the length of the plan"
     )]
     pub fn forward(&mut self) -> &mut [Complex64] {
         let n_samples = self.samples.len();
+        if n_samples == 0 {
+            return &mut self.lines;
+        }
         let plan = self.forward.get_or_insert_with(|| forward_plan(n_samples));
         enlarge(&mut self.scratch, plan.get_scratch_len());
         plan.process_with_scratch(&mut self.samples, &mut self.lines, &mut self.scratch)
@@ -67,11 +71,15 @@ impl RealFourier {
     /// The lines at 0 Hz and at the Nyquist frequency count by their real parts, all that real samples can show of them.
     #[expect(
         clippy::expect_used,
+        clippy::missing_panics_doc,
         reason = "the transform fails only on wrong buffer lengths, and on imaginary parts at 0 Hz and the Nyquist frequency, \
                   which are removed here"
     )]
     pub fn inverse(&mut self) -> &mut [f64] {
         let n_samples = self.samples.len();
+        if n_samples == 0 {
+            return &mut self.samples;
+        }
         let plan = self.inverse.get_or_insert_with(|| inverse_plan(n_samples));
         if let Some(mean) = self.lines.first_mut() {
             mean.im = 0.0;
@@ -149,6 +157,12 @@ fn enlarge(scratch: &mut Vec<Complex64>, length: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_samples_have_no_lines_but_the_mean() {
+        assert_eq!(*RealFourier::new(0).forward(), [Complex64::ZERO]);
+        assert!(RealFourier::new(0).inverse().is_empty());
+    }
 
     #[test]
     fn the_transform_is_the_direct_sum_for_even_and_odd_lengths() {

@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::identify::{Parameter, Settings, identify, one_by_one, stated};
 use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
-use testbed::papers::paper_d::{IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading};
+use testbed::papers::paper_d::{
+    IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
+};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 

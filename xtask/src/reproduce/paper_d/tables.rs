@@ -304,7 +304,9 @@ pub(crate) fn conclusion(
             .count();
         let biased = group.iter().filter(|m| m.biased() > 0).count();
         let of_biased = if biased > 0 {
-            format!("; the excitations of {biased} hold more than their recorder passes, and nothing is identified from them")
+            format!(
+                "; the excitations of {biased} hold more than their recorder passes, and nothing is identified from them"
+            )
         } else {
             String::new()
         };
