@@ -87,7 +87,7 @@ fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::erro
             "it",
             "--no-fail-fast",
         ])
-        .args(["--", "claims::", "--quiet"])
+        .args(["--", "--quiet"])
         .env(FOLDER, &folder);
     if let Some(data) = data {
         tests.env("RODLAB_DATA", std::path::absolute(data)?);
