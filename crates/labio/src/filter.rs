@@ -1,7 +1,8 @@
 //! Linear filters given by their frequency response, applied to samples by the discrete Fourier transform.
 
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
+
+use crate::dft;
 
 /// The response of the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
 ///
@@ -16,46 +17,24 @@ pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> 
     let n_total = (2 * n).next_power_of_two();
     let n_between = (n_total - n) as f64;
 
-    let mut planner = RealFftPlanner::new();
-    let forward = planner.plan_fft_forward(n_total);
-    let inverse = planner.plan_fft_inverse(n_total);
-    let mut history = forward.make_input_vec();
-    let mut lines = forward.make_output_vec();
-    let (ours, between) = history.split_at_mut(n);
-    ours.copy_from_slice(samples);
-    for (k, sample) in between.iter_mut().enumerate() {
-        let phase = std::f64::consts::PI * (k + 1) as f64 / (n_between + 1.0);
-        *sample = last + (first - last) * (1.0 - phase.cos()) / 2.0;
-    }
-    transform(forward.process(&mut history, &mut lines));
+    let mut history = samples.to_vec();
+    history.extend((1..=n_total - n).map(|k| {
+        let phase = std::f64::consts::PI * k as f64 / (n_between + 1.0);
+        last + (first - last) * (1.0 - phase.cos()) / 2.0
+    }));
+    let mut lines = dft::forward(&history);
     let step = std::f64::consts::TAU / n_total as f64;
     for (k, line) in lines.iter_mut().enumerate() {
-        *line *= response(k as f64 * step) / n_total as f64;
+        *line *= response(k as f64 * step);
     }
-    // of the line at half the sampling rate only the real part is a history
-    if let Some(nyquist) = lines.last_mut() {
-        nyquist.im = 0.0;
-    }
-    if let Some(mean) = lines.first_mut() {
-        mean.im = 0.0;
-    }
-    transform(inverse.process(&mut lines, &mut history));
-    history.truncate(n);
-    history
+    let mut filtered = dft::inverse(&lines, n_total);
+    filtered.truncate(n);
+    filtered
 }
 
 /// `samples` a number of sampling intervals later, by band-limited interpolation; earlier if `shift` is negative.
 pub(crate) fn delayed(samples: &[f64], shift: f64) -> Vec<f64> {
     filtered(samples, |omega| Complex64::cis(-omega * shift))
-}
-
-/// A transform whose buffers its plan has made.
-#[expect(
-    clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths, and the buffers were made by the plan"
-)]
-pub(crate) fn transform(result: Result<(), realfft::FftError>) {
-    result.expect("buffers of the plan");
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 use num_complex::Complex64;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use realfft::RealFftPlanner;
 
 use crate::LabioError;
+use crate::dft;
 use crate::error::{check_not_negative, check_positive};
-use crate::filter::transform;
 
 /// One-sided power spectral density of noise \[unit²/Hz\], in the unit that the channel has where the noise comes in.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,9 +119,7 @@ impl NoiseSpectrum {
     /// beginning.
     pub(super) fn draw<R: Rng + ?Sized>(&self, n: usize, rate_hz: f64, rng: &mut R) -> Vec<f64> {
         let n_total = (2 * n).next_power_of_two();
-        let inverse = RealFftPlanner::new().plan_fft_inverse(n_total);
-        let mut lines = inverse.make_input_vec();
-        let mut history = inverse.make_output_vec();
+        let mut lines = vec![Complex64::ZERO; n_total / 2 + 1];
         let mut gauss = || -> f64 { StandardNormal.sample(rng) };
         let last = lines.len().saturating_sub(1);
         for (k, line) in lines.iter_mut().enumerate() {
@@ -132,9 +129,9 @@ impl NoiseSpectrum {
                 Complex64::new(power.sqrt() * gauss(), 0.0)
             } else {
                 (power / 2.0).sqrt() * Complex64::new(gauss(), gauss())
-            } / n_total as f64;
+            };
         }
-        transform(inverse.process(&mut lines, &mut history));
+        let mut history = dft::inverse(&lines, n_total);
         history.truncate(n);
         history
     }
