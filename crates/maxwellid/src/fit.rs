@@ -67,7 +67,8 @@ const TRANSFER_HOLDS: f64 = 0.5;
 /// Movement of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
 
-/// Noise of the excitation over the impact velocity from which other shapes are tried beside a minimum. At 0.01 none of 600 minima was a wrong one.
+/// Noise of the excitation over the impact velocity from which other shapes are tried beside a minimum. At 0.01 the mean square of errors over
+/// standard errors of 200 fits is 1.3 at most, which leaves no room for a minimum that is off by ten.
 const NOISY: f64 = 0.015;
 
 /// Other shapes that are tried, in step limits.

@@ -182,10 +182,7 @@ impl Transformed<'_> {
         force: &[Complex64],
         unit_noise: f64,
     ) -> Vec<f64> {
-        self.cross_variance_of(weights_for, |sensor, line| {
-            let noise = sensor.noise_at(line).unwrap_or(unit_noise);
-            noise + sensor.variance_at(line) * force[line].norm_sqr()
-        })
+        self.cross_variance_of(weights_for, variance_by(force, unit_noise))
     }
 
     /// Covariance of the same sums over a support, as histories.
@@ -211,10 +208,7 @@ impl Transformed<'_> {
         force: &[Complex64],
         unit_noise: f64,
     ) -> Vec<Vec<Complex64>> {
-        self.filters(weights_for, |sensor, line| {
-            let noise = sensor.noise_at(line).unwrap_or(unit_noise);
-            noise + sensor.variance_at(line) * force[line].norm_sqr()
-        })
+        self.filters(weights_for, variance_by(force, unit_noise))
     }
 
     /// The filter of every sensor from white noise, each line of which has the variance N, to the cross sums.
@@ -328,6 +322,18 @@ impl Transformed<'_> {
             }
         }
         if all > 0.0 { (left / all).sqrt() } else { 0.0 }
+    }
+}
+
+/// Variance of the response of a sensor on a line by a force of the lines `force`: as stated, or `unit_noise`, and by the frequency response.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "forces come with all lines, which `line` counts"
+)]
+fn variance_by(force: &[Complex64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) -> f64 {
+    move |sensor, line| {
+        let noise = sensor.noise_at(line).unwrap_or(unit_noise);
+        noise + sensor.variance_at(line) * force[line].norm_sqr()
     }
 }
 

@@ -287,7 +287,12 @@ impl RelaxationFlow for NortonFlow {
             Some(decrement) if self.excess > 0.0 || !stress.contains(&0.0) => decrement,
             _ => return cell_by_cell(self, stress, parameters),
         };
-        let ln_factor = elementary::ln(&lanes!(|i| 1.0 + self.excess * a[i]));
+        // the series of short steps has no use for it
+        let ln_factor = if self.is_short(elementary::largest(&a)) {
+            [0.0; LANES]
+        } else {
+            elementary::ln(&lanes!(|i| 1.0 + self.excess * a[i]))
+        };
         let mut result = StressChange::default();
         for i in 0..LANES {
             let a = a[i];
