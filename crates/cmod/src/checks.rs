@@ -36,8 +36,6 @@ use std::fmt;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use crate::error::CmodError;
-use crate::estimate::{ModulusEstimate, ModulusLine};
-use crate::validity::Violation;
 
 /// Probability of a false alarm of a check that nothing else was asked of.
 pub const USUAL_LEVEL: f64 = 0.01;
@@ -194,24 +192,6 @@ fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
 /// P(the least of `count` independent p-values is below `p_value`).
 fn of_the_least(p_value: f64, count: usize) -> f64 {
     -(count as f64 * (-p_value).ln_1p()).exp_m1()
-}
-
-/// The lines of an estimate that say something of the material: not those whose branch, convergence or linearised error is
-/// in doubt. Lines of negative damping are among them, as the checks would never see them otherwise.
-fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
-    let spoils = |violation: &Violation| {
-        matches!(
-            violation,
-            Violation::BranchAmbiguous(_)
-                | Violation::NotConverged { .. }
-                | Violation::SeriesTruncated { .. }
-                | Violation::NearSingular { .. }
-                | Violation::NodeAtMiddleGauge { .. }
-                | Violation::Misfit { .. }
-        )
-    };
-    let lines = estimate.lines().iter();
-    lines.filter(move |line| !line.validity.violations().iter().any(spoils))
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ use crate::one_gauge::OneGauge;
 use crate::pulses::SeparatePulses;
 use crate::resonance::Resonances;
 use crate::two_point::TwoPoint;
-use crate::validity::{AcceptanceLimits, Validity};
+use crate::validity::{AcceptanceLimits, Validity, Violation};
 
 /// Complex modulus on the lines of a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +97,16 @@ impl ModulusEstimate {
         }
     }
 
+    /// The same estimate with other lines that have a modulus.
+    pub(crate) fn with_lines(&self, lines: Vec<ModulusLine>) -> Self {
+        Self {
+            method: self.method.clone(),
+            limits: self.limits,
+            lines,
+            refused: self.refused.clone(),
+        }
+    }
+
     /// The method and its settings.
     #[must_use]
     pub fn method(&self) -> &Method {
@@ -138,6 +148,25 @@ impl ModulusEstimate {
     /// The lines that fulfil every condition of [`crate::validity`].
     pub fn valid(&self) -> impl Iterator<Item = &ModulusLine> {
         self.lines.iter().filter(|line| line.validity.is_valid())
+    }
+
+    /// The lines that say something of the material: not those whose branch, convergence or linearised error is in doubt. Lines
+    /// of negative damping are among them, as no check would ever see them otherwise.
+    pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
+        let spoils = |violation: &Violation| {
+            matches!(
+                violation,
+                Violation::BranchAmbiguous(_)
+                    | Violation::NotConverged { .. }
+                    | Violation::SeriesTruncated { .. }
+                    | Violation::NearSingular { .. }
+                    | Violation::NodeAtMiddleGauge { .. }
+                    | Violation::Misfit { .. }
+            )
+        };
+        self.lines
+            .iter()
+            .filter(move |line| !line.validity.violations().iter().any(spoils))
     }
 
     /// The lines that have no modulus at all, with the reason.

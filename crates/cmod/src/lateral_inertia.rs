@@ -33,10 +33,10 @@ use rodwave::slenderness::{
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::{
-    ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine, StandardError,
+    ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
     SystematicShift, Uncertainty,
 };
-use crate::validity::{Acceptance, Validity, Violation};
+use crate::validity::{Acceptance, Violation};
 
 /// Relative step in γ of the central difference that gives dE/dγ: E is analytic in γ, its third derivative by γ of the order
 /// of E/γ³, so that truncation and rounding are both near 1e-10.
@@ -417,37 +417,19 @@ impl Corrected {
         systematic.extend(shifts);
         let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom)
             .with_own_degrees_of_freedom(own_degrees_of_freedom);
-        let standard_error = StandardError::of(
-            self.modulus,
-            line.propagation_coefficient,
-            line.frequency_hz,
-            &uncertainty.total_covariance(),
-        );
-        let mut corrected = ModulusLine {
+        let corrected = ModulusLine {
             modulus: self.modulus,
-            loss_factor: self.modulus.im / self.modulus.re,
-            standard_error,
             uncertainty,
             error_amplification: line.error_amplification
                 * self.factor.norm()
                 * (line.modulus.norm() / self.modulus.norm()),
             ..line.clone()
         };
-        let stays = |violation: &Violation| match violation {
-            Violation::WavelengthTooShort { .. } => !self.is_corrected,
-            // of the apparent modulus; those of the corrected one are asked below
-            Violation::ErrorTooLarge { .. }
-            | Violation::LateralInertiaTooLarge { .. }
-            | Violation::CommonErrorTooLarge { .. }
-            | Violation::ErrorAmplified { .. } => false,
-            _ => true,
-        };
-        let mut violations = line.validity.violations().to_vec();
-        violations.retain(stays);
-        violations.extend(acceptance.violations(&corrected));
-        corrected.validity = Validity::from_violations(violations);
-        let is_finite = corrected.loss_factor.is_finite() && corrected.standard_error.is_finite();
-        is_finite.then_some(corrected)
+        let short =
+            |violation: &Violation| matches!(violation, Violation::WavelengthTooShort { .. });
+        corrected.revised(acceptance, |violation| {
+            !(self.is_corrected && short(violation))
+        })
     }
 }
 

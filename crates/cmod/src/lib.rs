@@ -102,7 +102,6 @@
 //!   of an estimate afterwards.
 //! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and at low frequency, the
 //!   line is marked, not corrected.
-//! - Calibration is not part of the errors, and positions are not with three gauges and more.
 //! - Waves are counted where a smooth wave number explains the lines. What cannot be counted is marked, not guessed: see
 //!   [`branch`] for what helps.
 //!
@@ -123,6 +122,7 @@ pub mod recovery;
 pub mod resonance;
 pub mod rheology;
 pub mod section_ratio;
+pub mod self_calibration;
 pub mod two_point;
 pub mod validity;
 

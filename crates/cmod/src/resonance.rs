@@ -29,7 +29,9 @@ use crate::estimate::{
 };
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{self, MeasuredRatio, RatioLines, Root, SectionUncertainty, Settings};
+use crate::section_ratio::{
+    self, MeasuredRatio, RatioAbout, RatioLines, RatioMethod, Root, SectionUncertainty, Settings,
+};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use local_polynomial::LocalPolynomial;
 
@@ -170,7 +172,7 @@ impl Resonances {
     }
 
     /// From the closed form without mass, the mass put on in steps.
-    fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio) -> Option<Root> {
+    fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio<'_>) -> Option<Root> {
         let sign = if crossing.order.is_multiple_of(2) {
             -1.0
         } else {
@@ -200,6 +202,17 @@ impl Resonances {
     }
 }
 
+impl RatioMethod for Resonances {
+    fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        Self::estimate_ratio(self, lines)
+    }
+
+    /// None: what is read between the lines, of a few resonances, tells no common errors.
+    fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
+        None
+    }
+}
+
 /// A zero of Re Ψ, roughly.
 struct Crossing {
     /// n, from 1.
@@ -217,10 +230,10 @@ impl Crossing {
     }
 
     /// Frequency, Ψ and its variance where Re Ψ = 0, by a polynomial through the lines around.
-    fn read(&self, measured: &[MeasuredRatio]) -> Option<MeasuredRatio> {
+    fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Option<MeasuredRatio<'a>> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
-            |line: &&MeasuredRatio| (line.frequency_hz - self.frequency_hz).abs() <= half_width;
+            |line: &&MeasuredRatio<'_>| (line.frequency_hz - self.frequency_hz).abs() <= half_width;
         let points: Vec<_> = measured.iter().filter(within).collect();
         if points.len() < FEWEST_LINES {
             return None;
@@ -253,13 +266,14 @@ impl Crossing {
             ratio: Complex64::new(0.0, ratio.im),
             variance: parts.iter().sum(),
             freedom: freedom_of_sum(&points, &parts),
+            common: points.first().map_or(&[], |line| line.common),
         })
     }
 }
 
 /// Degrees of freedom of the sum of `parts` of the variance, one a point. Neighbours that share their estimates add only what is their
 /// own, but a single line has all of its own.
-fn freedom_of_sum(points: &[&MeasuredRatio], parts: &[f64]) -> Option<VarianceFreedom> {
+fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<VarianceFreedom> {
     let (mut squares, mut least) = (0.0, f64::INFINITY);
     for (point, part) in points.iter().zip(parts) {
         let freedom = point.freedom?;
@@ -277,7 +291,7 @@ fn freedom_of_sum(points: &[&MeasuredRatio], parts: &[f64]) -> Option<VarianceFr
 }
 
 /// All zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.
-fn crossings(measured: &[MeasuredRatio]) -> Result<Vec<Crossing>, CmodError> {
+fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
     if measured.is_empty() {
         return Ok(Vec::new());
     }

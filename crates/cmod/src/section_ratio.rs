@@ -15,11 +15,12 @@
 //! # Errors of the result
 //! An error δΨ moves γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|² these are
 //! circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is marked where this
-//! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections
-//! is the systematic part, [`SectionUncertainty`].
+//! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections,
+//! [`SectionUncertainty`], and about the sensors, [`RatioError`], is the systematic part.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
+pub(crate) mod common;
 mod expectation;
 mod jet;
 pub mod pooling;
@@ -27,6 +28,7 @@ mod settings;
 mod spectra;
 mod start;
 
+pub use common::RatioError;
 pub(crate) use jet::Jet;
 pub use settings::SectionUncertainty;
 pub(crate) use settings::{Changed, Settings};
@@ -39,8 +41,8 @@ use num_complex::Complex64;
 use crate::branch::BranchDoubt;
 use crate::error::CmodError;
 use crate::estimate::{
-    ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, Termination,
-    VarianceFreedom,
+    ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, SystematicShift,
+    Termination, VarianceFreedom,
 };
 use crate::validity::{Acceptance, Violation, conditions};
 use expectation::Expectation;
@@ -79,6 +81,63 @@ pub(crate) trait SectionRatio: Sized {
     }
 }
 
+/// A method that finds the modulus from one measured ratio Ψ = g(γ) a line.
+pub trait RatioMethod {
+    /// The complex modulus from a ratio with its variance and common errors.
+    ///
+    /// # Errors
+    /// Those of the method.
+    fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError>;
+
+    /// Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None` where a value is not finite.
+    fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
+}
+
+/// A ratio and its derivatives at one γ.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RatioAbout {
+    /// Ψ = g(γ).
+    pub ratio: Complex64,
+    /// dγ/dΨ [1/m].
+    pub by_ratio: Complex64,
+    /// E = -ρω²/γ² \[Pa\].
+    pub modulus: Complex64,
+    /// Shifts by what is uncertain of the rod and its sections.
+    pub shifts: Vec<SystematicShift>,
+}
+
+impl RatioAbout {
+    pub(crate) fn finite(self) -> Option<Self> {
+        let numbers = [self.ratio, self.by_ratio, self.modulus];
+        numbers
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(self)
+    }
+}
+
+impl<T: SectionRatio> RatioMethod for T {
+    fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        estimate(self, lines)
+    }
+
+    fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {
+        let omega = TAU * frequency_hz;
+        let RodOfRatio { density, .. } = self.rod();
+        let modulus = modulus_from_propagation(gamma, omega, density).ok()?;
+        let ratio = slope(self, gamma, omega);
+        let relative_density = self.settings().uncertainty().density / density;
+        RatioAbout {
+            ratio: ratio.value,
+            by_ratio: ratio.first.inv(),
+            modulus,
+            shifts: settings::shifts(self, (gamma, modulus), omega, relative_density),
+        }
+        .finite()
+    }
+}
+
 /// What of a rod its ratios need not know, but the modulus and its validity do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RodOfRatio {
@@ -90,7 +149,7 @@ pub(crate) struct RodOfRatio {
 
 /// A line that can be evaluated.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct MeasuredRatio {
+pub(crate) struct MeasuredRatio<'a> {
     pub(crate) index: usize,
     pub(crate) frequency_hz: f64,
     pub(crate) ratio: Complex64,
@@ -98,9 +157,11 @@ pub(crate) struct MeasuredRatio {
     pub(crate) variance: f64,
     /// Degrees of freedom of the variance, if it is not known.
     pub(crate) freedom: Option<VarianceFreedom>,
+    /// Errors of the ratios of all lines, with the entry of this one at `index`.
+    pub(crate) common: &'a [RatioError],
 }
 
-impl MeasuredRatio {
+impl MeasuredRatio<'_> {
     fn omega(&self) -> f64 {
         TAU * self.frequency_hz
     }
@@ -149,9 +210,9 @@ pub(crate) fn estimate(
 }
 
 /// The lines that can be evaluated, and the others.
-pub(crate) fn usable(
-    lines: &RatioLines<'_>,
-) -> Result<(Vec<MeasuredRatio>, Vec<RefusedLine>), CmodError> {
+pub(crate) fn usable<'a>(
+    lines: &RatioLines<'a>,
+) -> Result<(Vec<MeasuredRatio<'a>>, Vec<RefusedLine>), CmodError> {
     lines.check("ratio")?;
     let mut refused = Vec::new();
     let mut measured = Vec::with_capacity(lines.ratio.len());
@@ -173,6 +234,7 @@ pub(crate) fn usable(
                 ratio,
                 variance,
                 freedom: lines.freedom_of(index),
+                common: lines.common,
             });
             continue;
         };
@@ -187,7 +249,7 @@ pub(crate) fn usable(
 
 fn solve(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     expectation: &mut Expectation,
     start: Option<BranchDoubt>,
 ) -> Result<Solution, Refusal> {
@@ -219,7 +281,7 @@ fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
 /// The line of a root, with its errors.
 pub(crate) fn solved(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     root: Root,
     violations: Vec<Violation>,
 ) -> Result<Solution, Refusal> {
@@ -232,6 +294,13 @@ pub(crate) fn solved(
     let mut all = conditions(gamma, diameter, distance);
     all.extend(violations);
     let relative_density = equation.settings().uncertainty().density / density;
+    let mut systematic = settings::shifts(equation, (gamma, modulus), omega, relative_density);
+    systematic.extend(common::shifts(
+        measured.common,
+        measured.index,
+        (gamma, modulus),
+        (measured.ratio, by_ratio),
+    ));
     let bend = 0.5 * (ratio.second * by_ratio * by_ratio + 3.0 * by_ratio / gamma).norm();
     Ok(Solution {
         index: measured.index,
@@ -240,7 +309,7 @@ pub(crate) fn solved(
         density,
         diameter,
         random: ComplexCovariance::circular(measured.variance * by_ratio.norm_sqr()),
-        systematic: settings::shifts(equation, (gamma, modulus), omega, relative_density),
+        systematic,
         error_amplification: 2.0 * (by_ratio * measured.ratio / gamma).norm(),
         second_order: bend * measured.variance.sqrt(),
         distance,
@@ -260,7 +329,7 @@ pub(crate) struct Root {
 /// The root nearest to what is expected.
 pub(crate) fn root(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     expected: Complex64,
 ) -> Option<Root> {
     if let Some(gamma) = equation.closed_form(measured.ratio, expected) {
@@ -310,7 +379,7 @@ pub(crate) fn root(
 /// with Ψ. If the iteration falls into it, it is repeated on f₁/f₂ - Ψ, which has no such root.
 fn newton(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     start: Complex64,
 ) -> Option<Root> {
     iterate(equation, measured, start, Form::Entire)
@@ -324,7 +393,7 @@ fn newton(
 /// Whether g(γ) = Ψ, coarsely, and not 0/0.
 fn is_root_of_ratio(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     gamma: Complex64,
 ) -> bool {
     let [first, second] = equation.jets(gamma, measured.omega());
@@ -344,7 +413,7 @@ enum Form {
 
 fn iterate(
     equation: &impl SectionRatio,
-    measured: &MeasuredRatio,
+    measured: &MeasuredRatio<'_>,
     start: Complex64,
     form: Form,
 ) -> Option<Root> {

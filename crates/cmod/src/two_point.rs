@@ -31,7 +31,7 @@ use crate::estimate::{
     ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
     Solution, SystematicShift, VarianceFreedom,
 };
-use crate::section_ratio::RatioLines;
+use crate::section_ratio::{RatioAbout, RatioError, RatioLines, RatioMethod, common};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
@@ -198,6 +198,7 @@ impl TwoPoint {
             variance: &variance,
             freedom: Some(&vec![freedom; variance.len()]),
             coherence: Some(averaged.coherence),
+            common: &[],
         })
     }
 
@@ -232,6 +233,7 @@ impl TwoPoint {
                     coherence: lines
                         .coherence
                         .and_then(|coherence| coherence.get(index).copied()),
+                    common: lines.common,
                 });
                 continue;
             };
@@ -264,7 +266,10 @@ impl TwoPoint {
     }
 
     /// The branches of all lines that can be evaluated, of which there may be none.
-    fn resolve_branches(&self, measured: &[MeasuredLine]) -> Result<Vec<ResolvedRoot>, CmodError> {
+    fn resolve_branches(
+        &self,
+        measured: &[MeasuredLine<'_>],
+    ) -> Result<Vec<ResolvedRoot>, CmodError> {
         if measured.is_empty() {
             return Ok(Vec::new());
         }
@@ -284,7 +289,7 @@ impl TwoPoint {
     /// Solves one line; refuses it if nothing finite comes of it.
     fn line(
         &self,
-        measured: &MeasuredLine,
+        measured: &MeasuredLine<'_>,
         free_end: ResolvedRoot,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
@@ -343,6 +348,13 @@ impl TwoPoint {
         );
 
         let slopes = equation.slopes(gamma_length);
+        let mut systematic = self.systematic(&slopes, gamma, modulus);
+        systematic.extend(common::shifts(
+            measured.common,
+            measured.index,
+            (gamma, modulus),
+            (measured.ratio, (slopes.first * length).inv()),
+        ));
         // dE/E = -2 dx/x, dx = dΨ/f'
         let relative_sensitivity = -2.0 / (gamma_length * slopes.first);
         Solution {
@@ -354,7 +366,7 @@ impl TwoPoint {
             random: ComplexCovariance::circular(
                 measured.variance / (length * length * slopes.first.norm_sqr()),
             ),
-            systematic: self.systematic(&slopes, gamma, modulus),
+            systematic,
             error_amplification: measured.ratio.norm() * relative_sensitivity.norm(),
             second_order: bend(gamma_length, &slopes) * measured.variance.sqrt(),
             distance: length,
@@ -414,6 +426,31 @@ impl TwoPoint {
     }
 }
 
+impl RatioMethod for TwoPoint {
+    fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
+        Self::estimate_ratio(self, lines)
+    }
+
+    fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {
+        let Specimen {
+            length, density, ..
+        } = self.specimen;
+        let equation = EndMassEquation {
+            mass_ratio: self.specimen.mass_ratio(),
+            acceleration_ratio: Complex64::ZERO,
+        };
+        let modulus = modulus_from_propagation(gamma, TAU * frequency_hz, density).ok()?;
+        let slopes = equation.slopes(gamma * length);
+        RatioAbout {
+            ratio: equation.value(gamma * length),
+            by_ratio: (slopes.first * length).inv(),
+            modulus,
+            shifts: self.systematic(&slopes, gamma, modulus),
+        }
+        .finite()
+    }
+}
+
 /// Second order of the error of E by its first order, for |δΨ| = 1: ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
 fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
     let first = slopes.first;
@@ -421,13 +458,14 @@ fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
 }
 
 /// What was measured on a line that can be evaluated.
-struct MeasuredLine {
+struct MeasuredLine<'a> {
     index: usize,
     frequency_hz: f64,
     ratio: Complex64,
     variance: f64,
     freedom: Option<VarianceFreedom>,
     coherence: Option<f64>,
+    common: &'a [RatioError],
 }
 
 /// The criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.

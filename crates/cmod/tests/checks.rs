@@ -549,6 +549,7 @@ fn of_few_hits(random: &mut Random, hits: usize, pooled: bool) -> ModulusEstimat
             variance,
             freedom: Some(freedom),
             coherence: None,
+            common: &[],
         })
         .unwrap()
 }
@@ -598,6 +599,7 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
             variance: &vec![NOISE * NOISE; ratio.len()],
             freedom: Some(&freedom),
             coherence: None,
+            common: &[],
         })
         .unwrap();
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());

@@ -30,6 +30,10 @@ use crate::outcome::{InputFile, LogEntry, Setting};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
+/// Why a job of responses refuses a `±` of a time skew.
+pub(crate) const SKEW_NOT_FOLLOWED: &str =
+    "the error of a frequency response by a delay between its channels is not followed";
+
 /// Which files, and what their channels are.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -77,8 +81,8 @@ pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, Rodl
 }
 
 impl Records {
-    /// Refuses uncertain sensitivities, gains and bridges, for a job that does not follow them; `field` is the place of the records in
-    /// the sheet, `why` completes "because …".
+    /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not follow them; `field` is the place of the
+    /// records in the sheet, `why` completes "because …".
     ///
     /// # Errors
     ///
@@ -95,6 +99,20 @@ impl Records {
                     format!("calibrated to {} %", 100.0 * uncertainty),
                     format!("a calibration without ±, because {why}{}", sheet::ADVICE),
                 ));
+            }
+        }
+        self.refuse_uncertain_skews(field, why)
+    }
+
+    /// Refuses uncertain time skews alone.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] for the first channel that states one.
+    pub fn refuse_uncertain_skews(&self, field: &str, why: &str) -> Result<(), RodlabError> {
+        for (at, channel) in self.channels.iter().enumerate() {
+            if let Some(skew) = &channel.time_skew {
+                skew.exact(&format!("{field}.channels[{at}].time_skew"), why)?;
             }
         }
         Ok(())

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rodwave::kramers_kronig::KramersKronig;
 
-use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail, telling};
+use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 
@@ -59,8 +59,13 @@ pub fn kramers_kronig_on(
     level: f64,
 ) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
-    let stride = telling(estimate).count().div_ceil(most_lines.max(1)).max(1);
-    let lines: Vec<Tested<'_>> = telling(estimate)
+    let stride = estimate
+        .telling()
+        .count()
+        .div_ceil(most_lines.max(1))
+        .max(1);
+    let lines: Vec<Tested<'_>> = estimate
+        .telling()
         .step_by(stride)
         .map(Tested::new)
         .collect::<Result<_, _>>()?;
@@ -231,7 +236,8 @@ fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
 
 /// 2/D - 2/Σν: what lines that share variances add to the variance of Σu by n².
 fn shared(estimate: &ModulusEstimate, lines: &[Tested<'_>]) -> f64 {
-    let all: f64 = telling(estimate)
+    let all: f64 = estimate
+        .telling()
         .filter_map(|line| line.uncertainty.own_degrees_of_freedom)
         .sum();
     let each: f64 = lines.iter().filter_map(|line| line.freedom).sum();

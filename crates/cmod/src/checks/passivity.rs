@@ -2,7 +2,7 @@
 
 use super::{
     Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least,
-    student_tail_below, telling,
+    student_tail_below,
 };
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
@@ -26,7 +26,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
     let level = check_level(level)?;
     let (mut sum, mut square, mut count) = (0.0, 0.0, 0_usize);
     let mut least = (f64::INFINITY, 0.0, None);
-    for line in telling(estimate) {
+    for line in estimate.telling() {
         let size = line.modulus.norm();
         let error = line.random_error().loss_modulus / size;
         if error <= 0.0 {

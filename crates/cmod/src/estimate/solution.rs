@@ -115,6 +115,40 @@ impl Solution {
     }
 }
 
+impl ModulusLine {
+    /// The line with everything that follows from its modulus, propagation coefficient and uncertainty, where these have been
+    /// corrected. Violations that are not of size of an error stay where `stays` says so. `None` if a number is not finite.
+    pub(crate) fn revised(
+        mut self,
+        acceptance: &Acceptance,
+        stays: impl Fn(&Violation) -> bool,
+    ) -> Option<Self> {
+        self.loss_factor = self.modulus.im / self.modulus.re;
+        self.phase_velocity = TAU * self.frequency_hz / self.propagation_coefficient.im;
+        self.standard_error = StandardError::of(
+            self.modulus,
+            self.propagation_coefficient,
+            self.frequency_hz,
+            &self.uncertainty.total_covariance(),
+        );
+        let mut violations = self.validity.violations().to_vec();
+        violations.retain(|violation| {
+            let of_size = matches!(
+                violation,
+                Violation::ErrorTooLarge { .. }
+                    | Violation::LateralInertiaTooLarge { .. }
+                    | Violation::CommonErrorTooLarge { .. }
+                    | Violation::ErrorAmplified { .. }
+            );
+            !of_size && stays(violation)
+        });
+        violations.extend(acceptance.violations(&self));
+        self.validity = Validity::from_violations(violations);
+        let is_finite = self.loss_factor.is_finite() && self.standard_error.is_finite();
+        is_finite.then_some(self)
+    }
+}
+
 /// What one-dimensional theory leaves out of a `modulus` at kD = `wave_number`: E' is too small by at most ½ν²(kD/2)² of itself,
 /// E'' is right. `None` without a wave, or for ν = 0.
 fn lateral_inertia(

@@ -121,6 +121,14 @@ pub enum ErrorSource {
     Section(usize),
     /// Position of a gauge, counted from 0.
     GaugePosition(usize),
+    /// Ratio of the sensitivities of two sensors.
+    GainRatio,
+    /// Delay of one channel behind the other.
+    Delay,
+    /// Sensitivity of a gauge, counted from 0.
+    GaugeFactor(usize),
+    /// Delay of the channel of a gauge, counted from 0.
+    GaugeDelay(usize),
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
     /// Lateral inertia that the theory of the waves leaves in the modulus: all of it in one-dimensional theory.
@@ -134,6 +142,10 @@ impl fmt::Display for ErrorSource {
             Self::GaugePosition(index) => {
                 return write!(formatter, "position of gauge {index}");
             }
+            Self::GaugeFactor(index) => return write!(formatter, "sensitivity of gauge {index}"),
+            Self::GaugeDelay(index) => return write!(formatter, "delay of gauge {index}"),
+            Self::GainRatio => "ratio of the sensitivities",
+            Self::Delay => "delay between the channels",
             Self::PoissonRatio => "poisson's ratio",
             Self::LateralInertia => "lateral inertia that was not taken out",
             Self::Length => "length",

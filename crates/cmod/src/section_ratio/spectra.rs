@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::RatioError;
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::VarianceFreedom;
 
@@ -20,6 +21,8 @@ pub struct RatioLines<'a> {
     /// Ordinary coherence, where there is one; asked only by [`TwoPoint`](crate::TwoPoint), for its
     /// [limit](crate::validity::AcceptanceLimits::coherence).
     pub coherence: Option<&'a [f64]>,
+    /// Common errors of the ratio, each with one entry a line; none for sensors that are exact.
+    pub common: &'a [RatioError],
 }
 
 impl<'a> RatioLines<'a> {
@@ -36,6 +39,7 @@ impl<'a> RatioLines<'a> {
             variance,
             freedom: None,
             coherence: None,
+            common: &[],
         }
     }
 
@@ -57,6 +61,9 @@ impl<'a> RatioLines<'a> {
         }
         if let Some(coherence) = self.coherence {
             check_length("coherence", coherence.len(), count)?;
+        }
+        for error in self.common {
+            check_length("common error of the ratio", error.relative().len(), count)?;
         }
         Ok(())
     }

@@ -42,7 +42,7 @@ pub(super) struct Start {
 /// Compares speeds; `None` if there is no line.
 pub(super) fn wave_speed(
     equation: &impl SectionRatio,
-    measured: &[MeasuredRatio],
+    measured: &[MeasuredRatio<'_>],
     settings: &Settings,
 ) -> Option<Start> {
     let guess = settings.wave_speed();
@@ -128,7 +128,7 @@ pub(super) fn wave_speed(
 }
 
 /// Distance of neighbouring lines [Hz]; 0 of a single one.
-fn median_step(measured: &[MeasuredRatio]) -> f64 {
+fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     let mut steps: Vec<f64> = measured
         .iter()
         .zip(measured.iter().skip(1))
@@ -141,7 +141,7 @@ fn median_step(measured: &[MeasuredRatio]) -> f64 {
 /// Mean log of the misfit, by noise and [`MODEL_ERROR`], of the better two thirds of the lines.
 fn score(
     equation: &impl SectionRatio,
-    measured: &[MeasuredRatio],
+    measured: &[MeasuredRatio<'_>],
     (slowness, fewest): (Complex64, usize),
     misfits: &mut Vec<f64>,
 ) -> f64 {

@@ -93,6 +93,7 @@ pub struct SensorChain {
     polarity: Polarity,
     offset: f64,
     time_skew: f64,
+    time_skew_uncertainty: f64,
     position: Option<Position>,
     direction: Option<Direction>,
     serial: Option<String>,
@@ -123,6 +124,7 @@ impl SensorChain {
             polarity: Polarity::Normal,
             offset: 0.0,
             time_skew: 0.0,
+            time_skew_uncertainty: 0.0,
             position: None,
             direction: None,
             serial: None,
@@ -166,6 +168,21 @@ impl SensorChain {
     pub fn with_time_skew(self, time_skew: f64) -> Result<Self, LabioError> {
         Ok(Self {
             time_skew: check_finite("time skew [s]", time_skew)?,
+            ..self
+        })
+    }
+
+    /// With a time skew that is known to this standard uncertainty \[s\]; exact by default.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] if it is not finite or negative.
+    pub fn with_time_skew_uncertainty(self, uncertainty: f64) -> Result<Self, LabioError> {
+        Ok(Self {
+            time_skew_uncertainty: check_not_negative(
+                "uncertainty of the time skew [s]",
+                uncertainty,
+            )?,
             ..self
         })
     }
@@ -242,6 +259,13 @@ impl SensorChain {
     #[must_use]
     pub fn time_skew(&self) -> f64 {
         self.time_skew
+    }
+
+    /// Standard uncertainty of the time skew \[s\]. It stays where the skew itself has been taken back
+    /// ([`Record::aligned`](crate::Record::aligned)).
+    #[must_use]
+    pub fn time_skew_uncertainty(&self) -> f64 {
+        self.time_skew_uncertainty
     }
 
     /// Where the sensor sits.
@@ -374,6 +398,8 @@ struct SensorChainSheet {
     #[serde(default)]
     time_skew: f64,
     #[serde(default)]
+    time_skew_uncertainty: f64,
+    #[serde(default)]
     position: Option<Position>,
     #[serde(default)]
     direction: Option<Direction>,
@@ -401,7 +427,8 @@ impl TryFrom<SensorChainSheet> for SensorChain {
         let chain = chain
             .with_polarity(sheet.polarity)
             .with_offset(sheet.offset)?
-            .with_time_skew(sheet.time_skew)?;
+            .with_time_skew(sheet.time_skew)?
+            .with_time_skew_uncertainty(sheet.time_skew_uncertainty)?;
         Ok(Self {
             direction: sheet.direction,
             serial: sheet.serial,

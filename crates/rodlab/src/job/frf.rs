@@ -34,7 +34,7 @@ use crate::chosen::Chosen;
 use crate::figure::Greyed;
 use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::{Quantity, Verdict};
-use crate::records::{Records, expect_different_files};
+use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
@@ -162,6 +162,7 @@ fn find(
     outcome: &mut Outcome,
 ) -> Result<FoundHits, RodlabError> {
     around.progress.begins("reading records", 0);
+    records.refuse_uncertain_skews(&format!("{place}records"), SKEW_NOT_FOLLOWED)?;
     let loaded = records.load(around.folder, &format!("{place}records"))?;
     around.go_on()?;
     outcome.inputs.extend(loaded.inputs);

@@ -1,5 +1,6 @@
 //! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra that another program has made.
 
+mod calibration;
 mod cards;
 mod checked_band;
 mod checks;
@@ -25,6 +26,7 @@ pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverShe
 
 use cmod::ModulusEstimate;
 use cmod::lateral_inertia::CorrectedEstimate;
+use cmod::self_calibration::SelfCalibration;
 use serde::Deserialize;
 
 use super::About;
@@ -133,6 +135,8 @@ struct Found<'a> {
     /// The estimate that is reported: after lateral inertia, where it was taken out.
     estimate: &'a ModulusEstimate,
     corrected: Option<&'a CorrectedEstimate>,
+    /// What was found of the errors of the sensors, where any are stated.
+    calibration: Option<&'a SelfCalibration>,
     /// Distance over which waves are counted \[m\].
     distance: f64,
 }
@@ -164,19 +168,26 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     };
 
     around.progress.begins("finding the modulus", 0);
-    let apparent = estimate::estimate(sheet, &measured, spectra)?;
+    let estimate::Estimated {
+        modulus: apparent,
+        calibration,
+    } = estimate::estimate(sheet, &measured, spectra)?;
     let corrected = estimate::without_lateral_inertia(sheet, &apparent)?;
     let found = Found {
         sheet,
         measured: &measured,
         estimate: corrected.as_ref().map_or(&apparent, |c| c.modulus()),
         corrected: corrected.as_ref(),
+        calibration: calibration.as_ref(),
         distance: estimate::distance(sheet)?,
     };
     around.go_on()?;
 
     for doubt in &measured.doubts {
         outcome.doubt(doubt.as_str());
+    }
+    if let Some(calibrated) = found.calibration {
+        calibration::state(&mut outcome, &measured, calibrated);
     }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);

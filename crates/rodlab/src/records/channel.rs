@@ -6,7 +6,7 @@ use labio::{Polarity, Position, Rating, SensorChain, StrainBridge};
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{self, Coordinate, NotFollowed, Time};
+use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
 
 /// A channel of the files, and the sensor it is of.
 #[derive(Debug, Clone, Deserialize)]
@@ -34,9 +34,9 @@ pub struct ChannelSheet {
     /// Reading at rest, in the unit of the file.
     #[serde(default)]
     pub offset: f64,
-    /// How much later than the others the channel is sampled.
+    /// How much later than the others the channel is sampled, as `"5 us"` or `"0 us ± 2 us"`.
     #[serde(default)]
-    pub time_skew: Option<NotFollowed<Time>>,
+    pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
     #[serde(default)]
     pub position: Option<NotFollowed<Coordinate>>,
@@ -138,13 +138,17 @@ impl ChannelSheet {
         } else {
             Polarity::default()
         };
-        let chain = chain
-            .with_polarity(polarity)
-            .with_offset(self.offset)
-            .and_then(|chain| {
-                chain.with_time_skew(self.time_skew.as_ref().map_or(0.0, NotFollowed::si))
-            });
-        chain.map(Some).map_err(refused)
+        let chain = chain.with_polarity(polarity).with_offset(self.offset);
+        let skew = self.time_skew.as_ref().map(Stated::with_uncertainty);
+        chain
+            .and_then(|chain| match skew {
+                Some(skew) => chain
+                    .with_time_skew(skew.value)?
+                    .with_time_skew_uncertainty(skew.uncertainty()),
+                None => Ok(chain),
+            })
+            .map(Some)
+            .map_err(refused)
     }
 
     /// What the sheet says of the channel, for the report.

@@ -14,7 +14,7 @@ use crate::hits::{
 };
 use crate::job::Surroundings;
 use crate::outcome::Setting;
-use crate::records::{Records, expect_quantity};
+use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_quantity};
 use crate::rounded::short;
 use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
@@ -208,9 +208,10 @@ impl HitsSource {
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<FoundHits, RodlabError> {
-        let loaded = self
-            .records
-            .load(around.folder, &format!("{field}.records"))?;
+        let place = format!("{field}.records");
+        self.records
+            .refuse_uncertain_skews(&place, SKEW_NOT_FOLLOWED)?;
+        let loaded = self.records.load(around.folder, &place)?;
         if let Some(first) = loaded.records.first() {
             let record = &first.record;
             expect_quantity(

@@ -9,7 +9,7 @@ use super::sheet::{DetrendSheet, FrfSheet, SegmentsSheet};
 use super::{Named, of_the_test, report, universal, warn};
 use crate::job::Surroundings;
 use crate::outcome::Verdict;
-use crate::records::{NamedRecord, expect_different_files};
+use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{EstimatorSheet, with_silence};
 use crate::rounded::short;
 use crate::{Outcome, RodlabError};
@@ -26,6 +26,9 @@ pub(super) fn run(
     refuse_hits(sheet)?;
     let outputs = outputs_of(sheet, &sheet.records, "")?;
     around.progress.begins("reading records", 0);
+    sheet
+        .records
+        .refuse_uncertain_skews("records", SKEW_NOT_FOLLOWED)?;
     let loaded = sheet.records.load(around.folder, "records")?;
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);

@@ -2,7 +2,8 @@
 
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::Quantity;
-use cmod::section_ratio::RatioLines;
+use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
+use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
@@ -20,35 +21,82 @@ use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
 use crate::sheet::{Exact, Stated};
 
+/// An estimate, and what was found of its common errors, where any of the sensors are stated.
+pub(super) struct Estimated {
+    pub(super) modulus: ModulusEstimate,
+    pub(super) calibration: Option<SelfCalibration>,
+}
+
 pub(super) fn estimate(
     sheet: &ModulusSheet,
     measured: &Measured,
     spectra: &Spectra,
-) -> Result<ModulusEstimate, RodlabError> {
+) -> Result<Estimated, RodlabError> {
     match spectra {
-        Spectra::Ratio(ratio) => of_ratio(sheet, measured, ratio),
-        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges),
+        Spectra::Ratio(ratio) => calibrated_ratio(sheet, measured, ratio),
+        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges).map(|modulus| Estimated {
+            modulus,
+            calibration: None,
+        }),
     }
+}
+
+/// With the errors of gain ratio and delay found from the lines themselves.
+fn calibrated_ratio(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    ratio: &Ratio,
+) -> Result<Estimated, RodlabError> {
+    let frequency_hz = &ratio.frequency_hz;
+    let errors = [
+        (
+            measured.calibration_error,
+            RatioError::of_gain_ratio(frequency_hz, measured.calibration_error),
+        ),
+        (
+            measured.delay_error,
+            RatioError::of_delay(frequency_hz, measured.delay_error),
+        ),
+    ];
+    let common = errors
+        .into_iter()
+        .filter(|(stated, _)| *stated > 0.0)
+        .map(|(_, error)| error.map_err(refused))
+        .collect::<Result<Vec<_>, _>>()?;
+    let lines = RatioLines {
+        frequency_hz,
+        ratio: &ratio.values,
+        variance: &ratio.variance,
+        freedom: ratio.freedom.as_deref(),
+        coherence: ratio.coherence.as_deref(),
+        common: &common,
+    };
+    let method = ratio_method(sheet, measured, ratio)?;
+    let modulus = method.estimate_ratio(&lines).map_err(refused)?;
+    let calibration = SelfCalibration::of_ratio(method.as_ref(), &lines).map_err(refused)?;
+    Ok(Estimated {
+        modulus: calibration
+            .as_ref()
+            .map_or(modulus, |found| found.estimate().clone()),
+        calibration,
+    })
 }
 
 fn refused(error: CmodError) -> RodlabError {
     RodlabError::step("finding the modulus", error)
 }
 
-fn of_ratio(
+fn boxed(method: impl RatioMethod + 'static) -> Box<dyn RatioMethod> {
+    Box::new(method)
+}
+
+fn ratio_method(
     sheet: &ModulusSheet,
     measured: &Measured,
     ratio: &Ratio,
-) -> Result<ModulusEstimate, RodlabError> {
+) -> Result<Box<dyn RatioMethod>, RodlabError> {
     let limits = limits(sheet);
     let specimen = &sheet.specimen;
-    let lines = RatioLines {
-        frequency_hz: &ratio.frequency_hz,
-        ratio: &ratio.values,
-        variance: &ratio.variance,
-        freedom: ratio.freedom.as_deref(),
-        coherence: ratio.coherence.as_deref(),
-    };
     let (diameter, density) = (
         specimen.diameter.with_uncertainty(),
         specimen.density.with_uncertainty(),
@@ -77,7 +125,7 @@ fn of_ratio(
                 Some(SolverSheet::Newton) => Solver::Newton,
                 Some(SolverSheet::Series) => Solver::Series,
             });
-            method.estimate_ratio(&lines)
+            Ok(boxed(method))
         }
         MethodSheet::Resonances { .. } => Resonances::new(rod_with_free_end(sheet), length(sheet)?)
             .and_then(|method| method.with_limits(limits))
@@ -85,7 +133,7 @@ fn of_ratio(
                 let length = uncertainty(specimen.length.as_ref());
                 method.with_uncertainty(section_uncertainty(sheet, length))
             })
-            .and_then(|method| method.estimate_ratio(&lines)),
+            .map(boxed),
         MethodSheet::FreeEnd {
             first,
             second,
@@ -105,7 +153,7 @@ fn of_ratio(
                     Some(speed) => method.with_wave_speed(speed.si()),
                     None => Ok(method),
                 })
-                .and_then(|method| method.estimate_ratio(&lines))
+                .map(boxed)
         }
         MethodSheet::SeparatePulses {
             distance,
@@ -126,7 +174,7 @@ fn of_ratio(
             Some(delay) => method.with_delay(delay),
             None => Ok(method),
         })
-        .and_then(|method| method.estimate_ratio(&lines)),
+        .map(boxed),
         MethodSheet::OneGauge {
             section: at,
             wave_speed,
@@ -147,7 +195,7 @@ fn of_ratio(
                 Some(delay) => method.with_delay(delay),
                 None => Ok(method),
             })
-            .and_then(|method| method.estimate_ratio(&lines))
+            .map(boxed)
         }
         // a ratio is refused for these before it is read
         MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => {

@@ -136,6 +136,8 @@ pub(super) struct Measured {
     pub(super) first_hit: Option<FirstHit>,
     /// Relative standard error that the sensitivities leave in the ratio of the channels, where they state any.
     pub(super) calibration_error: f64,
+    /// Standard error \[s\] that the time skews leave in the delay of the channels.
+    pub(super) delay_error: f64,
     /// Rate of the hits \[Hz\]; unknown of a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
     /// Hits that may be one measurement.

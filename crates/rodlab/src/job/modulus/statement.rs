@@ -326,19 +326,6 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             hertz(line.frequency_hz)
         ));
     }
-    let calibration = found.measured.calibration_error;
-    let amplified = valid
-        .iter()
-        .max_by(|a, b| a.error_amplification.total_cmp(&b.error_amplification));
-    if let Some(line) = amplified.filter(|_| calibration > 0.0) {
-        outcome.warnings.push(format!(
-            "The sensitivities leave the ratio of the channels uncertain by {}, which is up to {} of the modulus (at {}) and not in its \
-             errors: calibrate the sensors against each other.",
-            percent(calibration),
-            percent(calibration * line.error_amplification),
-            hertz(line.frequency_hz)
-        ));
-    }
     let is_larger = |line: &&ModulusLine| {
         line.systematic_error().storage_modulus > line.random_error().storage_modulus
     };

@@ -110,6 +110,7 @@ pub(super) fn of_file(
         quantities: Vec::new(),
         first_hit: None,
         calibration_error: 0.0,
+        delay_error: 0.0,
         sampling_rate_hz: None,
         doubts: Vec::new(),
     })

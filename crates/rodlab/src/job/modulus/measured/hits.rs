@@ -3,7 +3,7 @@
 use cmod::multi_point::Quantity;
 use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::two_point::variance_from_coherence;
-use labio::{AveragedSpectra, Record, Window};
+use labio::{AveragedSpectra, Record, SensorChain, Window};
 
 use super::{FirstHit, Measured, Ratio, Spectra};
 use crate::RodlabError;
@@ -64,7 +64,16 @@ pub(super) fn of_hits(
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
-        calibration_error: calibration_error(accepted.first().copied(), &channels),
+        calibration_error: of_chains(
+            accepted.first().copied(),
+            &channels,
+            SensorChain::relative_uncertainty,
+        ),
+        delay_error: of_chains(
+            accepted.first().copied(),
+            &channels,
+            SensorChain::time_skew_uncertainty,
+        ),
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
     };
@@ -237,12 +246,16 @@ fn quantities(record: Option<&Record>) -> Vec<(String, Quantity)> {
         .collect()
 }
 
-/// What the sensitivities of the channels leave uncertain of their ratio; they are independent of each other, and one channel alone
+/// What an uncertainty of the sensors leaves in the ratio of their channels; they are independent of each other, and one channel alone
 /// has none.
-fn calibration_error(record: Option<&Record>, channels: &[method::Taken<'_>]) -> f64 {
+fn of_chains(
+    record: Option<&Record>,
+    channels: &[method::Taken<'_>],
+    uncertainty: fn(&SensorChain) -> f64,
+) -> f64 {
     let of = |taken: &method::Taken<'_>| {
         let chain = record?.chain(taken.channel).ok()??;
-        Some(chain.relative_uncertainty())
+        Some(uncertainty(chain))
     };
     match channels {
         [_] => 0.0,

@@ -1,0 +1,89 @@
+//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the time between the channels.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::error::{CmodError, check_frequencies, check_not_negative};
+use crate::estimate::{ErrorSource, SystematicShift};
+
+/// Error δΨ/Ψ of a measured ratio by one source that is wrong by its standard uncertainty, on every line. Averages over hits do not
+/// lessen it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RatioError {
+    source: ErrorSource,
+    relative: Vec<Complex64>,
+}
+
+impl RatioError {
+    /// A ratio of the sensitivities that is known to the relative `standard_uncertainty`: δΨ/Ψ = u on all lines.
+    ///
+    /// # Errors
+    /// [`CmodError`] for frequencies that are no lines, and [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
+    pub fn of_gain_ratio(
+        frequency_hz: &[f64],
+        standard_uncertainty: f64,
+    ) -> Result<Self, CmodError> {
+        check_frequencies(frequency_hz)?;
+        let relative = check_not_negative(
+            "relative uncertainty of the gain ratio",
+            standard_uncertainty,
+        )?;
+        Ok(Self {
+            source: ErrorSource::GainRatio,
+            relative: vec![relative.into(); frequency_hz.len()],
+        })
+    }
+
+    /// A delay of the numerator behind the denominator that is known to the `standard_uncertainty` \[s\]: δΨ/Ψ = -iωu.
+    ///
+    /// # Errors
+    /// As [`RatioError::of_gain_ratio`].
+    pub fn of_delay(frequency_hz: &[f64], standard_uncertainty: f64) -> Result<Self, CmodError> {
+        check_frequencies(frequency_hz)?;
+        let delay = check_not_negative("uncertainty of the delay [s]", standard_uncertainty)?;
+        Ok(Self {
+            source: ErrorSource::Delay,
+            relative: frequency_hz
+                .iter()
+                .map(|f| Complex64::new(0.0, -TAU * f * delay))
+                .collect(),
+        })
+    }
+
+    /// What is uncertain.
+    #[must_use]
+    pub fn source(&self) -> ErrorSource {
+        self.source
+    }
+
+    /// δΨ/Ψ, one entry a line.
+    #[must_use]
+    pub fn relative(&self) -> &[Complex64] {
+        &self.relative
+    }
+
+    /// The ratio without this error, where that is of `size` standard uncertainties.
+    pub(crate) fn removed(&self, ratio: &mut [Complex64], size: f64) {
+        for (ratio, relative) in ratio.iter_mut().zip(&self.relative) {
+            *ratio *= (-size * relative).exp();
+        }
+    }
+}
+
+/// Shifts of line `index` with γ, E and Ψ by errors of Ψ, from dγ/dΨ.
+pub(crate) fn shifts(
+    errors: &[RatioError],
+    index: usize,
+    (gamma, modulus): (Complex64, Complex64),
+    (ratio, by_ratio): (Complex64, Complex64),
+) -> impl Iterator<Item = SystematicShift> {
+    errors
+        .iter()
+        .filter_map(move |error| Some((error.source, error.relative.get(index)?)))
+        .filter(|(_, relative)| **relative != Complex64::ZERO)
+        .map(move |(source, relative)| {
+            let of_gamma = by_ratio * ratio * relative;
+            SystematicShift::new(source, -2.0 * modulus * of_gamma / gamma, of_gamma)
+        })
+}

@@ -1,0 +1,631 @@
+//! Common errors found from the lines themselves: gain ratio and delay of two sensors, sensitivities and positions of gauges.
+//!
+//! A common error distorts the modulus in a way that its source prescribes: an error of the ratio of two sensitivities makes E
+//! swing with every half wave in the rod, a delay does so a quarter of a swing later. The modulus of a material cannot do that. It is smooth
+//! and causal,
+//!
+//! ```text
+//! E(ω) = a + bω² + cω i + Σ_k e_k iωτ_k/(1 + iωτ_k) ,
+//! ```
+//!
+//! with fixed relaxation times τ_k a factor 1.5 apart, from a thousand times below the band to a thousand times above, and real coefficients of any sign; bω² stands for
+//! lateral inertia. No term is larger in the band than ten times the modulus or so, which is the prior of the coefficients. With the stated uncertainties as priors of the
+//! sizes ξ of the errors (in standard uncertainties), both follow from weighted least squares,
+//!
+//! ```text
+//! Σ|E_j - Σ_s ξ_s g_sj - E(ω_j)|²/σ_j² + ½ Σ ξ_s² + ½ Σ (coefficients/10|E|)² → min ,
+//! ```
+//!
+//! where g_s is the [shift](crate::estimate::SystematicShift) of the lines by a source. E_j and g_s are linearised about the smooth modulus of the round before, not about the noisy
+//! lines. Errors of what was measured are taken out of it, and the lines are solved again; those of the specimen are taken out of the modulus to first order. What is left of each error is its posterior covariance,
+//!
+//! ```text
+//! P = (I + JᵀJ/s²)⁻¹ ,
+//! ```
+//!
+//! with J the whitened shifts without what a smooth modulus can follow, and s² the mean square of what is left unexplained, if that is
+//! more than noise explains. What the record says nothing of keeps its stated uncertainty. The errors that are left are correlated; they are stated as independent
+//! ones, the columns of Cholesky's factor of P: that of a source comes with what goes along with it in the sources after it.
+//!
+//! Theory: `docs/theory/self-calibration.md`.
+
+use std::f64::consts::TAU;
+
+use faer::{Mat, Side};
+use num_complex::Complex64;
+
+use crate::error::CmodError;
+use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
+use crate::section_ratio::{RatioLines, RatioMethod, common};
+use crate::validity::Acceptance;
+
+/// Rounds of correction and estimate.
+const MOST_ROUNDS: usize = 12;
+/// Choices of the lines that take part.
+const MOST_SELECTIONS: usize = 4;
+/// The sizes have settled where none moves by more of its standard error.
+const SETTLED: f64 = 0.02;
+/// Lines that take part at most, evenly chosen.
+const MOST_LINES: usize = 1000;
+/// A line takes part if its random error is at most this part of the modulus.
+const LARGEST_ERROR: f64 = 0.1;
+/// Quotient of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of ten, which
+/// makes a bias of many standard errors in quiet records; on this grid what they leave is below every noise.
+const GRID: f64 = 1.5;
+/// The grid goes so far beyond the band.
+const BEYOND: f64 = 1000.0;
+/// Standard deviation of the largest contribution of a term in the band, by the largest modulus there.
+const LARGEST_TERM: f64 = 10.0;
+/// Twice the lines must be at least so many times the unknowns.
+const FEWEST_PER_UNKNOWN: f64 = 3.0;
+
+/// An estimate whose common errors were found from its own lines, as far as these tell.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct SelfCalibration {
+    estimate: ModulusEstimate,
+    sources: Vec<CalibratedSource>,
+    /// Mean square of what is left, by that of the random errors; 1 if noise is all there is.
+    pub mean_square: f64,
+}
+
+/// What was found of one source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CalibratedSource {
+    /// The source.
+    pub source: ErrorSource,
+    /// Size of its error, in stated standard uncertainties.
+    pub size: f64,
+    /// Standard error of the size; 1 if the record tells nothing.
+    pub standard_error: f64,
+}
+
+impl CalibratedSource {
+    /// The size by its standard deviation over records whose error is as stated: beyond ±3 or so the record contradicts what was stated.
+    #[must_use]
+    pub fn discrepancy(&self) -> f64 {
+        let told = 1.0 - self.standard_error * self.standard_error;
+        if told > f64::EPSILON {
+            self.size / told.sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+impl SelfCalibration {
+    /// The estimate by a `method` of a ratio, with the [common errors](RatioLines::common) of the ratio found from its lines.
+    ///
+    /// `None` if there are no common errors, or too few lines to tell them.
+    ///
+    /// ```
+    /// use cmod::estimate::ErrorSource;
+    /// use cmod::section_ratio::{RatioError, RatioLines};
+    /// use cmod::self_calibration::SelfCalibration;
+    /// use cmod::{Specimen, TwoPoint};
+    /// use num_complex::Complex64;
+    ///
+    /// // a rod without end mass, 0.8 m, c = 1500 m/s, loss factor 0.05; the struck end is read 2 % too high
+    /// let frequency_hz: Vec<f64> = (1..=400).map(|j| 25.0 * f64::from(j)).collect();
+    /// let ratio: Vec<Complex64> = frequency_hz
+    ///     .iter()
+    ///     .map(|f| {
+    ///         let gamma = std::f64::consts::TAU * f * Complex64::I / (1500.0 * Complex64::new(1.0, 0.05).sqrt());
+    ///         1.02 * (0.8 * gamma).cosh()
+    ///     })
+    ///     .collect();
+    /// let variance = vec![1e-6; ratio.len()];
+    /// let known_to_three_percent = [RatioError::of_gain_ratio(&frequency_hz, 0.03)?];
+    /// let lines = RatioLines {
+    ///     common: &known_to_three_percent,
+    ///     ..RatioLines::of_known_variance(&frequency_hz, &ratio, &variance)
+    /// };
+    /// let method = TwoPoint::new(Specimen { length: 0.8, diameter: 0.016, density: 912.0, accelerometer_mass: 0.0 })?;
+    /// let calibrated = SelfCalibration::of_ratio(&method, &lines)?.unwrap();
+    /// let gain = calibrated.sources()[0];
+    /// assert_eq!(gain.source, ErrorSource::GainRatio);
+    /// assert!((0.03 * gain.size - 0.02_f64.ln_1p()).abs() < 4.0 * 0.03 * gain.standard_error);
+    /// assert!(gain.standard_error < 0.05);
+    /// # Ok::<(), cmod::CmodError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of the method.
+    pub fn of_ratio(
+        method: &(impl RatioMethod + ?Sized),
+        lines: &RatioLines<'_>,
+    ) -> Result<Option<Self>, CmodError> {
+        let measured: Vec<ErrorSource> = lines.common.iter().map(|error| error.source()).collect();
+        let experiment = RatioExperiment {
+            method,
+            lines: *lines,
+        };
+        found(&measured, &experiment)
+    }
+
+    /// The estimate without the errors that were found, with what is left of them as its common errors.
+    #[must_use]
+    pub fn estimate(&self) -> &ModulusEstimate {
+        &self.estimate
+    }
+
+    /// The estimate alone.
+    #[must_use]
+    pub fn into_estimate(self) -> ModulusEstimate {
+        self.estimate
+    }
+
+    /// What was found of every source: those of what was measured before those of the specimen.
+    #[must_use]
+    pub fn sources(&self) -> &[CalibratedSource] {
+        &self.sources
+    }
+}
+
+/// What was measured, with the errors of its sources.
+trait Experiment {
+    /// The estimate from what was measured, without errors of the sizes `removed`.
+    fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
+
+    /// The same of one `line` about a rod with the propagation coefficient `gamma`: to first order in the difference of what was
+    /// measured and what that rod would give. `None` where that has no value.
+    fn linearised(
+        &self,
+        line: &ModulusLine,
+        gamma: Complex64,
+        removed: &[f64],
+    ) -> Option<LinearisedLine>;
+}
+
+/// A line about a smooth modulus. Its derivatives know nothing of the noise, which those at the modulus of the line itself do: where the data tell
+/// little of a source, that correlation would be taken for its error.
+struct LinearisedLine {
+    modulus: Complex64,
+    /// E|δE|² \[Pa²\].
+    variance: f64,
+    shifts: Vec<SystematicShift>,
+}
+
+struct RatioExperiment<'a, M: ?Sized> {
+    method: &'a M,
+    lines: RatioLines<'a>,
+}
+
+impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
+    fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError> {
+        let mut ratio = self.lines.ratio.to_vec();
+        for (error, size) in self.lines.common.iter().zip(removed) {
+            error.removed(&mut ratio, *size);
+        }
+        self.method.estimate_ratio(&RatioLines {
+            ratio: &ratio,
+            ..self.lines
+        })
+    }
+
+    fn linearised(
+        &self,
+        line: &ModulusLine,
+        gamma: Complex64,
+        removed: &[f64],
+    ) -> Option<LinearisedLine> {
+        let errors = || self.lines.common.iter();
+        let factor: Complex64 = errors()
+            .zip(removed)
+            .filter_map(|(error, size)| Some(-*size * error.relative().get(line.index)?))
+            .sum();
+        let measured = self.lines.ratio.get(line.index)? * factor.exp();
+        let about = self.method.ratio_about(line.frequency_hz, gamma)?;
+        let by_ratio = -2.0 * about.modulus / gamma * about.by_ratio;
+        let mut shifts = about.shifts;
+        shifts.extend(common::shifts(
+            self.lines.common,
+            line.index,
+            (gamma, about.modulus),
+            (about.ratio, about.by_ratio),
+        ));
+        Some(LinearisedLine {
+            modulus: about.modulus + by_ratio * (measured - about.ratio),
+            variance: self.lines.variance.get(line.index)? * by_ratio.norm_sqr(),
+            shifts,
+        })
+    }
+}
+
+/// Solves for the errors of the `measured` sources, which the experiment takes out of what was measured, and of all others of the
+/// estimate.
+fn found(
+    measured: &[ErrorSource],
+    experiment: &impl Experiment,
+) -> Result<Option<SelfCalibration>, CmodError> {
+    if measured.is_empty() {
+        return Ok(None);
+    }
+    let mut removed = vec![0.0; measured.len()];
+    for selection in 1.. {
+        let estimate = experiment.estimate(&removed)?;
+        let lines = taking_part(&estimate);
+        let about: Option<Vec<LinearisedLine>> = lines
+            .iter()
+            .map(|line| experiment.linearised(line, line.propagation_coefficient, &removed))
+            .collect();
+        let Some(mut about) = about else {
+            return Ok(None);
+        };
+        let before = removed.clone();
+        let mut found = None;
+        for _ in 0..MOST_ROUNDS {
+            let Some(posterior) = Posterior::of(&lines, &about, measured, &removed) else {
+                return Ok(None);
+            };
+            let moved = posterior.distance(&removed);
+            removed.clone_from_slice(posterior.sizes.get(..measured.len()).unwrap_or_default());
+            let smooth = lines.iter().zip(&posterior.smooth);
+            let next: Option<Vec<LinearisedLine>> = smooth
+                .map(|(line, modulus)| {
+                    // E = -ρω²/γ²
+                    let gamma = line.propagation_coefficient * (line.modulus / modulus).sqrt();
+                    experiment.linearised(line, gamma, &removed)
+                })
+                .collect();
+            let Some(next) = next else {
+                return Ok(None);
+            };
+            about = next;
+            found = Some(posterior);
+            if moved <= SETTLED {
+                break;
+            }
+        }
+        let Some(found) = found else {
+            return Ok(None);
+        };
+        if found.distance(&before) <= SETTLED || selection == MOST_SELECTIONS {
+            let estimate = experiment.estimate(&removed)?;
+            return found.into_calibration(&estimate, &removed).map(Some);
+        }
+    }
+    Ok(None)
+}
+
+/// The lines that say something of the material, no more than are needed.
+fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
+    let telling = || {
+        estimate.telling().filter(|line| {
+            let error = line.uncertainty.random.modulus.mean_square().sqrt();
+            error > 0.0 && error <= LARGEST_ERROR * line.modulus.norm()
+        })
+    };
+    let stride = telling().count().div_ceil(MOST_LINES).max(1);
+    telling().step_by(stride).collect()
+}
+
+/// Sizes of the errors and what is left of them.
+struct Posterior {
+    sources: Vec<ErrorSource>,
+    sizes: Vec<f64>,
+    /// Cholesky's factor of their covariance, by rows.
+    factor: Vec<Vec<f64>>,
+    mean_square: f64,
+    /// The smooth modulus of each line.
+    smooth: Vec<Complex64>,
+}
+
+impl Posterior {
+    /// From `lines` about a smooth modulus, whose `measured` sources have had errors of the sizes `removed` taken out. `None` if the
+    /// lines are too few.
+    fn of(
+        lines: &[&ModulusLine],
+        about: &[LinearisedLine],
+        measured: &[ErrorSource],
+        removed: &[f64],
+    ) -> Option<Self> {
+        let sources = sources_of(about, measured);
+        let weights: Vec<f64> = about
+            .iter()
+            .map(|line| (2.0 / line.variance).sqrt())
+            .collect();
+        let whitened = |value: &dyn Fn(&LinearisedLine) -> Complex64| -> Vec<f64> {
+            let values = about.iter().zip(&weights).map(|(line, w)| w * value(line));
+            values.flat_map(|value| [value.re, value.im]).collect()
+        };
+
+        let rows = 2 * lines.len();
+        let terms = SmoothModulus::on(lines)?.terms(lines);
+        let columns: Vec<Vec<f64>> = terms
+            .iter()
+            .map(|term| {
+                let values = term.iter().zip(&weights).map(|(value, w)| w * value);
+                values.flat_map(|value| [value.re, value.im]).collect()
+            })
+            .collect();
+        let basis = basis(&columns, rows)?;
+        // of the directions in the rows of the data; the rest is of the prior
+        let parameters: f64 = basis
+            .iter()
+            .map(|direction| direction.iter().take(rows).map(|x| x * x).sum::<f64>())
+            .sum();
+        let freedom = rows as f64 - parameters;
+        if (rows as f64) < FEWEST_PER_UNKNOWN * (parameters + sources.len() as f64) {
+            return None;
+        }
+        let padded = |mut values: Vec<f64>| {
+            values.resize(rows + columns.len(), 0.0);
+            values
+        };
+        let rest_of = |values: &[f64]| {
+            let mut rest = values.to_vec();
+            for direction in &basis {
+                let part = dot(direction, &rest);
+                subtract(&mut rest, part, direction);
+            }
+            rest
+        };
+        // the modulus with all errors in it, to first order
+        let with_errors = padded(whitened(&|line| {
+            let back = measured.iter().zip(removed);
+            line.modulus
+                + back
+                    .map(|(source, size)| shift_of(&line.shifts, *source).modulus * *size)
+                    .sum::<Complex64>()
+        }));
+        let shifts: Vec<Vec<f64>> = sources
+            .iter()
+            .map(|source| padded(whitened(&|line| shift_of(&line.shifts, *source).modulus)))
+            .collect();
+        let (target, columns): (Vec<f64>, Vec<Vec<f64>>) = (
+            rest_of(&with_errors),
+            shifts.iter().map(|shift| rest_of(shift)).collect(),
+        );
+
+        let (sizes, _) = ridge(&columns, &target, 1.0)?;
+        let left = without(&target, &columns, &sizes);
+        let mean_square = (dot(&left, &left) + dot(&sizes, &sizes)) / freedom;
+        let (sizes, covariance) = ridge(&columns, &target, mean_square.max(1.0))?;
+        let left = without(&target, &columns, &sizes);
+        let mut smooth = without(&with_errors, &shifts, &sizes);
+        subtract(&mut smooth, 1.0, &left);
+        let factor = covariance.llt(Side::Lower).ok()?;
+        let factor = factor.L();
+        let n = sources.len();
+        Some(Self {
+            sources,
+            sizes,
+            factor: (0..n)
+                .map(|i| (0..n).map(|j| factor[(i, j)]).collect())
+                .collect(),
+            mean_square,
+            smooth: smooth
+                .chunks_exact(2)
+                .zip(&weights)
+                .map(|(parts, w)| match parts {
+                    [re, im] => Complex64::new(re / w, im / w),
+                    _ => Complex64::ZERO,
+                })
+                .collect(),
+        })
+    }
+
+    /// By how many of its standard errors a size differs at most from those of `others`.
+    fn distance(&self, others: &[f64]) -> f64 {
+        others
+            .iter()
+            .zip(&self.sizes)
+            .zip(&self.factor)
+            .map(|((other, own), row)| (own - other).abs() / length(row))
+            .fold(0.0, f64::max)
+    }
+
+    /// The `estimate`, which has errors of the sizes `removed` taken out, without what is left to take out.
+    fn into_calibration(
+        self,
+        estimate: &ModulusEstimate,
+        removed: &[f64],
+    ) -> Result<SelfCalibration, CmodError> {
+        let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
+        let mut lines = Vec::with_capacity(estimate.lines().len());
+        for line in estimate.lines() {
+            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
+            if acceptance.degrees_of_freedom() != degrees_of_freedom {
+                acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
+            }
+            lines.extend(self.line(line, removed).revised(&acceptance, |_| true));
+        }
+        let sources = self.sources.iter().zip(&self.sizes).zip(&self.factor);
+        Ok(SelfCalibration {
+            estimate: estimate.with_lines(lines),
+            sources: sources
+                .map(|((source, size), row)| CalibratedSource {
+                    source: *source,
+                    size: *size,
+                    standard_error: length(row),
+                })
+                .collect(),
+            mean_square: self.mean_square,
+        })
+    }
+
+    fn line(&self, line: &ModulusLine, removed: &[f64]) -> ModulusLine {
+        let shifts: Vec<SystematicShift> = self
+            .sources
+            .iter()
+            .map(|source| shift_of(&line.uncertainty.systematic, *source))
+            .collect();
+        let mut calibrated = line.clone();
+        let before = removed.iter().copied().chain(std::iter::repeat(0.0));
+        for ((shift, size), before) in shifts.iter().zip(&self.sizes).zip(before) {
+            calibrated.modulus -= (size - before) * shift.modulus;
+            calibrated.propagation_coefficient -= (size - before) * shift.propagation_coefficient;
+        }
+        let systematic = &mut calibrated.uncertainty.systematic;
+        systematic.retain(|shift| !self.sources.contains(&shift.source));
+        for (column, source) in self.sources.iter().enumerate() {
+            let sum = |part: fn(&SystematicShift) -> Complex64| -> Complex64 {
+                let rows = self.factor.iter().zip(&shifts);
+                rows.map(|(row, shift)| row.get(column).copied().unwrap_or(0.0) * part(shift))
+                    .sum()
+            };
+            let modulus = sum(|shift| shift.modulus);
+            let propagation_coefficient = sum(|shift| shift.propagation_coefficient);
+            systematic.push(SystematicShift::new(
+                *source,
+                modulus,
+                propagation_coefficient,
+            ));
+        }
+        calibrated
+    }
+}
+
+/// The sources of all lines that have a standard uncertainty, those that were `measured` first.
+fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
+    let mut sources = measured.to_vec();
+    for shift in lines.iter().flat_map(|line| &line.shifts) {
+        if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
+            sources.push(shift.source);
+        }
+    }
+    sources
+}
+
+/// The part of the `shifts` of a line by `source`; 0 where it does not depend on it.
+fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
+    let mut sum = SystematicShift::new(source, Complex64::ZERO, Complex64::ZERO);
+    for shift in shifts {
+        if shift.source == source {
+            sum.modulus += shift.modulus;
+            sum.propagation_coefficient += shift.propagation_coefficient;
+        }
+    }
+    sum
+}
+
+/// Functions of frequency whose sums any smooth and causal modulus in a band is.
+struct SmoothModulus {
+    relaxation_times: Vec<f64>,
+    highest: f64,
+}
+
+impl SmoothModulus {
+    /// `None` without lines.
+    fn on(lines: &[&ModulusLine]) -> Option<Self> {
+        let lowest = TAU * lines.first()?.frequency_hz;
+        let highest = TAU * lines.last()?.frequency_hz;
+        let shortest = (BEYOND * highest).recip();
+        let longest = BEYOND / lowest;
+        let relaxation_times = std::iter::successors(Some(shortest), |tau| Some(GRID * tau));
+        Some(Self {
+            relaxation_times: relaxation_times.take_while(|tau| *tau <= longest).collect(),
+            highest,
+        })
+    }
+
+    /// Each function on the `lines`, as large as its coefficient may be expected at most.
+    fn terms(&self, lines: &[&ModulusLine]) -> Vec<Vec<Complex64>> {
+        let on_lines = |function: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
+            let values = lines.iter().map(|line| function(TAU * line.frequency_hz));
+            let mut values: Vec<Complex64> = values.collect();
+            let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+            let modulus = largest(&mut lines.iter().map(|line| line.modulus.norm()));
+            let scale =
+                LARGEST_TERM * modulus / largest(&mut values.iter().map(|value| value.norm()));
+            for value in &mut values {
+                *value *= scale;
+            }
+            values
+        };
+        let relative = |omega: f64| omega / self.highest;
+        let mut terms = vec![
+            on_lines(&|_| Complex64::ONE),
+            on_lines(&|omega| Complex64::new(0.0, relative(omega))),
+            on_lines(&|omega| Complex64::new(relative(omega).powi(2), 0.0)),
+        ];
+        terms.extend(self.relaxation_times.iter().map(|tau| {
+            on_lines(&|omega| {
+                let phase = Complex64::new(0.0, omega * tau);
+                phase / (1.0 + phase)
+            })
+        }));
+        terms
+    }
+}
+
+/// Orthonormal directions that span the `columns` of so many `rows` on top of a unit matrix, which is the prior of their coefficients. `None` if an
+/// entry is not finite.
+fn basis(columns: &[Vec<f64>], rows: usize) -> Option<Vec<Vec<f64>>> {
+    let entry = |i: usize, j: usize| -> f64 {
+        match i.checked_sub(rows) {
+            Some(own) => f64::from(u8::from(own == j)),
+            None => columns
+                .get(j)
+                .and_then(|column| column.get(i))
+                .copied()
+                .unwrap_or(0.0),
+        }
+    };
+    let all = rows + columns.len();
+    let vectors = Mat::from_fn(all, columns.len(), entry)
+        .qr()
+        .compute_thin_Q();
+    let directions: Vec<Vec<f64>> = (0..columns.len())
+        .map(|k| (0..all).map(|i| vectors[(i, k)]).collect())
+        .collect();
+    directions
+        .iter()
+        .flatten()
+        .all(|x| x.is_finite())
+        .then_some(directions)
+}
+
+/// min |b - Jξ|²/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
+fn ridge(columns: &[Vec<f64>], target: &[f64], mean_square: f64) -> Option<(Vec<f64>, Mat<f64>)> {
+    let n = columns.len();
+    let product = |i: usize, j: usize| -> f64 {
+        let pair = columns.get(i).zip(columns.get(j));
+        let of_data = pair.map_or(0.0, |(a, b)| dot(a, b) / mean_square);
+        of_data + f64::from(u8::from(i == j))
+    };
+    let normal = Mat::from_fn(n, n, product);
+    let right = Mat::from_fn(n, n + 1, |i, j| {
+        if j < n {
+            f64::from(u8::from(i == j))
+        } else {
+            columns
+                .get(i)
+                .map_or(0.0, |column| dot(column, target) / mean_square)
+        }
+    });
+    use faer::linalg::solvers::Solve as _;
+    let solved = normal.llt(Side::Lower).ok()?.solve(right);
+    let sizes: Vec<f64> = (0..n).map(|i| solved[(i, n)]).collect();
+    // rounding leaves the inverse unsymmetric in its last digits
+    let covariance = Mat::from_fn(n, n, |i, j| 0.5 * (solved[(i, j)] + solved[(j, i)]));
+    sizes
+        .iter()
+        .all(|size| size.is_finite())
+        .then_some((sizes, covariance))
+}
+
+/// `values` - Σ sizes · columns.
+fn without(values: &[f64], columns: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
+    let mut left = values.to_vec();
+    for (size, column) in sizes.iter().zip(columns) {
+        subtract(&mut left, *size, column);
+    }
+    left
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn length(values: &[f64]) -> f64 {
+    dot(values, values).sqrt()
+}
+
+fn subtract(values: &mut [f64], factor: f64, other: &[f64]) {
+    for (value, other) in values.iter_mut().zip(other) {
+        *value -= factor * other;
+    }
+}
