@@ -43,6 +43,8 @@ use crate::validity::Acceptance;
 const MOST_ROUNDS: usize = 12;
 /// Choices of the lines that take part.
 const MOST_SELECTIONS: usize = 4;
+/// Sizes of a delay from which the lines are solved again where from 0 they tell nothing.
+const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// The sizes have settled where none moves by more of its standard error.
 const SETTLED: f64 = 0.02;
 /// Lines that take part at most, evenly chosen.
@@ -65,6 +67,8 @@ const FEWEST_PER_UNKNOWN: f64 = 3.0;
 pub struct SelfCalibration {
     estimate: ModulusEstimate,
     sources: Vec<CalibratedSource>,
+    /// Number of lines that tell them, but for the stride.
+    lines: usize,
     /// Mean square of what is left, by that of the random errors; 1 if noise is all there is.
     pub mean_square: f64,
 }
@@ -235,6 +239,9 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
 
 /// Solves for the errors of the `measured` sources, which the experiment takes out of what was measured, and of all others of the
 /// estimate.
+///
+/// A large delay leaves few lines that can be told apart from their branches and neighbours. Where less than half of them take part, the delays
+/// of [`OTHER_STARTS`] are tried as well, and that is taken from which most lines take part.
 fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -242,7 +249,35 @@ fn found(
     if measured.is_empty() {
         return Ok(None);
     }
-    let mut removed = vec![0.0; measured.len()];
+    let at_rest = vec![0.0; measured.len()];
+    let mut best = found_from(at_rest.clone(), measured, experiment)?;
+    let is_delay = |source: &ErrorSource| matches!(source, ErrorSource::Delay);
+    if !best
+        .as_ref()
+        .is_some_and(|found| 2 * found.lines >= found.estimate.lines().len())
+        && let Some(delay) = measured.iter().position(is_delay)
+    {
+        for start in OTHER_STARTS {
+            let mut removed = at_rest.clone();
+            if let Some(size) = removed.get_mut(delay) {
+                *size = start;
+            }
+            let other = found_from(removed, measured, experiment)?;
+            let lines = |found: &Option<SelfCalibration>| found.as_ref().map(|found| found.lines);
+            if lines(&other) > lines(&best) {
+                best = other;
+            }
+        }
+    }
+    Ok(best)
+}
+
+/// The same from errors of the sizes `removed`.
+fn found_from(
+    mut removed: Vec<f64>,
+    measured: &[ErrorSource],
+    experiment: &impl Experiment,
+) -> Result<Option<SelfCalibration>, CmodError> {
     for selection in 1.. {
         let estimate = experiment.estimate(&removed)?;
         let lines = taking_part(&estimate);
@@ -289,16 +324,18 @@ fn found(
     Ok(None)
 }
 
-/// The lines that say something of the material, no more than are needed.
+/// The lines that say something of the material.
+fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
+    estimate.telling().filter(|line| {
+        let error = line.uncertainty.random.modulus.mean_square().sqrt();
+        error > 0.0 && error <= LARGEST_ERROR * line.modulus.norm()
+    })
+}
+
+/// No more of these than are needed.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
-    let telling = || {
-        estimate.telling().filter(|line| {
-            let error = line.uncertainty.random.modulus.mean_square().sqrt();
-            error > 0.0 && error <= LARGEST_ERROR * line.modulus.norm()
-        })
-    };
-    let stride = telling().count().div_ceil(MOST_LINES).max(1);
-    telling().step_by(stride).collect()
+    let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
+    telling(estimate).step_by(stride).collect()
 }
 
 /// Sizes of the errors and what is left of them.
@@ -442,6 +479,7 @@ impl Posterior {
                     standard_error: length(row),
                 })
                 .collect(),
+            lines: telling(estimate).count(),
             mean_square: self.mean_square,
         })
     }
