@@ -153,6 +153,13 @@ impl ModulusEstimate {
     /// The lines that say something of the material: not those whose branch, convergence or linearised error is in doubt. Lines
     /// of negative damping are among them, as no check would ever see them otherwise.
     pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
+        let misfit = |violation: &Violation| matches!(violation, Violation::Misfit { .. });
+        self.telling_but_for_misfit()
+            .filter(move |line| !line.validity.violations().iter().any(misfit))
+    }
+
+    /// The same with those that two waves do not explain.
+    pub(crate) fn telling_but_for_misfit(&self) -> impl Iterator<Item = &ModulusLine> {
         let spoils = |violation: &Violation| {
             matches!(
                 violation,
@@ -161,7 +168,6 @@ impl ModulusEstimate {
                     | Violation::SeriesTruncated { .. }
                     | Violation::NearSingular { .. }
                     | Violation::NodeAtMiddleGauge { .. }
-                    | Violation::Misfit { .. }
             )
         };
         self.lines

@@ -18,6 +18,7 @@
 //! Theory: `docs/theory/multi-point-method.md`.
 
 pub mod advice;
+mod calibration;
 mod follow;
 mod line;
 mod projection;
@@ -27,6 +28,7 @@ mod three_point;
 mod uncertainty;
 mod waves;
 
+pub use calibration::GaugeMethod;
 pub use spectra::{GaugeSpectra, GaugedRod};
 pub use three_point::{MOST_NOISE_AT_THE_MIDDLE, ThreePoint};
 pub use uncertainty::GaugeUncertainty;
@@ -302,9 +304,9 @@ impl MultiPoint {
             expectation.update(omega, gamma, details.objective.information / excess);
         }
 
-        let by_position = if self.uncertainty.is_of_positions() {
+        let influence = if self.uncertainty.is_of_gauges() {
             projection
-                .by_position(gamma, white)
+                .influence(gamma, white)
                 .ok_or(Refusal::Undetermined)?
         } else {
             Vec::new()
@@ -330,7 +332,7 @@ impl MultiPoint {
             frequency_hz,
             gamma,
             variance,
-            by_position,
+            influence,
             curvature: details.curvature,
             amplification: (white.mean_power() / details.objective.information).sqrt(),
             closed_form: None,

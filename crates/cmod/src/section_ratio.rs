@@ -20,6 +20,7 @@
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
+mod calibration;
 pub(crate) mod common;
 mod expectation;
 mod jet;

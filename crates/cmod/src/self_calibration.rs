@@ -36,7 +36,6 @@ use num_complex::Complex64;
 
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
-use crate::section_ratio::{RatioLines, RatioMethod, common};
 use crate::validity::Acceptance;
 
 /// Rounds of correction and estimate.
@@ -99,55 +98,6 @@ impl CalibratedSource {
 }
 
 impl SelfCalibration {
-    /// The estimate by a `method` of a ratio, with the [common errors](RatioLines::common) of the ratio found from its lines.
-    ///
-    /// `None` if there are no common errors, or too few lines to tell them.
-    ///
-    /// ```
-    /// use cmod::estimate::ErrorSource;
-    /// use cmod::section_ratio::{RatioError, RatioLines};
-    /// use cmod::self_calibration::SelfCalibration;
-    /// use cmod::{Specimen, TwoPoint};
-    /// use num_complex::Complex64;
-    ///
-    /// // a rod without end mass, 0.8 m, c = 1500 m/s, loss factor 0.05; the struck end is read 2 % too high
-    /// let frequency_hz: Vec<f64> = (1..=400).map(|j| 25.0 * f64::from(j)).collect();
-    /// let ratio: Vec<Complex64> = frequency_hz
-    ///     .iter()
-    ///     .map(|f| {
-    ///         let gamma = std::f64::consts::TAU * f * Complex64::I / (1500.0 * Complex64::new(1.0, 0.05).sqrt());
-    ///         1.02 * (0.8 * gamma).cosh()
-    ///     })
-    ///     .collect();
-    /// let variance = vec![1e-6; ratio.len()];
-    /// let known_to_three_percent = [RatioError::of_gain_ratio(&frequency_hz, 0.03)?];
-    /// let lines = RatioLines {
-    ///     common: &known_to_three_percent,
-    ///     ..RatioLines::of_known_variance(&frequency_hz, &ratio, &variance)
-    /// };
-    /// let method = TwoPoint::new(Specimen { length: 0.8, diameter: 0.016, density: 912.0, accelerometer_mass: 0.0 })?;
-    /// let calibrated = SelfCalibration::of_ratio(&method, &lines)?.unwrap();
-    /// let gain = calibrated.sources()[0];
-    /// assert_eq!(gain.source, ErrorSource::GainRatio);
-    /// assert!((0.03 * gain.size - 0.02_f64.ln_1p()).abs() < 4.0 * 0.03 * gain.standard_error);
-    /// assert!(gain.standard_error < 0.05);
-    /// # Ok::<(), cmod::CmodError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Those of the method.
-    pub fn of_ratio(
-        method: &(impl RatioMethod + ?Sized),
-        lines: &RatioLines<'_>,
-    ) -> Result<Option<Self>, CmodError> {
-        let measured: Vec<ErrorSource> = lines.common.iter().map(|error| error.source()).collect();
-        let experiment = RatioExperiment {
-            method,
-            lines: *lines,
-        };
-        found(&measured, &experiment)
-    }
-
     /// The estimate without the errors that were found, with what is left of them as its common errors.
     #[must_use]
     pub fn estimate(&self) -> &ModulusEstimate {
@@ -168,7 +118,7 @@ impl SelfCalibration {
 }
 
 /// What was measured, with the errors of its sources.
-trait Experiment {
+pub(crate) trait Experiment {
     /// The estimate from what was measured, without errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
@@ -184,56 +134,60 @@ trait Experiment {
 
 /// A line about a smooth modulus. Its derivatives know nothing of the noise, which those at the modulus of the line itself do: where the data tell
 /// little of a source, that correlation would be taken for its error.
-struct LinearisedLine {
-    modulus: Complex64,
+pub(crate) struct LinearisedLine {
+    pub(crate) modulus: Complex64,
     /// E|δE|² \[Pa²\].
-    variance: f64,
-    shifts: Vec<SystematicShift>,
+    pub(crate) variance: f64,
+    pub(crate) shifts: Vec<SystematicShift>,
+    /// What is left unexplained by any modulus, where more was measured than that needs.
+    pub(crate) misfit: Option<Misfit>,
 }
 
-struct RatioExperiment<'a, M: ?Sized> {
-    method: &'a M,
-    lines: RatioLines<'a>,
+/// Least squares of what no modulus explains, in units of the noise, by errors of the measured sources.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Misfit {
+    /// Products of the derivatives with each other, by rows.
+    pub(crate) normal: Vec<f64>,
+    /// Products of the derivatives with what is left.
+    pub(crate) gradient: Vec<f64>,
+    /// Sum of squares of what is left.
+    pub(crate) square: f64,
+    pub(crate) degrees_of_freedom: f64,
 }
 
-impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
-    fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError> {
-        let mut ratio = self.lines.ratio.to_vec();
-        for (error, size) in self.lines.common.iter().zip(removed) {
-            error.removed(&mut ratio, *size);
+impl Misfit {
+    /// Sum over the lines, of which errors of the sizes `removed` were taken out, with these errors in it.
+    fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
+        let n = removed.len();
+        let mut sum = Self {
+            normal: vec![0.0; n * n],
+            gradient: vec![0.0; n],
+            ..Self::default()
+        };
+        for misfit in lines.iter().filter_map(|line| line.misfit.as_ref()) {
+            subtract(&mut sum.normal, -1.0, &misfit.normal);
+            subtract(&mut sum.gradient, -1.0, &misfit.gradient);
+            sum.square += misfit.square;
+            sum.degrees_of_freedom += misfit.degrees_of_freedom;
         }
-        self.method.estimate_ratio(&RatioLines {
-            ratio: &ratio,
-            ..self.lines
-        })
+        let before = sum
+            .normal
+            .chunks_exact(n.max(1))
+            .map(|row| dot(row, removed));
+        let before: Vec<f64> = before.collect();
+        sum.square += 2.0 * dot(&sum.gradient, removed) + dot(&before, removed);
+        subtract(&mut sum.gradient, -1.0, &before);
+        sum
     }
 
-    fn linearised(
-        &self,
-        line: &ModulusLine,
-        gamma: Complex64,
-        removed: &[f64],
-    ) -> Option<LinearisedLine> {
-        let errors = || self.lines.common.iter();
-        let factor: Complex64 = errors()
-            .zip(removed)
-            .filter_map(|(error, size)| Some(-*size * error.relative().get(line.index)?))
+    /// Sum of squares that is left with errors of these `sizes` taken out.
+    fn left(&self, sizes: &[f64]) -> f64 {
+        let rows = self.normal.chunks_exact(self.gradient.len().max(1));
+        let quadratic: f64 = rows
+            .zip(sizes)
+            .map(|(row, size)| size * dot(row, sizes))
             .sum();
-        let measured = self.lines.ratio.get(line.index)? * factor.exp();
-        let about = self.method.ratio_about(line.frequency_hz, gamma)?;
-        let by_ratio = -2.0 * about.modulus / gamma * about.by_ratio;
-        let mut shifts = about.shifts;
-        shifts.extend(common::shifts(
-            self.lines.common,
-            line.index,
-            (gamma, about.modulus),
-            (about.ratio, about.by_ratio),
-        ));
-        Some(LinearisedLine {
-            modulus: about.modulus + by_ratio * (measured - about.ratio),
-            variance: self.lines.variance.get(line.index)? * by_ratio.norm_sqr(),
-            shifts,
-        })
+        (self.square - 2.0 * dot(&self.gradient, sizes) + quadratic).max(0.0)
     }
 }
 
@@ -242,7 +196,7 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
 ///
 /// A large delay leaves few lines that can be told apart from their branches and neighbours. Where less than half of them take part, the delays
 /// of [`OTHER_STARTS`] are tried as well, and that is taken from which most lines take part.
-fn found(
+pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
@@ -279,7 +233,12 @@ fn found_from(
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
     for selection in 1.. {
-        let estimate = experiment.estimate(&removed)?;
+        let estimate = match experiment.estimate(&removed) {
+            Ok(estimate) => estimate,
+            // what the errors found so far leave is no record any more
+            Err(_) if selection > 1 => return Ok(None),
+            Err(error) => return Err(error),
+        };
         let lines = taking_part(&estimate);
         let about: Option<Vec<LinearisedLine>> = lines
             .iter()
@@ -324,9 +283,9 @@ fn found_from(
     Ok(None)
 }
 
-/// The lines that say something of the material.
+/// The lines that say something of the material. Lines whose gauges contradict each other are among them: errors of the gauges may be why.
 fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
-    estimate.telling().filter(|line| {
+    estimate.telling_but_for_misfit().filter(|line| {
         let error = line.uncertainty.random.modulus.mean_square().sqrt();
         error > 0.0 && error <= LARGEST_ERROR * line.modulus.norm()
     })
@@ -416,10 +375,12 @@ impl Posterior {
             shifts.iter().map(|shift| rest_of(shift)).collect(),
         );
 
-        let (sizes, _) = ridge(&columns, &target, 1.0)?;
+        let misfit = Misfit::of(about, removed);
+        let (sizes, _) = ridge(&columns, &target, &misfit, 1.0)?;
         let left = without(&target, &columns, &sizes);
-        let mean_square = (dot(&left, &left) + dot(&sizes, &sizes)) / freedom;
-        let (sizes, covariance) = ridge(&columns, &target, mean_square.max(1.0))?;
+        let mean_square = (dot(&left, &left) + dot(&sizes, &sizes) + misfit.left(&sizes))
+            / (freedom + misfit.degrees_of_freedom);
+        let (sizes, covariance) = ridge(&columns, &target, &misfit, mean_square.max(1.0))?;
         let left = without(&target, &columns, &sizes);
         let mut smooth = without(&with_errors, &shifts, &sizes);
         subtract(&mut smooth, 1.0, &left);
@@ -616,22 +577,33 @@ fn basis(columns: &[Vec<f64>], rows: usize) -> Option<Vec<Vec<f64>>> {
         .then_some(directions)
 }
 
-/// min |b - Jξ|²/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
-fn ridge(columns: &[Vec<f64>], target: &[f64], mean_square: f64) -> Option<(Vec<f64>, Mat<f64>)> {
+/// min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
+fn ridge(
+    columns: &[Vec<f64>],
+    target: &[f64],
+    misfit: &Misfit,
+    mean_square: f64,
+) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = columns.len();
+    let measured = misfit.gradient.len();
     let product = |i: usize, j: usize| -> f64 {
         let pair = columns.get(i).zip(columns.get(j));
-        let of_data = pair.map_or(0.0, |(a, b)| dot(a, b) / mean_square);
-        of_data + f64::from(u8::from(i == j))
+        let of_lines = pair.map_or(0.0, |(a, b)| dot(a, b));
+        let of_misfit = if j < measured {
+            misfit.normal.get(i * measured + j).copied().unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        (of_lines + of_misfit) / mean_square + f64::from(u8::from(i == j))
     };
     let normal = Mat::from_fn(n, n, product);
     let right = Mat::from_fn(n, n + 1, |i, j| {
         if j < n {
             f64::from(u8::from(i == j))
         } else {
-            columns
-                .get(i)
-                .map_or(0.0, |column| dot(column, target) / mean_square)
+            let of_lines = columns.get(i).map_or(0.0, |column| dot(column, target));
+            let of_misfit = misfit.gradient.get(i).copied().unwrap_or(0.0);
+            (of_lines + of_misfit) / mean_square
         }
     });
     use faer::linalg::solvers::Solve as _;

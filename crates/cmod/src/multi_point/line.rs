@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
 use super::spectra::GaugedRod;
-use super::uncertainty::GaugeUncertainty;
+use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::ResolvedRoot;
 use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
 use crate::validity::{Acceptance, Violation, conditions};
@@ -18,8 +18,8 @@ pub(super) struct SolvedLine {
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
-    /// ∂γ/∂x of each gauge [1/m²], where it is known where the gauges are to an uncertainty only; else empty.
-    pub(super) by_position: Vec<Complex64>,
+    /// Influence of each gauge, where anything of a gauge is uncertain; else empty.
+    pub(super) influence: Vec<GaugeInfluence>,
     /// Second order of the error of γ by |δγ|² \[m\].
     pub(super) curvature: f64,
     /// |dγ| by the relative error of the gauges [1/m].
@@ -39,7 +39,8 @@ impl SolvedLine {
         let gamma = self.gamma;
         let modulus = modulus_from_propagation(gamma, TAU * self.frequency_hz, rod.density)
             .map_err(|_| Refusal::NoRoot)?;
-        let systematic = uncertainty.shifts(gamma, modulus, rod.density, &self.by_position);
+        let omega = TAU * self.frequency_hz;
+        let systematic = uncertainty.shifts(omega, (gamma, modulus), rod.density, &self.influence);
         let mut violations = conditions(gamma, rod.diameter, rod.aperture());
         violations.extend(self.violations);
         Solution {

@@ -13,6 +13,7 @@
 use num_complex::Complex64;
 
 use super::spectra::WhiteLine;
+use super::uncertainty::GaugeInfluence;
 use crate::estimate::Termination;
 
 /// Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
@@ -57,6 +58,31 @@ pub(super) struct Minimum {
     /// The objective at γ, or a negligible step from it; `None` if something else was evaluated after it.
     pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
+}
+
+/// An error of one gauge: by so much of its value, and of the slope there, it measures more.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GaugeError {
+    pub(super) gauge: usize,
+    pub(super) by_value: Complex64,
+    /// \[m\].
+    pub(super) by_slope: f64,
+}
+
+/// A line about some γ, in units of its noise.
+#[derive(Debug, Clone)]
+pub(super) struct About {
+    /// From that γ to the one of the line [1/m].
+    pub(super) step: Complex64,
+    /// Inverse of the variance of γ.
+    pub(super) information: f64,
+    /// By how much each error moves γ [1/m].
+    pub(super) moves: Vec<Complex64>,
+    /// Products of what the errors add to what is left unexplained, with each other by rows, and with that; twice, for real and imaginary part each
+    /// have half of the variance.
+    pub(super) normal: Vec<f64>,
+    pub(super) gradient: Vec<f64>,
+    pub(super) square: f64,
 }
 
 /// The columns at one γ, orthonormal, with room for a row of gauges.
@@ -291,20 +317,20 @@ impl Projection {
         Some(shares)
     }
 
-    /// ∂γ/∂x of each gauge [1/m²] at the solution `gamma`: what a gauge measures more where it is dx further on, q' dx, moves γ by
-    /// d^H q' dx/d^H d.
-    pub(super) fn by_position(
+    /// Influence of each gauge on the solution `gamma`: what it measures more, q' dx where it is dx further on and q u where its
+    /// sensitivity is larger by u, moves γ by d^H of that by d^H d.
+    pub(super) fn influence(
         &mut self,
         gamma: Complex64,
         line: &WhiteLine,
-    ) -> Option<Vec<Complex64>> {
+    ) -> Option<Vec<GaugeInfluence>> {
         let information = self.evaluate(gamma, line)?.information;
-        let mut by_position = vec![Complex64::ZERO; self.n_gauges()];
+        let mut influence = vec![GaugeInfluence::default(); self.n_gauges()];
         for values in line.values.chunks_exact(self.n_gauges()) {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let [q1, q2] = &self.basis;
-            for ((((by, slope), (q1, q2)), forward), backward) in by_position
+            for ((((of_gauge, slope), (q1, q2)), forward), backward) in influence
                 .iter_mut()
                 .zip(&self.slope)
                 .zip(q1.iter().zip(q2))
@@ -312,10 +338,89 @@ impl Projection {
                 .zip(&self.backward)
             {
                 let d = slope - w[0] * q1 - w[1] * q2;
-                *by += d.conj() * gamma * (backward * c[1] - forward * c[0]) / information;
+                let part = d.conj() / information;
+                of_gauge.position += part * gamma * (backward * c[1] - forward * c[0]);
+                of_gauge.scale += part * (backward * c[1] + forward * c[0]);
             }
         }
-        Some(by_position)
+        Some(influence)
+    }
+
+    /// What the line says about a rod with the propagation coefficient `gamma`: the Gauss-Newton step to the γ of its values with the inverse of
+    /// its variance, and what the values leave unexplained, in the directions of errors of the gauges. Each of `errors` is a gauge with the factor
+    /// on its values q and that on their slope q'.
+    pub(super) fn about(
+        &mut self,
+        gamma: Complex64,
+        line: &WhiteLine,
+        errors: &[GaugeError],
+    ) -> Option<About> {
+        let objective = self.evaluate(gamma, line)?;
+        let step = objective.gradient / objective.information;
+        let n = self.n_gauges();
+        let count = line.values.len();
+        let (mut residuals, mut tangents) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        // of each error: what it adds to the values, and P of that
+        let mut added = vec![Vec::with_capacity(count); errors.len()];
+        for values in line.values.chunks_exact(n) {
+            let y = self.coefficients(values.iter().copied());
+            let c = self.amplitudes(y);
+            let w = self.set_slope(c);
+            let [q1, q2] = &self.basis;
+            for ((value, slope), (q1, q2)) in values.iter().zip(&self.slope).zip(q1.iter().zip(q2))
+            {
+                residuals.push(value - y[0] * q1 - y[1] * q2);
+                tangents.push(slope - w[0] * q1 - w[1] * q2);
+            }
+            for (error, added) in errors.iter().zip(&mut added) {
+                let at =
+                    |column: &[Complex64]| column.get(error.gauge).copied().unwrap_or_default();
+                let (forward, backward) = (at(&self.forward) * c[0], at(&self.backward) * c[1]);
+                let value = error.by_value * (forward + backward)
+                    + error.by_slope * gamma * (backward - forward);
+                let (first, second) = (at(q1), at(q2));
+                added.extend((0..n).zip(q1.iter().zip(q2)).map(|(gauge, (q1, q2))| {
+                    let own = if gauge == error.gauge {
+                        value
+                    } else {
+                        Complex64::ZERO
+                    };
+                    own - (first.conj() * q1 + second.conj() * q2) * value
+                }));
+            }
+        }
+        let information = objective.information;
+        let along = |values: &[Complex64]| -> Complex64 {
+            let products = tangents
+                .iter()
+                .zip(values)
+                .map(|(d, value)| d.conj() * value);
+            products.sum::<Complex64>() / information
+        };
+        let moves: Vec<Complex64> = added.iter().map(|added| along(added)).collect();
+        // without what a change of γ explains
+        for (added, moves) in added.iter_mut().zip(&moves) {
+            for (value, d) in added.iter_mut().zip(&tangents) {
+                *value -= moves * d;
+            }
+        }
+        for (residual, d) in residuals.iter_mut().zip(&tangents) {
+            *residual -= step * d;
+        }
+        let product = |a: &[Complex64], b: &[Complex64]| -> f64 {
+            2.0 * a.iter().zip(b).map(|(a, b)| (a.conj() * b).re).sum::<f64>()
+        };
+        Some(About {
+            step,
+            information,
+            moves,
+            normal: added
+                .iter()
+                .flat_map(|a| added.iter().map(move |b| product(a, b)))
+                .collect(),
+            gradient: added.iter().map(|a| product(a, &residuals)).collect(),
+            square: product(&residuals, &residuals),
+        })
     }
 
     /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the

@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
-use super::uncertainty::GaugeUncertainty;
+use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::error::CmodError;
 use crate::estimate::{
@@ -48,11 +48,11 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreePoint {
-    rod: GaugedRod,
+    pub(super) rod: GaugedRod,
     distance: f64,
     limits: AcceptanceLimits,
     noise_freedom: Option<VarianceFreedom>,
-    uncertainty: GaugeUncertainty,
+    pub(super) uncertainty: GaugeUncertainty,
 }
 
 /// Ψ of one line.
@@ -71,9 +71,9 @@ struct Ratio {
 }
 
 impl Ratio {
-    /// ∂γ/∂x of each gauge [1/m²]: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx. With q = q₀ cosh γx
+    /// Influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx or q. With q = q₀ cosh γx
     /// + (q₂ - q₁) sinh γx/(2 sinh γa), counted from the middle.
-    fn by_position(&self, gamma: Complex64, a: f64) -> Vec<Complex64> {
+    fn influence(&self, gamma: Complex64, a: f64) -> Vec<GaugeInfluence> {
         let [first, middle, last] = self.sums;
         let (sinh, cosh) = ((gamma * a).sinh(), (gamma * a).cosh());
         let odd = (last - first) / (2.0 * sinh);
@@ -82,8 +82,13 @@ impl Ratio {
             odd * (-2.0 * self.value),
             odd * cosh + middle * sinh,
         ];
-        let scale = gamma / (2.0 * middle * a * sinh);
-        slopes.iter().map(|slope| slope * scale).collect()
+        let values = [first, -2.0 * self.value * middle, last];
+        let scale = (2.0 * middle * a * sinh).inv();
+        let of_gauge = |(slope, value): (&Complex64, &Complex64)| GaugeInfluence {
+            position: gamma * slope * scale,
+            scale: value * scale,
+        };
+        slopes.iter().zip(&values).map(of_gauge).collect()
     }
 }
 
@@ -245,7 +250,7 @@ impl ThreePoint {
             frequency_hz: ratio.frequency_hz,
             gamma: gamma_a / a,
             variance: ratio.variance / (a * a * sinh.norm_sqr()),
-            by_position: ratio.by_position(gamma_a / a, a),
+            influence: ratio.influence(gamma_a / a, a),
             // δΨ = a sinh γa δγ + a² cosh γa δγ²/2
             curvature: 0.5 * a * gamma_a.cosh().norm() / sinh.norm(),
             amplification: ratio.amplification / (a * sinh.norm()),

@@ -12,66 +12,118 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// ```text
 /// density:           dE/E = dρ/ρ
 /// position of j:     dE/E = -(2/γ) (∂γ/∂x_j) dx_j
+/// sensitivity of j:  dE/E = -(2/γ) (∂γ/∂ln q_j) u_j
+/// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-iω dt_j)
 /// ```
 ///
 /// Where a gauge is off by dx it measures q(x) + q'(x) dx, and γ follows as from any other error of that gauge: of several gauges
 /// ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); of three
-/// by dΨ. A common shift of all gauges changes nothing, and a common scale is one of the length: Σ ∂γ/∂x_j = 0, Σ x_j ∂γ/∂x_j = γ.
+/// by dΨ; likewise with q_j in the place of q'_j where its sensitivity is off. A common shift of all gauges changes nothing, nor does a common
+/// sensitivity or delay, and a common scale is one of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GaugeUncertainty {
     /// Of the density [kg/m³].
     pub density: f64,
     /// Of the position of each gauge \[m\].
     pub positions: Vec<f64>,
+    /// Of the sensitivity of each gauge, relative.
+    pub factors: Vec<f64>,
+    /// Of the delay of the channel of each gauge \[s\].
+    pub delays: Vec<f64>,
+}
+
+/// How one gauge moves γ.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct GaugeInfluence {
+    /// ∂γ/∂x [1/m²].
+    pub(super) position: Complex64,
+    /// ∂γ/∂ln q [1/m].
+    pub(super) scale: Complex64,
 }
 
 impl GaugeUncertainty {
     pub(super) fn check(self, rod: &GaugedRod) -> Result<Self, CmodError> {
         check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
-        for position in &self.positions {
-            check_not_negative("uncertainty of the position of a gauge [m]", *position)?;
-        }
-        if !self.positions.is_empty() && self.positions.len() != rod.positions.len() {
-            return Err(CmodError::GaugeCount {
-                found: self.positions.len(),
-                expected: "an uncertainty of the position of each gauge, or none",
-            });
+        for (quantity, values, expected) in [
+            (
+                "uncertainty of the position of a gauge [m]",
+                &self.positions,
+                "an uncertainty of the position of each gauge, or none",
+            ),
+            (
+                "relative uncertainty of the sensitivity of a gauge",
+                &self.factors,
+                "an uncertainty of the sensitivity of each gauge, or none",
+            ),
+            (
+                "uncertainty of the delay of a gauge [s]",
+                &self.delays,
+                "an uncertainty of the delay of each gauge, or none",
+            ),
+        ] {
+            for value in values {
+                check_not_negative(quantity, *value)?;
+            }
+            if !values.is_empty() && values.len() != rod.positions.len() {
+                return Err(CmodError::GaugeCount {
+                    found: values.len(),
+                    expected,
+                });
+            }
         }
         Ok(self)
     }
 
-    /// Whether the position of a gauge is uncertain.
-    pub(super) fn is_of_positions(&self) -> bool {
-        self.positions.iter().any(|position| *position > 0.0)
+    /// Whether anything of a gauge is uncertain.
+    pub(super) fn is_of_gauges(&self) -> bool {
+        [&self.positions, &self.factors, &self.delays]
+            .into_iter()
+            .flatten()
+            .any(|value| *value > 0.0)
     }
 
-    /// Shifts of a line with `gamma` and `modulus` in a rod of this `density`, from ∂γ/∂x of each gauge.
+    /// Sources of the gauges with their standard uncertainties, but for those that are exact: positions, sensitivities, delays.
+    pub(super) fn of_gauges(&self) -> impl Iterator<Item = (ErrorSource, f64)> {
+        fn of(
+            values: &[f64],
+            source: fn(usize) -> ErrorSource,
+        ) -> impl Iterator<Item = (ErrorSource, f64)> {
+            let numbered = values.iter().enumerate();
+            numbered
+                .filter(|(_, value)| **value > 0.0)
+                .map(move |(gauge, value)| (source(gauge), *value))
+        }
+        of(&self.positions, ErrorSource::GaugePosition)
+            .chain(of(&self.factors, ErrorSource::GaugeFactor))
+            .chain(of(&self.delays, ErrorSource::GaugeDelay))
+    }
+
+    /// Shifts of a line at `omega` with `gamma` and `modulus` in a rod of this `density`, from the influence of each gauge.
     pub(super) fn shifts(
         &self,
-        gamma: Complex64,
-        modulus: Complex64,
+        omega: f64,
+        (gamma, modulus): (Complex64, Complex64),
         density: f64,
-        by_position: &[Complex64],
+        influence: &[GaugeInfluence],
     ) -> Vec<SystematicShift> {
         let of_density = (self.density > 0.0).then(|| {
             let shift = modulus * (self.density / density);
             SystematicShift::new(ErrorSource::Density, shift, Complex64::ZERO)
         });
-        let of_positions = self.positions.iter().zip(by_position).enumerate();
-        of_density
-            .into_iter()
-            .chain(
-                of_positions
-                    .filter(|(_, (position, _))| **position > 0.0)
-                    .map(|(gauge, (position, by_position))| {
-                        let of_gamma = by_position * position;
-                        SystematicShift::new(
-                            ErrorSource::GaugePosition(gauge),
-                            -2.0 * modulus / gamma * of_gamma,
-                            of_gamma,
-                        )
-                    }),
-            )
-            .collect()
+        let of_gauges = self.of_gauges().filter_map(|(source, uncertainty)| {
+            let of = |gauge: usize| influence.get(gauge);
+            let of_gamma = uncertainty
+                * match source {
+                    ErrorSource::GaugePosition(gauge) => of(gauge)?.position,
+                    ErrorSource::GaugeFactor(gauge) => of(gauge)?.scale,
+                    ErrorSource::GaugeDelay(gauge) => {
+                        of(gauge)?.scale * Complex64::new(0.0, -omega)
+                    }
+                    _ => return None,
+                };
+            let of_modulus = -2.0 * modulus / gamma * of_gamma;
+            Some(SystematicShift::new(source, of_modulus, of_gamma))
+        });
+        of_density.into_iter().chain(of_gauges).collect()
     }
 }

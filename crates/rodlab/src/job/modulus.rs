@@ -187,7 +187,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
         outcome.doubt(doubt.as_str());
     }
     if let Some(calibrated) = found.calibration {
-        calibration::state(&mut outcome, &measured, calibrated);
+        calibration::state(&mut outcome, sheet, &measured, calibrated);
     }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);

@@ -3,7 +3,9 @@
 use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
+use super::ModulusSheet;
 use super::measured::Measured;
+use super::method::MethodSheet;
 use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
@@ -12,9 +14,14 @@ use crate::outcome::Quantity;
 const CONTRADICTS: f64 = 3.29;
 
 /// States what was found of every source that the sheet gives a standard uncertainty.
-pub(super) fn state(outcome: &mut Outcome, measured: &Measured, found: &SelfCalibration) {
+pub(super) fn state(
+    outcome: &mut Outcome,
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    found: &SelfCalibration,
+) {
     for source in found.sources() {
-        let Some(of_sensors) = OfSensors::of(source.source, measured) else {
+        let Some(of_sensors) = OfSensors::of(source.source, sheet, measured) else {
             continue;
         };
         let OfSensors { name, unit, stated } = &of_sensors;
@@ -64,24 +71,47 @@ struct OfSensors {
 
 impl OfSensors {
     /// `None` for what is not of the sensors.
-    fn of(source: ErrorSource, measured: &Measured) -> Option<Self> {
+    fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
+        let of_ratio = measured.of_ratio();
+        let gauge = |index: usize| measured.sensors.get(index).copied();
         let (name, unit, stated) = match source {
             ErrorSource::GainRatio => (
-                "error of the ratio of the sensitivities",
+                "error of the ratio of the sensitivities".to_owned(),
                 "%",
-                100.0 * measured.calibration_error,
+                100.0 * of_ratio.gain,
             ),
             ErrorSource::Delay => (
-                "delay between the channels",
+                "delay between the channels".to_owned(),
                 "us",
-                1e6 * measured.delay_error,
+                1e6 * of_ratio.delay,
+            ),
+            ErrorSource::GaugeFactor(index) => (
+                format!("error of the sensitivity of gauge {}", index + 1),
+                "%",
+                100.0 * gauge(index)?.gain,
+            ),
+            ErrorSource::GaugeDelay(index) => (
+                format!("delay of gauge {}", index + 1),
+                "us",
+                1e6 * gauge(index)?.delay,
+            ),
+            ErrorSource::GaugePosition(index) => (
+                format!("error of the position of gauge {}", index + 1),
+                "mm",
+                1e3 * position(sheet, index)?,
             ),
             _ => return None,
         };
-        Some(Self {
-            name: name.to_owned(),
-            unit,
-            stated,
-        })
+        Some(Self { name, unit, stated })
+    }
+}
+
+/// Standard uncertainty of the position of a gauge \[m\].
+fn position(sheet: &ModulusSheet, index: usize) -> Option<f64> {
+    match &sheet.method {
+        MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
+            Some(gauges.get(index)?.at.with_uncertainty().uncertainty())
+        }
+        _ => None,
     }
 }

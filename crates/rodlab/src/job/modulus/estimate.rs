@@ -1,7 +1,7 @@
 //! From spectra to a modulus, by the method of the sheet.
 
 use cmod::lateral_inertia::CorrectedEstimate;
-use cmod::multi_point::Quantity;
+use cmod::multi_point::{GaugeMethod, Quantity};
 use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
 use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
@@ -15,7 +15,7 @@ use num_complex::Complex64;
 use rodwave::slenderness::Theory;
 
 use super::gauges::Gauges;
-use super::measured::{Measured, Ratio, Spectra};
+use super::measured::{Measured, Ratio, SensorError, Spectra};
 use super::method::{GaugeSheet, MethodSheet, SectionSheet, SolverSheet};
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
@@ -34,10 +34,7 @@ pub(super) fn estimate(
 ) -> Result<Estimated, RodlabError> {
     match spectra {
         Spectra::Ratio(ratio) => calibrated_ratio(sheet, measured, ratio),
-        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges).map(|modulus| Estimated {
-            modulus,
-            calibration: None,
-        }),
+        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges),
     }
 }
 
@@ -48,15 +45,10 @@ fn calibrated_ratio(
     ratio: &Ratio,
 ) -> Result<Estimated, RodlabError> {
     let frequency_hz = &ratio.frequency_hz;
+    let SensorError { gain, delay } = measured.of_ratio();
     let errors = [
-        (
-            measured.calibration_error,
-            RatioError::of_gain_ratio(frequency_hz, measured.calibration_error),
-        ),
-        (
-            measured.delay_error,
-            RatioError::of_delay(frequency_hz, measured.delay_error),
-        ),
+        (gain, RatioError::of_gain_ratio(frequency_hz, gain)),
+        (delay, RatioError::of_delay(frequency_hz, delay)),
     ];
     let common = errors
         .into_iter()
@@ -210,22 +202,25 @@ fn of_gauges(
     sheet: &ModulusSheet,
     measured: &Measured,
     gauges: &Gauges,
-) -> Result<ModulusEstimate, RodlabError> {
+) -> Result<Estimated, RodlabError> {
     let limits = limits(sheet);
     let noise = gauges.noise_freedom();
+    let of_sensors = |value: fn(&SensorError) -> f64| measured.sensors.iter().map(value).collect();
     let uncertain = |gauges: &[GaugeSheet]| GaugeUncertainty {
         density: uncertainty(Some(&sheet.specimen.density)),
         positions: gauges
             .iter()
             .map(|gauge| uncertainty(Some(&gauge.at)))
             .collect(),
+        factors: of_sensors(|sensor| sensor.gain),
+        delays: of_sensors(|sensor| sensor.delay),
     };
     with_gauge_spectra(gauges, |spectra| match &sheet.method {
         MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))
             .and_then(|method| method.with_limits(limits))
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| method.with_uncertainty(uncertain(gauges)))
-            .and_then(|method| method.estimate(spectra)),
+            .and_then(|method| calibrated_gauges(&method, spectra)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
         } => MultiPoint::new(gauged_rod(sheet, gauges))
@@ -237,14 +232,27 @@ fn of_gauges(
             })
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| {
-                method
-                    .with_quantity(gauge_quantity(measured, gauges))
-                    .estimate(spectra)
-            })
-            .map(|estimate| estimate.modulus().clone()),
+                let method = method.with_quantity(gauge_quantity(measured, gauges));
+                calibrated_gauges(&method, spectra)
+            }),
         _ => Err(CmodError::NoLines),
     })
     .map_err(refused)
+}
+
+/// With the errors of the gauges found from the lines themselves.
+fn calibrated_gauges(
+    method: &impl GaugeMethod,
+    spectra: &GaugeSpectra<'_>,
+) -> Result<Estimated, CmodError> {
+    let calibration = SelfCalibration::of_gauges(method, spectra)?;
+    Ok(Estimated {
+        modulus: match &calibration {
+            Some(found) => found.estimate().clone(),
+            None => method.estimate_modulus(spectra)?,
+        },
+        calibration,
+    })
 }
 
 /// The spectra as the methods of several gauges and their check take them.

@@ -134,14 +134,21 @@ pub(super) struct Measured {
     pub(super) quantities: Vec<(String, Quantity)>,
     /// The first accepted hit, for checks of arrivals, where it is known how long it is silent.
     pub(super) first_hit: Option<FirstHit>,
-    /// Relative standard error that the sensitivities leave in the ratio of the channels, where they state any.
-    pub(super) calibration_error: f64,
-    /// Standard error \[s\] that the time skews leave in the delay of the channels.
-    pub(super) delay_error: f64,
+    /// What is uncertain of the sensors of the channels, in the order of the method.
+    pub(super) sensors: Vec<SensorError>,
     /// Rate of the hits \[Hz\]; unknown of a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
     /// Hits that may be one measurement.
     pub(super) doubts: Vec<String>,
+}
+
+/// Standard uncertainties of the chain of one sensor.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct SensorError {
+    /// Of its sensitivity, relative.
+    pub(super) gain: f64,
+    /// Of its time skew \[s\].
+    pub(super) delay: f64,
 }
 
 /// A hit that begins with silence.
@@ -173,6 +180,19 @@ pub(super) fn of(
 }
 
 impl Measured {
+    /// What the sensors leave uncertain of the ratio of two channels: they are independent of each other, and one channel alone has nothing.
+    pub(super) fn of_ratio(&self) -> SensorError {
+        match self.sensors.as_slice() {
+            [_] => SensorError::default(),
+            several => several
+                .iter()
+                .fold(SensorError::default(), |sum, own| SensorError {
+                    gain: sum.gain.hypot(own.gain),
+                    delay: sum.delay.hypot(own.delay),
+                }),
+        }
+    }
+
     /// What a channel of the hits measures.
     pub(super) fn quantity_of(&self, channel: &str) -> Option<Quantity> {
         let found = self.quantities.iter().find(|(name, _)| name == channel);

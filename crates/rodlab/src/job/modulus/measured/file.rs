@@ -109,8 +109,7 @@ pub(super) fn of_file(
         warnings: file.warning.into_iter().collect(),
         quantities: Vec::new(),
         first_hit: None,
-        calibration_error: 0.0,
-        delay_error: 0.0,
+        sensors: Vec::new(),
         sampling_rate_hz: None,
         doubts: Vec::new(),
     })

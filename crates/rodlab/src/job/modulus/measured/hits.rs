@@ -3,9 +3,9 @@
 use cmod::multi_point::Quantity;
 use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::two_point::variance_from_coherence;
-use labio::{AveragedSpectra, Record, SensorChain, Window};
+use labio::{AveragedSpectra, Record, Window};
 
-use super::{FirstHit, Measured, Ratio, Spectra};
+use super::{FirstHit, Measured, Ratio, SensorError, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::hits::{
@@ -64,16 +64,7 @@ pub(super) fn of_hits(
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
-        calibration_error: of_chains(
-            accepted.first().copied(),
-            &channels,
-            SensorChain::relative_uncertainty,
-        ),
-        delay_error: of_chains(
-            accepted.first().copied(),
-            &channels,
-            SensorChain::time_skew_uncertainty,
-        ),
+        sensors: sensors(accepted.first().copied(), &channels),
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
     };
@@ -246,19 +237,16 @@ fn quantities(record: Option<&Record>) -> Vec<(String, Quantity)> {
         .collect()
 }
 
-/// What an uncertainty of the sensors leaves in the ratio of their channels; they are independent of each other, and one channel alone
-/// has none.
-fn of_chains(
-    record: Option<&Record>,
-    channels: &[method::Taken<'_>],
-    uncertainty: fn(&SensorChain) -> f64,
-) -> f64 {
+fn sensors(record: Option<&Record>, channels: &[method::Taken<'_>]) -> Vec<SensorError> {
     let of = |taken: &method::Taken<'_>| {
         let chain = record?.chain(taken.channel).ok()??;
-        Some(uncertainty(chain))
+        Some(SensorError {
+            gain: chain.relative_uncertainty(),
+            delay: chain.time_skew_uncertainty(),
+        })
     };
-    match channels {
-        [_] => 0.0,
-        several => several.iter().filter_map(of).fold(0.0, f64::hypot),
-    }
+    channels
+        .iter()
+        .map(|taken| of(taken).unwrap_or_default())
+        .collect()
 }

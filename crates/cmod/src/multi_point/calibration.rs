@@ -1,0 +1,231 @@
+//! Sensitivities, delays and positions of gauges from the lines themselves.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rodwave::medium::modulus_from_propagation;
+
+use super::projection::{GaugeError, Projection};
+use super::spectra::{GaugeSpectra, GaugedRod, WhiteLine};
+use super::uncertainty::GaugeUncertainty;
+use super::{MultiPoint, ThreePoint};
+use crate::error::CmodError;
+use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
+use crate::self_calibration::{Experiment, LinearisedLine, Misfit, SelfCalibration, found};
+
+/// A method that finds the modulus from the spectra of gauges.
+pub trait GaugeMethod: Sized {
+    /// The gauged rod.
+    fn rod(&self) -> &GaugedRod;
+
+    /// What of it is uncertain.
+    fn uncertainty(&self) -> &GaugeUncertainty;
+
+    /// The complex modulus.
+    ///
+    /// # Errors
+    /// Those of the method.
+    fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
+
+    /// The same method for gauges at other positions; `None` if it takes none but its own.
+    fn at_positions(&self, positions: Vec<f64>) -> Option<Self>;
+}
+
+impl GaugeMethod for MultiPoint {
+    fn rod(&self) -> &GaugedRod {
+        &self.rod
+    }
+
+    fn uncertainty(&self) -> &GaugeUncertainty {
+        &self.uncertainty
+    }
+
+    fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError> {
+        Ok(self.estimate(spectra)?.modulus)
+    }
+
+    fn at_positions(&self, positions: Vec<f64>) -> Option<Self> {
+        let mut moved = self.clone();
+        moved.rod.positions = positions;
+        moved.rod.check().is_ok().then_some(moved)
+    }
+}
+
+impl GaugeMethod for ThreePoint {
+    fn rod(&self) -> &GaugedRod {
+        &self.rod
+    }
+
+    fn uncertainty(&self) -> &GaugeUncertainty {
+        &self.uncertainty
+    }
+
+    fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError> {
+        self.estimate(spectra)
+    }
+
+    /// None: they have to be equidistant.
+    fn at_positions(&self, _positions: Vec<f64>) -> Option<Self> {
+        None
+    }
+}
+
+impl SelfCalibration {
+    /// The estimate by a `method` of gauges, with the [uncertain](GaugeUncertainty) sensitivities, delays and positions of its gauges found from
+    /// the lines. Where there are more gauges than the two waves need, what they leave unexplained tells, too.
+    ///
+    /// `None` if nothing of the gauges is uncertain, or too few lines tell it.
+    ///
+    /// # Errors
+    /// Those of the method.
+    pub fn of_gauges(
+        method: &impl GaugeMethod,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<Option<Self>, CmodError> {
+        let moves = method
+            .at_positions(method.rod().positions.clone())
+            .is_some();
+        let sources: Vec<(ErrorSource, f64)> = method
+            .uncertainty()
+            .of_gauges()
+            .filter(|(source, _)| moves || !matches!(source, ErrorSource::GaugePosition(_)))
+            .collect();
+        let measured: Vec<ErrorSource> = sources.iter().map(|(source, _)| *source).collect();
+        let experiment = GaugeExperiment {
+            method,
+            spectra,
+            sources,
+        };
+        found(&measured, &experiment)
+    }
+}
+
+struct GaugeExperiment<'a, M> {
+    method: &'a M,
+    spectra: &'a GaugeSpectra<'a>,
+    /// With their standard uncertainties.
+    sources: Vec<(ErrorSource, f64)>,
+}
+
+impl<M: GaugeMethod> GaugeExperiment<'_, M> {
+    /// ln of the factor on the spectra of `gauge` that takes errors of the sizes `removed` out of them.
+    fn logarithm(&self, gauge: usize, omega: f64, removed: &[f64]) -> Complex64 {
+        let sources = self.sources.iter().zip(removed);
+        sources
+            .map(|((source, uncertainty), size)| match source {
+                ErrorSource::GaugeFactor(own) if *own == gauge => {
+                    Complex64::new(-size * uncertainty, 0.0)
+                }
+                ErrorSource::GaugeDelay(own) if *own == gauge => {
+                    Complex64::new(0.0, omega * size * uncertainty)
+                }
+                _ => Complex64::ZERO,
+            })
+            .sum()
+    }
+
+    fn positions(&self, removed: &[f64]) -> Vec<f64> {
+        let mut positions = self.method.rod().positions.clone();
+        for ((source, uncertainty), size) in self.sources.iter().zip(removed) {
+            if let ErrorSource::GaugePosition(gauge) = source
+                && let Some(position) = positions.get_mut(*gauge)
+            {
+                *position += size * uncertainty;
+            }
+        }
+        positions
+    }
+}
+
+impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
+    fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError> {
+        let corrected = |spectrum: &Vec<Complex64>, gauge: usize| -> Vec<Complex64> {
+            let lines = spectrum.iter().zip(self.spectra.frequency_hz);
+            lines
+                .map(|(value, f)| value * self.logarithm(gauge, TAU * f, removed).exp())
+                .collect()
+        };
+        let tests: Vec<Vec<Vec<Complex64>>> = self
+            .spectra
+            .tests
+            .iter()
+            .map(|test| {
+                let gauges = test.iter().enumerate();
+                gauges
+                    .map(|(gauge, spectrum)| corrected(spectrum, gauge))
+                    .collect()
+            })
+            .collect();
+        let tests: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
+        let spectra = GaugeSpectra {
+            tests: &tests,
+            ..*self.spectra
+        };
+        match self.method.at_positions(self.positions(removed)) {
+            Some(moved) => moved.estimate_modulus(&spectra),
+            None => self.method.estimate_modulus(&spectra),
+        }
+    }
+
+    fn linearised(
+        &self,
+        line: &ModulusLine,
+        gamma: Complex64,
+        removed: &[f64],
+    ) -> Option<LinearisedLine> {
+        let omega = TAU * line.frequency_hz;
+        let n_gauges = self.method.rod().positions.len();
+        let mut white = WhiteLine::for_spectra(self.spectra, n_gauges);
+        white.load(self.spectra, line.index).ok()?;
+        let factors: Vec<Complex64> = (0..n_gauges)
+            .map(|gauge| self.logarithm(gauge, omega, removed).exp())
+            .collect();
+        for (value, factor) in white.values.iter_mut().zip(factors.iter().cycle()) {
+            *value *= factor;
+        }
+        let errors: Vec<GaugeError> = self
+            .sources
+            .iter()
+            .filter_map(|(source, uncertainty)| {
+                let (gauge, by_value, by_slope) = match source {
+                    ErrorSource::GaugePosition(gauge) => (*gauge, Complex64::ZERO, *uncertainty),
+                    ErrorSource::GaugeFactor(gauge) => (*gauge, (*uncertainty).into(), 0.0),
+                    ErrorSource::GaugeDelay(gauge) => {
+                        (*gauge, Complex64::new(0.0, -omega * uncertainty), 0.0)
+                    }
+                    _ => return None,
+                };
+                Some(GaugeError {
+                    gauge,
+                    by_value,
+                    by_slope,
+                })
+            })
+            .collect();
+        let mut projection = Projection::new(&self.positions(removed));
+        let about = projection.about(gamma, &white, &errors)?;
+        let density = self.method.rod().density;
+        let modulus = modulus_from_propagation(gamma, omega, density).ok()?;
+        let by_gamma = -2.0 * modulus / gamma;
+        let of_gauges = self.sources.iter().zip(&about.moves);
+        let mut shifts: Vec<SystematicShift> = of_gauges
+            .map(|((source, _), moves)| SystematicShift::new(*source, by_gamma * moves, *moves))
+            .collect();
+        let others = line.uncertainty.systematic.iter().filter(|shift| {
+            let mut sources = self.sources.iter();
+            !sources.any(|(source, _)| *source == shift.source)
+        });
+        shifts.extend(others.copied());
+        Some(LinearisedLine {
+            modulus: modulus + by_gamma * about.step,
+            variance: white.variance * by_gamma.norm_sqr() / about.information,
+            shifts,
+            misfit: Some(Misfit {
+                normal: about.normal,
+                gradient: about.gradient,
+                square: about.square,
+                degrees_of_freedom: (2 * (white.n_tests() * (n_gauges - 2) - 1)) as f64,
+            }),
+        })
+    }
+}
