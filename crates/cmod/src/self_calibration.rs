@@ -232,6 +232,8 @@ fn found_from(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
+    // of the lines that took part, by their index
+    let mut smooth_before: Vec<(usize, Complex64)> = Vec::new();
     for selection in 1.. {
         let estimate = match experiment.estimate(&removed) {
             Ok(estimate) => estimate,
@@ -239,34 +241,43 @@ fn found_from(
             Err(_) if selection > 1 => return Ok(None),
             Err(error) => return Err(error),
         };
-        let lines = taking_part(&estimate);
-        let about: Option<Vec<LinearisedLine>> = lines
-            .iter()
-            .map(|line| experiment.linearised(line, line.propagation_coefficient, &removed))
-            .collect();
-        let Some(mut about) = about else {
-            return Ok(None);
+        // a line that has no value about a smooth modulus tells nothing
+        let about = |line: &ModulusLine, gamma, removed: &[f64]| {
+            let linearised = experiment.linearised(line, gamma, removed)?;
+            let is_finite = linearised.modulus.is_finite() && linearised.variance > 0.0;
+            is_finite.then_some(linearised)
         };
+        let mut lines = taking_part(&estimate);
+        let mut linearised: Vec<LinearisedLine> = Vec::with_capacity(lines.len());
+        lines.retain(|line| {
+            let gamma = gamma_of(
+                line,
+                nearest(&smooth_before, line.index).unwrap_or(line.modulus),
+            );
+            let line = about(line, gamma, &removed);
+            line.map(|line| linearised.push(line)).is_some()
+        });
         let before = removed.clone();
         let mut found = None;
         for _ in 0..MOST_ROUNDS {
-            let Some(posterior) = Posterior::of(&lines, &about, measured, &removed) else {
+            let Some(posterior) = Posterior::of(&lines, &linearised, measured, &removed) else {
                 return Ok(None);
             };
             let moved = posterior.distance(&removed);
-            removed.clone_from_slice(posterior.sizes.get(..measured.len()).unwrap_or_default());
-            let smooth = lines.iter().zip(&posterior.smooth);
-            let next: Option<Vec<LinearisedLine>> = smooth
-                .map(|(line, modulus)| {
-                    // E = -ρω²/γ²
-                    let gamma = line.propagation_coefficient * (line.modulus / modulus).sqrt();
-                    experiment.linearised(line, gamma, &removed)
-                })
+            smooth_before = lines
+                .iter()
+                .map(|line| line.index)
+                .zip(posterior.smooth.iter().copied())
                 .collect();
-            let Some(next) = next else {
-                return Ok(None);
-            };
-            about = next;
+            removed.clone_from_slice(posterior.sizes.get(..measured.len()).unwrap_or_default());
+            linearised.clear();
+            let mut smooth = posterior.smooth.iter();
+            lines.retain(|line| {
+                let next = smooth
+                    .next()
+                    .and_then(|modulus| about(line, gamma_of(line, *modulus), &removed));
+                next.map(|line| linearised.push(line)).is_some()
+            });
             found = Some(posterior);
             if moved <= SETTLED {
                 break;
@@ -281,6 +292,19 @@ fn found_from(
         }
     }
     Ok(None)
+}
+
+/// γ of a `modulus` on the frequency of a line, E = -ρω²/γ².
+fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
+    line.propagation_coefficient * (line.modulus / modulus).sqrt()
+}
+
+/// The modulus of the line next to the one of this `index`.
+fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
+    let after = smooth.partition_point(|(other, _)| *other < index);
+    let around = smooth.get(after.saturating_sub(1)..(after + 1).min(smooth.len()))?;
+    let next = around.iter().min_by_key(|(other, _)| other.abs_diff(index));
+    next.map(|(_, modulus)| *modulus)
 }
 
 /// The lines that say something of the material. Lines whose gauges contradict each other are among them: errors of the gauges may be why.

@@ -27,8 +27,15 @@ pub trait GaugeMethod: Sized {
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// The same method for gauges at other positions; `None` if it takes none but its own.
-    fn at_positions(&self, positions: Vec<f64>) -> Option<Self>;
+    /// The complex modulus from gauges at these `positions` \[m\]: by least squares where the method takes none but its own.
+    ///
+    /// # Errors
+    /// Those of the method and of the positions.
+    fn estimate_at(
+        &self,
+        positions: Vec<f64>,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<ModulusEstimate, CmodError>;
 }
 
 impl GaugeMethod for MultiPoint {
@@ -44,10 +51,15 @@ impl GaugeMethod for MultiPoint {
         Ok(self.estimate(spectra)?.modulus)
     }
 
-    fn at_positions(&self, positions: Vec<f64>) -> Option<Self> {
+    fn estimate_at(
+        &self,
+        positions: Vec<f64>,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<ModulusEstimate, CmodError> {
         let mut moved = self.clone();
         moved.rod.positions = positions;
-        moved.rod.check().is_ok().then_some(moved)
+        moved.rod.check()?;
+        moved.estimate_modulus(spectra)
     }
 }
 
@@ -64,10 +76,40 @@ impl GaugeMethod for ThreePoint {
         self.estimate(spectra)
     }
 
-    /// None: they have to be equidistant.
-    fn at_positions(&self, _positions: Vec<f64>) -> Option<Self> {
-        None
+    fn estimate_at(
+        &self,
+        positions: Vec<f64>,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<ModulusEstimate, CmodError> {
+        if positions == self.rod.positions {
+            return self.estimate(spectra);
+        }
+        let moved = GaugedRod {
+            positions,
+            ..self.rod.clone()
+        };
+        let mut method = MultiPoint::new(moved)?
+            .with_limits(self.limits)?
+            .with_uncertainty(self.uncertainty.clone())?;
+        if let Some(freedom) = self.noise_freedom {
+            method = method.with_noise_freedom(freedom)?;
+        }
+        // the closed form counts the waves, by positions that are good enough for that
+        if let Some(speed) = speed_of_first_lines(&self.estimate(spectra)?) {
+            method = method.with_wave_speed(speed)?;
+        }
+        method.estimate_modulus(spectra)
     }
+}
+
+/// Median of the phase velocities of the first lines that tell one.
+fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
+    const FIRST: usize = 21;
+    let lines = estimate.telling().take(FIRST);
+    let mut speeds: Vec<f64> = lines.map(|line| line.phase_velocity).collect();
+    speeds.sort_by(f64::total_cmp);
+    let median = speeds.get(speeds.len() / 2).copied()?;
+    (median > 0.0).then_some(median)
 }
 
 impl SelfCalibration {
@@ -82,14 +124,7 @@ impl SelfCalibration {
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
     ) -> Result<Option<Self>, CmodError> {
-        let moves = method
-            .at_positions(method.rod().positions.clone())
-            .is_some();
-        let sources: Vec<(ErrorSource, f64)> = method
-            .uncertainty()
-            .of_gauges()
-            .filter(|(source, _)| moves || !matches!(source, ErrorSource::GaugePosition(_)))
-            .collect();
+        let sources: Vec<(ErrorSource, f64)> = method.uncertainty().of_gauges().collect();
         let measured: Vec<ErrorSource> = sources.iter().map(|(source, _)| *source).collect();
         let experiment = GaugeExperiment {
             method,
@@ -161,10 +196,7 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             tests: &tests,
             ..*self.spectra
         };
-        match self.method.at_positions(self.positions(removed)) {
-            Some(moved) => moved.estimate_modulus(&spectra),
-            None => self.method.estimate_modulus(&spectra),
-        }
+        self.method.estimate_at(self.positions(removed), &spectra)
     }
 
     fn linearised(

@@ -50,8 +50,8 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 pub struct ThreePoint {
     pub(super) rod: GaugedRod,
     distance: f64,
-    limits: AcceptanceLimits,
-    noise_freedom: Option<VarianceFreedom>,
+    pub(super) limits: AcceptanceLimits,
+    pub(super) noise_freedom: Option<VarianceFreedom>,
     pub(super) uncertainty: GaugeUncertainty,
 }
 
