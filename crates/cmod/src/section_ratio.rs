@@ -166,6 +166,11 @@ impl MeasuredRatio<'_> {
     fn omega(&self) -> f64 {
         TAU * self.frequency_hz
     }
+
+    /// E|δΨ|² by noise and by the sensors, to count waves by.
+    pub(super) fn whole_variance(&self) -> f64 {
+        self.variance + common::variance(self.common, self.index, self.ratio)
+    }
 }
 
 /// Solves all lines.

@@ -48,8 +48,8 @@ const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 const SETTLED: f64 = 0.02;
 /// Lines that take part at most, evenly chosen.
 const MOST_LINES: usize = 1000;
-/// A line takes part if its random error is at most this part of the modulus.
-const LARGEST_ERROR: f64 = 0.1;
+/// A line takes part if its random error is at most this part of the modulus: with more it is not linear in the ratio.
+const LARGEST_ERROR: f64 = 0.03;
 /// Quotient of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of ten, which
 /// makes a bias of many standard errors in quiet records; on this grid what they leave is below every noise.
 const GRID: f64 = 1.5;
@@ -249,12 +249,22 @@ fn found_from(
         };
         let mut lines = taking_part(&estimate);
         let mut linearised: Vec<LinearisedLine> = Vec::with_capacity(lines.len());
+        if smooth_before.is_empty() {
+            // about the noisy lines, with the errors that are in them
+            lines.retain(|line| {
+                let line = about(line, line.propagation_coefficient, &removed);
+                line.map(|line| linearised.push(line)).is_some()
+            });
+            let Some(smoothing) = Smoothing::of(&lines, &linearised) else {
+                return Ok(None);
+            };
+            let moduli = linearised.drain(..).map(|line| line.modulus);
+            let smooth = smoothing.smooth(&smoothing.whitened(moduli));
+            smooth_before = of_lines(&lines, &smooth);
+        }
         lines.retain(|line| {
-            let gamma = gamma_of(
-                line,
-                nearest(&smooth_before, line.index).unwrap_or(line.modulus),
-            );
-            let line = about(line, gamma, &removed);
+            let smooth = nearest(&smooth_before, line.index);
+            let line = smooth.and_then(|modulus| about(line, gamma_of(line, modulus), &removed));
             line.map(|line| linearised.push(line)).is_some()
         });
         let before = removed.clone();
@@ -264,11 +274,7 @@ fn found_from(
                 return Ok(None);
             };
             let moved = posterior.distance(&removed);
-            smooth_before = lines
-                .iter()
-                .map(|line| line.index)
-                .zip(posterior.smooth.iter().copied())
-                .collect();
+            smooth_before = of_lines(&lines, &posterior.smooth);
             removed.clone_from_slice(posterior.sizes.get(..measured.len()).unwrap_or_default());
             linearised.clear();
             let mut smooth = posterior.smooth.iter();
@@ -297,6 +303,12 @@ fn found_from(
 /// γ of a `modulus` on the frequency of a line, E = -ρω²/γ².
 fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
     line.propagation_coefficient * (line.modulus / modulus).sqrt()
+}
+
+/// Values of lines with the indices of these.
+fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex64)> {
+    let indices = lines.iter().map(|line| line.index);
+    indices.zip(values.iter().copied()).collect()
 }
 
 /// The modulus of the line next to the one of this `index`.
@@ -342,48 +354,15 @@ impl Posterior {
         removed: &[f64],
     ) -> Option<Self> {
         let sources = sources_of(about, measured);
-        let weights: Vec<f64> = about
-            .iter()
-            .map(|line| (2.0 / line.variance).sqrt())
-            .collect();
-        let whitened = |value: &dyn Fn(&LinearisedLine) -> Complex64| -> Vec<f64> {
-            let values = about.iter().zip(&weights).map(|(line, w)| w * value(line));
-            values.flat_map(|value| [value.re, value.im]).collect()
-        };
-
+        let smoothing = Smoothing::of(lines, about)?;
         let rows = 2 * lines.len();
-        let terms = SmoothModulus::on(lines)?.terms(lines);
-        let columns: Vec<Vec<f64>> = terms
-            .iter()
-            .map(|term| {
-                let values = term.iter().zip(&weights).map(|(value, w)| w * value);
-                values.flat_map(|value| [value.re, value.im]).collect()
-            })
-            .collect();
-        let basis = basis(&columns, rows)?;
-        // of the directions in the rows of the data; the rest is of the prior
-        let parameters: f64 = basis
-            .iter()
-            .map(|direction| direction.iter().take(rows).map(|x| x * x).sum::<f64>())
-            .sum();
-        let freedom = rows as f64 - parameters;
-        if (rows as f64) < FEWEST_PER_UNKNOWN * (parameters + sources.len() as f64) {
+        let freedom = rows as f64 - smoothing.parameters;
+        let unknowns = smoothing.parameters + sources.len() as f64;
+        if (rows as f64) < FEWEST_PER_UNKNOWN * unknowns {
             return None;
         }
-        let padded = |mut values: Vec<f64>| {
-            values.resize(rows + columns.len(), 0.0);
-            values
-        };
-        let rest_of = |values: &[f64]| {
-            let mut rest = values.to_vec();
-            for direction in &basis {
-                let part = dot(direction, &rest);
-                subtract(&mut rest, part, direction);
-            }
-            rest
-        };
         // the modulus with all errors in it, to first order
-        let with_errors = padded(whitened(&|line| {
+        let with_errors = smoothing.whitened(about.iter().map(|line| {
             let back = measured.iter().zip(removed);
             line.modulus
                 + back
@@ -392,12 +371,16 @@ impl Posterior {
         }));
         let shifts: Vec<Vec<f64>> = sources
             .iter()
-            .map(|source| padded(whitened(&|line| shift_of(&line.shifts, *source).modulus)))
+            .map(|source| {
+                let of_source = |line: &LinearisedLine| shift_of(&line.shifts, *source).modulus;
+                smoothing.whitened(about.iter().map(of_source))
+            })
             .collect();
-        let (target, columns): (Vec<f64>, Vec<Vec<f64>>) = (
-            rest_of(&with_errors),
-            shifts.iter().map(|shift| rest_of(shift)).collect(),
-        );
+        let target = smoothing.rest_of(&with_errors);
+        let columns: Vec<Vec<f64>> = shifts
+            .iter()
+            .map(|shift| smoothing.rest_of(shift))
+            .collect();
 
         let misfit = Misfit::of(about, removed);
         let (sizes, _) = ridge(&columns, &target, &misfit, 1.0)?;
@@ -405,9 +388,7 @@ impl Posterior {
         let mean_square = (dot(&left, &left) + dot(&sizes, &sizes) + misfit.left(&sizes))
             / (freedom + misfit.degrees_of_freedom);
         let (sizes, covariance) = ridge(&columns, &target, &misfit, mean_square.max(1.0))?;
-        let left = without(&target, &columns, &sizes);
-        let mut smooth = without(&with_errors, &shifts, &sizes);
-        subtract(&mut smooth, 1.0, &left);
+        let smooth = smoothing.smooth(&without(&with_errors, &shifts, &sizes));
         let factor = covariance.llt(Side::Lower).ok()?;
         let factor = factor.L();
         let n = sources.len();
@@ -418,14 +399,7 @@ impl Posterior {
                 .map(|i| (0..n).map(|j| factor[(i, j)]).collect())
                 .collect(),
             mean_square,
-            smooth: smooth
-                .chunks_exact(2)
-                .zip(&weights)
-                .map(|(parts, w)| match parts {
-                    [re, im] => Complex64::new(re / w, im / w),
-                    _ => Complex64::ZERO,
-                })
-                .collect(),
+            smooth,
         })
     }
 
@@ -522,6 +496,73 @@ fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift 
         }
     }
     sum
+}
+
+/// Least squares of a smooth modulus through lines, in units of their noise.
+struct Smoothing {
+    weights: Vec<f64>,
+    /// Orthonormal directions of all smooth moduli, over the lines and the priors of the coefficients.
+    basis: Vec<Vec<f64>>,
+    /// Number of parameters that the lines determine.
+    parameters: f64,
+}
+
+impl Smoothing {
+    /// `None` without lines, or where a value is not finite.
+    fn of(lines: &[&ModulusLine], about: &[LinearisedLine]) -> Option<Self> {
+        let weight = |line: &LinearisedLine| (2.0 / line.variance).sqrt();
+        let weights: Vec<f64> = about.iter().map(weight).collect();
+        let columns: Vec<Vec<f64>> = SmoothModulus::on(lines)?
+            .terms(lines)
+            .into_iter()
+            .map(|term| whitened(&weights, term.into_iter()))
+            .collect();
+        let rows = 2 * lines.len();
+        let basis = basis(&columns, rows)?;
+        // of the directions in the rows of the lines; the rest is of the priors
+        let of_lines =
+            |direction: &Vec<f64>| direction.iter().take(rows).map(|x| x * x).sum::<f64>();
+        Some(Self {
+            weights,
+            parameters: basis.iter().map(of_lines).sum(),
+            basis,
+        })
+    }
+
+    /// Values of the lines by their noise, real and imaginary parts in turn, and 0 for the priors.
+    fn whitened(&self, values: impl Iterator<Item = Complex64>) -> Vec<f64> {
+        let mut values = whitened(&self.weights, values);
+        values.resize(values.len() + self.basis.len(), 0.0);
+        values
+    }
+
+    /// What no smooth modulus follows of whitened `values`.
+    fn rest_of(&self, values: &[f64]) -> Vec<f64> {
+        let mut rest = values.to_vec();
+        for direction in &self.basis {
+            let part = dot(direction, &rest);
+            subtract(&mut rest, part, direction);
+        }
+        rest
+    }
+
+    /// The smooth modulus of each line nearest to whitened `values`.
+    fn smooth(&self, values: &[f64]) -> Vec<Complex64> {
+        let mut smooth = values.to_vec();
+        subtract(&mut smooth, 1.0, &self.rest_of(values));
+        let lines = smooth.chunks_exact(2).zip(&self.weights);
+        lines
+            .map(|(parts, w)| match parts {
+                [re, im] => Complex64::new(re / w, im / w),
+                _ => Complex64::ZERO,
+            })
+            .collect()
+    }
+}
+
+fn whitened(weights: &[f64], values: impl Iterator<Item = Complex64>) -> Vec<f64> {
+    let whitened = weights.iter().zip(values).map(|(w, value)| w * value);
+    whitened.flat_map(|value| [value.re, value.im]).collect()
 }
 
 /// Functions of frequency whose sums any smooth and causal modulus in a band is.

@@ -275,7 +275,11 @@ impl TwoPoint {
         }
         let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
         let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-        let variance: Vec<f64> = measured.iter().map(|line| line.variance).collect();
+        // waves are counted where neither noise nor the sensors hide them
+        let variance: Vec<f64> = measured
+            .iter()
+            .map(|line| line.variance + common::variance(line.common, line.index, line.ratio))
+            .collect();
         let record = SpecimenRecord {
             length: self.specimen.length,
             mass_ratio: self.specimen.mass_ratio(),

@@ -47,12 +47,20 @@ fn estimate(
     true_positions: &[f64],
     uncertainty: GaugeUncertainty,
 ) -> ModulusEstimate {
+    of_spectra(method, stated, &spectra(true_positions), uncertainty)
+}
+
+fn of_spectra(
+    method: Method,
+    stated: &[f64],
+    tests: &[Vec<Vec<Complex64>>],
+    uncertainty: GaugeUncertainty,
+) -> ModulusEstimate {
     let rod = GaugedRod {
         positions: stated.to_vec(),
         diameter: 0.016,
         density: DENSITY,
     };
-    let tests = spectra(true_positions);
     let tests: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
     let frequency_hz = frequencies();
     let spectra = GaugeSpectra {
@@ -76,8 +84,8 @@ fn estimate(
 
 fn positions_of(n_gauges: usize, of: f64) -> GaugeUncertainty {
     GaugeUncertainty {
-        density: 0.0,
         positions: vec![of; n_gauges],
+        ..GaugeUncertainty::default()
     }
 }
 
@@ -124,6 +132,53 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
     }
 }
 
+/// Of a sensitivity that is too large, and of a channel that is late.
+#[test]
+fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
+    const FACTOR: f64 = 1e-6;
+    const DELAY: f64 = 1e-10;
+    for (method, stated) in CASES {
+        let uncertainty = GaugeUncertainty {
+            factors: vec![FACTOR; stated.len()],
+            delays: vec![DELAY; stated.len()],
+            ..GaugeUncertainty::default()
+        };
+        let right = of_spectra(method, stated, &spectra(stated), uncertainty);
+        for gauge in 0..stated.len() {
+            for (source, error) in [
+                (
+                    ErrorSource::GaugeFactor(gauge),
+                    (|_| FACTOR.into()) as fn(f64) -> Complex64,
+                ),
+                (ErrorSource::GaugeDelay(gauge), |f| {
+                    Complex64::new(0.0, -TAU * f * DELAY)
+                }),
+            ] {
+                let mut wrong = spectra(stated);
+                for test in &mut wrong {
+                    for (value, f) in test[gauge].iter_mut().zip(frequencies()) {
+                        *value *= error(f).exp();
+                    }
+                }
+                let wrong = of_spectra(method, stated, &wrong, GaugeUncertainty::default());
+                for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
+                    let mut shifts = right.uncertainty.systematic.iter();
+                    let shift = shifts.find(|shift| shift.source == source).unwrap();
+                    let moved = wrong.modulus - right.modulus;
+                    // the second order is some times the error
+                    let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
+                    assert!(
+                        (moved - shift.modulus).norm() < tolerance,
+                        "{method:?}, {source}, {} Hz: {moved}, expected {}",
+                        right.frequency_hz,
+                        shift.modulus
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// A common shift of all gauges changes nothing, and a common scale is one of the length.
 #[test]
 fn r08_shifts_of_all_gauges_together_are_those_of_the_whole_rod() {
@@ -152,7 +207,7 @@ fn r08_an_uncertain_density_is_a_plain_factor_that_is_the_same_on_all_lines() {
         let exact = estimate(method, stated, stated, GaugeUncertainty::default());
         let uncertain = GaugeUncertainty {
             density: 0.001 * DENSITY,
-            positions: Vec::new(),
+            ..GaugeUncertainty::default()
         };
         let uncertain = estimate(method, stated, stated, uncertain);
         for (exact, uncertain) in exact.lines().iter().zip(uncertain.lines()) {
@@ -185,8 +240,8 @@ fn uncertainties_are_as_many_as_gauges_and_not_below_0() {
     };
     for positions in [vec![1e-3; 2], vec![1e-3, -1e-3, 0.0], vec![f64::NAN; 3]] {
         let uncertainty = GaugeUncertainty {
-            density: 0.0,
             positions,
+            ..GaugeUncertainty::default()
         };
         let three = ThreePoint::new(rod()).unwrap();
         assert!(three.with_uncertainty(uncertainty.clone()).is_err());

@@ -26,6 +26,7 @@ mod noise;
 mod reference_lmfit;
 mod reference_mpmath;
 mod rheology;
+mod self_calibration;
 mod two_point;
 mod virtual_rig;
 mod virtual_tests;

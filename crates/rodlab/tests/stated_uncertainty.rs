@@ -194,10 +194,7 @@ impl Walked {
                     }
                 }
                 Ok(outcome) => {
-                    // what the sensors leave uncertain in a modulus is a warning with its size
-                    let of_sensors = ["sensitivity", "gain"].contains(&field.as_str())
-                        && outcome.warnings != before.warnings;
-                    if !of_sensors && numbers(&outcome) == numbers_before {
+                    if numbers(&outcome) == numbers_before {
                         self.wrong
                             .push(format!("`{stated}` of {field} changes nothing in\n{text}"));
                     }

@@ -7,6 +7,8 @@
 //! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of a rod with a free end
 //! of length a, and has the same root and branches (eqs. 8-9, Table 1): [`crate::branch`].
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use super::line::SolvedLine;
@@ -71,6 +73,22 @@ struct Ratio {
 }
 
 impl Ratio {
+    /// E|δΨ|² by uncertain sensitivities and delays.
+    fn variance_by_sensors(&self, uncertainty: &GaugeUncertainty) -> f64 {
+        let [first, middle, last] = self.sums;
+        let parts = [0.5 * first / middle, self.value, 0.5 * last / middle];
+        let omega = TAU * self.frequency_hz;
+        let of = |values: &[f64], gauge: usize| values.get(gauge).copied().unwrap_or(0.0);
+        let parts = parts.iter().enumerate();
+        parts
+            .map(|(gauge, part)| {
+                let factor = of(&uncertainty.factors, gauge);
+                let delay = omega * of(&uncertainty.delays, gauge);
+                part.norm_sqr() * (factor * factor + delay * delay)
+            })
+            .sum()
+    }
+
     /// Influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx or q. With q = q₀ cosh γx
     /// + (q₂ - q₁) sinh γx/(2 sinh γa), counted from the middle.
     fn influence(&self, gamma: Complex64, a: f64) -> Vec<GaugeInfluence> {
@@ -191,7 +209,9 @@ impl ThreePoint {
         }
         let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
         let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
-        let variance: Vec<f64> = ratios.iter().map(|ratio| ratio.variance).collect();
+        // waves are counted where neither noise nor the sensors hide them
+        let whole = |ratio: &Ratio| ratio.variance + ratio.variance_by_sensors(&self.uncertainty);
+        let variance: Vec<f64> = ratios.iter().map(whole).collect();
         let roots = if values.is_empty() {
             Vec::new()
         } else {

@@ -71,6 +71,12 @@ impl RatioError {
     }
 }
 
+/// E|δΨ|² of a `ratio` on line `index` by all these errors.
+pub(crate) fn variance(errors: &[RatioError], index: usize, ratio: Complex64) -> f64 {
+    let relative = errors.iter().filter_map(|error| error.relative.get(index));
+    relative.map(|relative| (ratio * relative).norm_sqr()).sum()
+}
+
 /// Shifts of line `index` with γ, E and Ψ by errors of Ψ, from dγ/dΨ.
 pub(crate) fn shifts(
     errors: &[RatioError],

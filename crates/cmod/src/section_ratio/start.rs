@@ -156,7 +156,7 @@ fn score(
         let omega = line.omega();
         let [first, second] = equation.jets(slowness * omega, omega);
         let predicted = line.ratio * second.value;
-        let expected = line.variance * second.value.norm_sqr()
+        let expected = line.whole_variance() * second.value.norm_sqr()
             + MODEL_ERROR * MODEL_ERROR * (predicted.norm_sqr() + first.value.norm_sqr());
         let misfit = (predicted - first.value).norm_sqr() / expected;
         if !misfit.is_finite() {

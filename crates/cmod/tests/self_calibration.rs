@@ -1,0 +1,395 @@
+//! Errors of sensors found from the lines: against records whose sensors are wrong by known amounts.
+
+use std::f64::consts::{PI, TAU};
+
+use cmod::estimate::{ErrorSource, ModulusLine};
+use cmod::section_ratio::{RatioError, RatioLines};
+use cmod::self_calibration::SelfCalibration;
+use cmod::validity::AcceptanceLimits;
+use cmod::{
+    GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoint, Specimen, ThreePoint,
+    TwoPoint,
+};
+use num_complex::Complex64;
+
+use crate::noise::Noise;
+
+const GAIN: f64 = 0.014;
+const DELAY: f64 = 3e-6;
+
+/// Simulated waves have no lateral inertia.
+const WIDE: AcceptanceLimits = AcceptanceLimits {
+    storage_modulus: 0.5,
+    loss_factor: 1.0,
+    ..AcceptanceLimits::ONE_DIMENSIONAL
+};
+
+/// A rod between two accelerometers, its modulus, and how well its ends are measured.
+struct Rod {
+    specimen: Specimen,
+    modulus: fn(f64) -> Complex64,
+    step_hz: f64,
+    highest_hz: f64,
+    /// Of each end, by the amplitude of the free end.
+    noise: f64,
+}
+
+/// E of a fractional Zener solid.
+fn fractional(relaxed: f64, unrelaxed: f64, time: f64, exponent: f64, omega: f64) -> Complex64 {
+    let phase = Complex64::new(0.0, omega * time).powf(exponent);
+    relaxed + (unrelaxed - relaxed) * phase / (1.0 + phase)
+}
+
+/// Loss factor 0.07, from the power law of constant loss.
+const STIFF: Rod = Rod {
+    specimen: Specimen {
+        length: 0.8,
+        diameter: 0.016,
+        density: 912.0,
+        accelerometer_mass: 2.9e-3,
+    },
+    modulus: |omega| {
+        let exponent = 2.0 / PI * 0.07_f64.atan();
+        2.6e9 * Complex64::new(0.0, omega / (TAU * 1600.0)).powf(exponent)
+    },
+    step_hz: 16.0,
+    highest_hz: 15e3,
+    noise: 2e-4,
+};
+
+/// Loss factors near 1: little more than one wave, which tells little of its sensors.
+const SOFT: Rod = Rod {
+    specimen: Specimen {
+        length: 0.2,
+        diameter: 0.025,
+        density: 1120.0,
+        accelerometer_mass: 1.5e-3,
+    },
+    modulus: |omega| fractional(6e6, 1.2e9, 2e-6, 0.55, omega),
+    step_hz: 8.0,
+    highest_hz: 3e3,
+    noise: 2e-4,
+};
+
+impl Rod {
+    /// What the sensors make of the ratio of the ends: `gain` too large, and late by `delay`.
+    fn record(&self, gain: f64, delay: f64, noise: &mut Noise) -> Record {
+        let Specimen {
+            length, density, ..
+        } = self.specimen;
+        let lines = 1..=(self.highest_hz / self.step_hz) as u32;
+        let frequency_hz: Vec<f64> = lines.map(|line| self.step_hz * f64::from(line)).collect();
+        let mut ratio = Vec::new();
+        let mut variance = Vec::new();
+        for f in &frequency_hz {
+            let omega = TAU * f;
+            let wave =
+                Complex64::new(0.0, omega) * (density / (self.modulus)(omega)).sqrt() * length;
+            let right = wave.cosh() + self.specimen.mass_ratio() * wave * wave.sinh();
+            let read = right * gain.exp() * Complex64::new(0.0, -omega * delay).exp();
+            let square = self.noise.powi(2) * (1.0 + read.norm_sqr());
+            ratio.push(read + noise.circular(square));
+            variance.push(square);
+        }
+        Record {
+            frequency_hz,
+            ratio,
+            variance,
+        }
+    }
+
+    /// z of E' and E'' on every fifth valid line.
+    fn z_of_modulus(&self, estimate: &ModulusEstimate) -> Vec<f64> {
+        let lines = estimate.valid().step_by(5);
+        lines
+            .flat_map(|line| {
+                let error = line.modulus - (self.modulus)(TAU * line.frequency_hz);
+                let stated = line.standard_error;
+                [
+                    error.re / stated.storage_modulus,
+                    error.im / stated.loss_modulus,
+                ]
+            })
+            .collect()
+    }
+}
+
+struct Record {
+    frequency_hz: Vec<f64>,
+    ratio: Vec<Complex64>,
+    variance: Vec<f64>,
+}
+
+impl Record {
+    fn calibrated(&self, specimen: Specimen) -> SelfCalibration {
+        let common = [
+            RatioError::of_gain_ratio(&self.frequency_hz, GAIN).unwrap(),
+            RatioError::of_delay(&self.frequency_hz, DELAY).unwrap(),
+        ];
+        let lines = RatioLines {
+            common: &common,
+            ..RatioLines::of_known_variance(&self.frequency_hz, &self.ratio, &self.variance)
+        };
+        let method = TwoPoint::new(specimen).unwrap().with_limits(WIDE).unwrap();
+        SelfCalibration::of_ratio(&method, &lines).unwrap().unwrap()
+    }
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|z| z * z).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Part of the values within `limit`.
+fn within(values: &[f64], limit: f64) -> f64 {
+    values.iter().filter(|z| z.abs() <= limit).count() as f64 / values.len() as f64
+}
+
+/// Sizes of what was found, and of the modulus, cover over records whose sensors are wrong as stated.
+#[test]
+fn gain_ratio_and_delay_are_found_within_their_errors() {
+    const RECORDS: u64 = 40;
+    for (name, rod, [gain_error, delay_error]) in [
+        ("stiff", STIFF, [0.0..0.02, 0.0..0.01]),
+        ("soft", SOFT, [0.02..0.5, 0.02..0.6]),
+    ] {
+        let mut of_sizes = [Vec::new(), Vec::new()];
+        let mut of_modulus = Vec::new();
+        for seed in 0..RECORDS {
+            let mut noise = Noise::seeded(300 + seed);
+            let drawn = [noise.normal(), noise.normal()];
+            let record = rod.record(GAIN * drawn[0], DELAY * drawn[1], &mut noise);
+            let found = record.calibrated(rod.specimen);
+            assert_eq!(found.sources()[0].source, ErrorSource::GainRatio);
+            assert_eq!(found.sources()[1].source, ErrorSource::Delay);
+            for (source, (drawn, z)) in found.sources().iter().zip(drawn.iter().zip(&mut of_sizes))
+            {
+                z.push((source.size - drawn) / source.standard_error);
+            }
+            // what the record tells of its sensors
+            assert!(
+                gain_error.contains(&found.sources()[0].standard_error),
+                "{name}"
+            );
+            assert!(
+                delay_error.contains(&found.sources()[1].standard_error),
+                "{name}"
+            );
+            of_modulus.extend(rod.z_of_modulus(found.estimate()));
+        }
+        for z in &of_sizes {
+            let mean = z.iter().sum::<f64>() / z.len() as f64;
+            // of 40 values: four standard deviations of chance
+            assert!(mean.abs() < 0.64, "{name}: mean {mean}");
+            let size = root_mean_square(z);
+            assert!((0.55..1.45).contains(&size), "{name}: {size}");
+        }
+        // 68 and 95 %; lines of a record share its errors, so that chance is that of 40 values
+        let coverage = [within(&of_modulus, 1.0), within(&of_modulus, 1.96)];
+        assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
+        assert!((0.88..0.995).contains(&coverage[1]), "{name}: {coverage:?}");
+    }
+}
+
+/// Without its sensors solved for, the loss factor of the same record has errors ten times as large.
+#[test]
+fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
+    let record = STIFF.record(0.3 * GAIN, 0.3 * DELAY, &mut Noise::seeded(7));
+    let growth = |estimate: &ModulusEstimate| {
+        let of_line =
+            |line: &ModulusLine| line.standard_error.loss_factor / line.random_error().loss_factor;
+        let mut all: Vec<f64> = estimate.lines().iter().map(of_line).collect();
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let found = growth(record.calibrated(STIFF.specimen).estimate());
+    assert!(found < 1.1, "{found}");
+    let common = [RatioError::of_delay(&record.frequency_hz, DELAY).unwrap()];
+    let lines = RatioLines {
+        common: &common,
+        ..RatioLines::of_known_variance(&record.frequency_hz, &record.ratio, &record.variance)
+    };
+    let method = TwoPoint::new(STIFF.specimen).unwrap();
+    let stated = growth(&method.estimate_ratio(&lines).unwrap());
+    assert!(stated > 10.0, "{stated}");
+}
+
+/// Delays of some standard uncertainties leave no line its number of waves, where the losses are low.
+#[test]
+fn a_delay_that_hides_the_number_of_waves_is_found() {
+    let rod = Rod {
+        modulus: |omega| {
+            let exponent = 2.0 / PI * 0.02_f64.atan();
+            3e9 * Complex64::new(0.0, omega / (TAU * 2000.0)).powf(exponent)
+        },
+        highest_hz: 18e3,
+        ..STIFF
+    };
+    for size in [-2.2, 2.2] {
+        let record = rod.record(0.0, size * DELAY, &mut Noise::seeded(5));
+        let found = record.calibrated(rod.specimen);
+        let delay = found.sources()[1];
+        assert!((delay.size - size).abs() < 0.1, "{delay:?}");
+        assert!(2 * found.estimate().valid().count() > record.frequency_hz.len());
+    }
+}
+
+/// Shifts are those of an estimate from a ratio that is wrong by as much.
+#[test]
+fn an_error_of_a_ratio_moves_a_line_by_its_shift() {
+    let record = STIFF.record(0.0, 0.0, &mut Noise::seeded(1));
+    let method = TwoPoint::new(STIFF.specimen).unwrap();
+    let common = [
+        RatioError::of_gain_ratio(&record.frequency_hz, 1e-6).unwrap(),
+        RatioError::of_delay(&record.frequency_hz, 1e-10).unwrap(),
+    ];
+    let lines = RatioLines {
+        common: &common,
+        ..RatioLines::of_known_variance(&record.frequency_hz, &record.ratio, &record.variance)
+    };
+    let right = method.estimate_ratio(&lines).unwrap();
+    for error in &common {
+        let pairs = record.ratio.iter().zip(error.relative());
+        let ratio: Vec<Complex64> = pairs.map(|(ratio, error)| ratio * (1.0 + error)).collect();
+        let wrong = method
+            .estimate(&record.frequency_hz, &ratio, &record.variance)
+            .unwrap();
+        for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
+            let mut shifts = right.uncertainty.systematic.iter();
+            let shift = shifts.find(|shift| shift.source == error.source()).unwrap();
+            let moved = wrong.modulus - right.modulus;
+            // the second order is the error times the amplification
+            assert!((moved - shift.modulus).norm() < 1e-3 * shift.modulus.norm());
+        }
+    }
+}
+
+/// Strains at gauges of a rod with a mass at each end, in tests with blows at either end.
+struct Gauged {
+    positions: Vec<f64>,
+    noise: f64,
+}
+
+impl Gauged {
+    /// The gauges are `off` their places \[m\] and read too much by `gains`.
+    fn calibrated(
+        &self,
+        (off, gains): (&[f64], &[f64]),
+        uncertainty: GaugeUncertainty,
+        noise: &mut Noise,
+    ) -> SelfCalibration {
+        let frequency_hz: Vec<f64> = (20..=500).map(|line| 20.0 * f64::from(line)).collect();
+        let gamma = |f: &f64| {
+            let omega = TAU * f;
+            Complex64::new(0.0, omega) * (919.0 / (STIFF.modulus)(omega)).sqrt()
+        };
+        let tests: Vec<Vec<Vec<Complex64>>> = (0..4)
+            .map(|test| {
+                let reflected = Complex64::from_polar(0.7, f64::from(test));
+                (self.positions.iter().zip(off).zip(gains))
+                    .map(|((x, off), gain)| {
+                        let strain = |f: &f64| {
+                            let x = x + off;
+                            let waves =
+                                (-gamma(f) * x).exp() + reflected * (gamma(f) * (x - 1.4)).exp();
+                            waves * gain.exp() + noise.circular(self.noise.powi(2))
+                        };
+                        frequency_hz.iter().map(strain).collect()
+                    })
+                    .collect()
+            })
+            .collect();
+        let tests: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
+        let spectra = GaugeSpectra {
+            frequency_hz: &frequency_hz,
+            tests: &tests,
+            noise: &vec![vec![self.noise; frequency_hz.len()]; self.positions.len()],
+        };
+        let rod = GaugedRod {
+            positions: self.positions.clone(),
+            diameter: 0.01,
+            density: 919.0,
+        };
+        if self.positions.len() == 3 {
+            let method = ThreePoint::new(rod)
+                .and_then(|method| method.with_limits(WIDE))
+                .and_then(|method| method.with_uncertainty(uncertainty));
+            SelfCalibration::of_gauges(&method.unwrap(), &spectra)
+        } else {
+            let method = MultiPoint::new(rod)
+                .and_then(|method| method.with_limits(WIDE))
+                .and_then(|method| method.with_uncertainty(uncertainty));
+            SelfCalibration::of_gauges(&method.unwrap(), &spectra)
+        }
+        .unwrap()
+        .unwrap()
+    }
+}
+
+/// Whatever all gauges share stays as uncertain as it was stated; the modulus covers.
+#[test]
+fn errors_of_gauges_are_found_within_their_errors() {
+    const RECORDS: u64 = 20;
+    for positions in [vec![0.3, 0.45, 0.6], vec![0.2, 0.31, 0.45, 0.52, 0.7]] {
+        let n = positions.len();
+        let gauged = Gauged {
+            positions,
+            noise: 1e-3,
+        };
+        let (mut of_sizes, mut of_modulus) = (Vec::new(), Vec::new());
+        for seed in 0..RECORDS {
+            let mut noise = Noise::seeded(900 + seed);
+            let drawn: Vec<f64> = (0..2 * n).map(|_| noise.normal()).collect();
+            let off: Vec<f64> = drawn[..n].iter().map(|z| 0.5e-3 * z).collect();
+            let gains: Vec<f64> = drawn[n..].iter().map(|z| 0.01 * z).collect();
+            let uncertainty = GaugeUncertainty {
+                positions: vec![0.5e-3; n],
+                factors: vec![0.01; n],
+                ..GaugeUncertainty::default()
+            };
+            let found = gauged.calibrated((&off, &gains), uncertainty, &mut noise);
+            for (source, drawn) in found.sources().iter().zip(&drawn) {
+                of_sizes.push((source.size - drawn) / source.standard_error);
+            }
+            of_modulus.extend(STIFF.z_of_modulus(found.estimate()));
+        }
+        // 120 and 200 sizes, those of a record correlated
+        let size = root_mean_square(&of_sizes);
+        assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
+        let coverage = [within(&of_modulus, 1.0), within(&of_modulus, 1.96)];
+        assert!((0.55..0.82).contains(&coverage[0]), "{n}: {coverage:?}");
+        assert!((0.87..0.998).contains(&coverage[1]), "{n}: {coverage:?}");
+    }
+}
+
+#[test]
+fn errors_that_are_none_are_refused() {
+    let text = |uncertainty: f64| {
+        RatioError::of_delay(&[1.0, 2.0], uncertainty)
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        text(-1e-6),
+        "uncertainty of the delay [s] is -0.000001, expected a finite value, 0 or above"
+    );
+    let method = TwoPoint::new(STIFF.specimen).unwrap();
+    let short = [RatioError::of_gain_ratio(&[1.0, 2.0], 0.01).unwrap()];
+    let lines = RatioLines {
+        common: &short,
+        ..RatioLines::of_known_variance(&[1.0, 2.0, 3.0], &[Complex64::ONE; 3], &[1e-6; 3])
+    };
+    assert_eq!(
+        method.estimate_ratio(&lines).unwrap_err().to_string(),
+        "common error of the ratio has 2 lines, expected 3 as the frequencies have"
+    );
+    // nothing uncertain, nothing to find
+    let exact = RatioLines {
+        common: &[],
+        ..lines
+    };
+    assert!(
+        SelfCalibration::of_ratio(&method, &exact)
+            .unwrap()
+            .is_none()
+    );
+}
