@@ -4,17 +4,20 @@
 //! |---|---|
 //! | numbers of a line | [`ModulusLine`] |
 //! | standard errors, random and common (systematic), their covariances | [`Uncertainty`], [`StandardError`] |
+//! | what makes an error of a line, expanded uncertainty | [`Budget`] |
 //! | whether a line may be believed | [`crate::validity`] |
 //! | the method and its settings | [`Method`] |
 //! | a table for a file | [`ModulusEstimate::columns`] |
 //! | curves and bands for a figure | [`ModulusEstimate::curve`] |
 
+mod budget;
 mod columns;
 mod curve;
 mod freedom;
 mod solution;
 mod uncertainty;
 
+pub use budget::{Budget, BudgetedQuantity};
 pub use columns::{Column, Columns};
 pub use curve::{Curve, CurveSegment, PlottedQuantity};
 pub use freedom::VarianceFreedom;

@@ -206,9 +206,8 @@ pub(crate) fn found(
     let at_rest = vec![0.0; measured.len()];
     let mut best = found_from(at_rest.clone(), measured, experiment)?;
     let is_delay = |source: &ErrorSource| matches!(source, ErrorSource::Delay);
-    if !best
-        .as_ref()
-        .is_some_and(|found| 2 * found.lines >= found.estimate.lines().len())
+    let tells_all = |found: &SelfCalibration| 2 * found.lines >= found.estimate.lines().len();
+    if best.as_ref().is_none_or(|found| !tells_all(found))
         && let Some(delay) = measured.iter().position(is_delay)
     {
         for start in OTHER_STARTS {

@@ -199,6 +199,7 @@ impl TwoPoint {
             freedom: Some(&vec![freedom; variance.len()]),
             coherence: Some(averaged.coherence),
             common: &[],
+            lines_per_independent_line: 1.0,
         })
     }
 

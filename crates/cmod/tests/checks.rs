@@ -550,6 +550,7 @@ fn of_few_hits(random: &mut Random, hits: usize, pooled: bool) -> ModulusEstimat
             freedom: Some(freedom),
             coherence: None,
             common: &[],
+            lines_per_independent_line: 1.0,
         })
         .unwrap()
 }
@@ -600,6 +601,7 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
             freedom: Some(&freedom),
             coherence: None,
             common: &[],
+            lines_per_independent_line: 1.0,
         })
         .unwrap();
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());

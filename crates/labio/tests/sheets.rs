@@ -149,7 +149,7 @@ fn a_sheet_with_an_impossible_value_is_refused_as_the_constructor_would() {
     standard uncertainty is -1, expected a finite value of at least 0
     `2025-02-30` is no date, expected a day as 2026-11-21
     amplifier gain is 0, expected a finite value above 0
-    unknown field `polarty`, expected one of `transducer`, `gain`, `polarity`, `offset`, `time_skew`, `position`, `direction`, `serial`, `calibrated_on`
+    unknown field `polarty`, expected one of `transducer`, `gain`, `polarity`, `offset`, `time_skew`, `time_skew_uncertainty`, `position`, `direction`, `serial`, `calibrated_on`
     trigger hysteresis is -1, expected a finite value of at least 0
     a run of lost samples has 1 samples, expected at least 2
     unknown field `double_hits`, expected one of `several_passages`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, `remainder`

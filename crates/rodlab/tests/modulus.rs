@@ -230,6 +230,51 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     );
 }
 
+/// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the lines tell; beyond, they contradict it.
+#[test]
+fn errors_of_the_sensors_are_found_and_taken_out() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let with = |sensitivity: &str, skew: &str| {
+        let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
+        let text = sheet(TWO_POINT, BAND);
+        assert!(text.contains(channel));
+        let changed =
+            format!(r#"from: 2, unit: "V", sensitivity: "{sensitivity}", time_skew: "{skew}""#);
+        run(folder.path(), &text.replace(channel, &changed)).unwrap()
+    };
+    let found = |outcome: &Outcome, name: &str| {
+        let mut quantities = outcome.quantities.iter();
+        let quantity = quantities.find(|quantity| quantity.name == name).unwrap();
+        (quantity.value.unwrap(), quantity.standard_error.unwrap())
+    };
+    let right = with("0.51 mV/g ± 2 %", "4 us ± 3 us");
+    assert_eq!(right.verdict, Verdict::Answered);
+    check_lines(&right, &rod);
+    let (gain, error) = found(&right, "error of the ratio of the sensitivities, found");
+    // the denominator is read too small: four standard errors
+    assert!(
+        (gain - 100.0 * 1.02_f64.ln()).abs() < 4.0 * error && error < 0.1,
+        "{gain} {error}"
+    );
+    let (delay, error) = found(&right, "delay between the channels, found");
+    assert!(
+        (delay.abs() - 4.0).abs() < 4.0 * error && error < 0.1,
+        "{delay} {error}"
+    );
+
+    let wrong = with("0.6 mV/g ± 1 %", "0 us");
+    let Verdict::InDoubt { reasons } = &wrong.verdict else {
+        panic!("{:?}", wrong.verdict);
+    };
+    let reasons = reasons.join("; ");
+    assert!(
+        reasons.contains("more than its stated uncertainty explains"),
+        "{reasons}"
+    );
+}
+
 #[test]
 fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() {
     let folder = TempDir::new().unwrap();
@@ -701,14 +746,22 @@ fn the_template_is_a_sheet_that_runs() {
     let template = include_str!("../templates/modulus.ron");
     let outcome = run(folder.path(), template).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
-    // two sensitivities of 1 % each
+    // two sensitivities of 1 % each, of which the lines tell more
+    let mut quantities = outcome.quantities.iter();
+    let gain = quantities
+        .find(|quantity| quantity.name == "error of the ratio of the sensitivities, found")
+        .unwrap();
+    assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
+    let budget = outcome.tables.iter().find(|table| table.name == "budget");
+    let columns: Vec<&str> = budget
+        .unwrap()
+        .columns
+        .iter()
+        .map(|column| column.name.as_str())
+        .collect();
     assert!(
-        outcome
-            .warnings
-            .iter()
-            .any(|w| w.contains("uncertain by 1.4 %")),
-        "{:?}",
-        outcome.warnings
+        columns.contains(&"ratio of the sensitivities, of E'"),
+        "{columns:?}"
     );
     // what stands behind // is understood, too
     let optional = template

@@ -98,7 +98,10 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         ));
         Some(LinearisedLine {
             modulus: about.modulus + by_ratio * (measured - about.ratio),
-            variance: self.lines.variance.get(line.index)? * by_ratio.norm_sqr(),
+            // lines that go together tell less than as many independent ones
+            variance: self.lines.variance.get(line.index)?
+                * self.lines.lines_per_independent_line.max(1.0)
+                * by_ratio.norm_sqr(),
             shifts,
             misfit: None,
         })

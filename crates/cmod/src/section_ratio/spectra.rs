@@ -23,6 +23,8 @@ pub struct RatioLines<'a> {
     pub coherence: Option<&'a [f64]>,
     /// Common errors of the ratio, each with one entry a line; none for sensors that are exact.
     pub common: &'a [RatioError],
+    /// Number of lines within one whose noise is independent of the next: 1, or more where short pulses stand in long records.
+    pub lines_per_independent_line: f64,
 }
 
 impl<'a> RatioLines<'a> {
@@ -40,6 +42,7 @@ impl<'a> RatioLines<'a> {
             freedom: None,
             coherence: None,
             common: &[],
+            lines_per_independent_line: 1.0,
         }
     }
 

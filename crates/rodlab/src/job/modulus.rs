@@ -193,6 +193,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     statement::state(&mut outcome, &found, &reasons);
     outcome.log.extend(reasons.log(found.estimate));
     outcome.tables.push(lines::table(&found));
+    outcome.tables.extend(lines::budget(&found)?);
     if let Some(table) = measured::table(spectra) {
         outcome.tables.push(table);
     }

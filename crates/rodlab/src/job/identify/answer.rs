@@ -250,6 +250,6 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
     if is_biased && nonlinear_is_left() {
         let why = found.why_biased();
-        outcome.doubt(format!("nonlinear laws are not identified: {why}; use a striker of smoother pulse or a faster recorder"));
+        outcome.warnings.push(format!("Nonlinear laws are not identified: {why}. Use a striker of smoother pulse or a faster recorder."));
     }
 }

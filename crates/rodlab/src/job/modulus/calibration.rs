@@ -48,11 +48,11 @@ pub(super) fn state(
         );
         if contradicts(source) {
             outcome.doubt(format!(
-                "the lines ask for a {name} of {numbers}: more than its stated uncertainty explains"
+                "the lines ask for another {name}, {numbers}: more than its stated uncertainty explains"
             ));
         } else if source.standard_error < 0.5 {
             outcome.summary.push(format!(
-                "The lines tell the {name}: {numbers}. It is taken out of the modulus."
+                "The lines tell the {name}: {numbers}; it is taken out of the modulus."
             ));
         }
     }

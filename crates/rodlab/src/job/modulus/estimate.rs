@@ -62,6 +62,7 @@ fn calibrated_ratio(
         freedom: ratio.freedom.as_deref(),
         coherence: ratio.coherence.as_deref(),
         common: &common,
+        lines_per_independent_line: ratio.lines_per_independent_line,
     };
     let method = ratio_method(sheet, measured, ratio)?;
     let modulus = method.estimate_ratio(&lines).map_err(refused)?;

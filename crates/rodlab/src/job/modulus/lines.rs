@@ -1,8 +1,10 @@
-//! The table of all lines.
+//! The tables of all lines: the modulus, and what makes its uncertainty.
 
 use cmod::ModulusLine;
+use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource};
 
 use super::Found;
+use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
 /// Every line that has a modulus, valid or not.
@@ -81,4 +83,74 @@ pub(super) fn table(found: &Found<'_>) -> Table {
         title: "Complex modulus".to_owned(),
         columns,
     }
+}
+
+/// What makes the uncertainty of E' and of the loss factor on every line, in % of E' and in units of the loss factor. `None` if noise
+/// is all that is uncertain.
+pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
+    let lines = found.estimate.lines();
+    let mut sources: Vec<ErrorSource> = Vec::new();
+    for shift in lines.iter().flat_map(|line| &line.uncertainty.systematic) {
+        if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
+            sources.push(shift.source);
+        }
+    }
+    if sources.is_empty() {
+        return Ok(None);
+    }
+    let frequency = lines.iter().map(|line| line.frequency_hz).collect();
+    let mut columns = vec![Column::numbers("frequency", "Hz", frequency)];
+    for (name, unit, quantity) in [
+        ("E'", "%", BudgetedQuantity::StorageModulus),
+        ("the loss factor", "", BudgetedQuantity::LossFactor),
+    ] {
+        let scales: Vec<f64> = lines
+            .iter()
+            .map(|line| match quantity {
+                BudgetedQuantity::StorageModulus => 100.0 / line.modulus.re.abs(),
+                _ => 1.0,
+            })
+            .collect();
+        let budgets: Vec<Budget> = lines.iter().map(|line| line.budget(quantity)).collect();
+        let column = |what: &str, value: &dyn Fn(&Budget) -> f64| {
+            let scaled = budgets.iter().zip(&scales);
+            let values = scaled
+                .map(|(budget, scale)| scale * value(budget))
+                .collect();
+            Column::numbers(format!("{what}, of {name}"), unit, values)
+        };
+        columns.push(column("random", &Budget::random));
+        for source in &sources {
+            let of_source = |budget: &Budget| {
+                let mut sources = budget.sources().iter();
+                let own = sources.find(|(other, _)| other == source);
+                own.map_or(0.0, |(_, error)| *error)
+            };
+            columns.push(column(&source.to_string(), &of_source));
+        }
+        let expanded = budgets
+            .iter()
+            .map(|budget| budget.expanded_uncertainty(0.95))
+            .collect::<Result<Vec<f64>, _>>()
+            .map_err(|error| RodlabError::step("the budget of uncertainty", error))?;
+        let scaled = expanded.iter().zip(&scales);
+        columns.push(Column::numbers(
+            format!("expanded uncertainty (95 %), of {name}"),
+            unit,
+            scaled.map(|(error, scale)| scale * error).collect(),
+        ));
+        let largest = |budget: &Budget| match budget.sources().first() {
+            Some((source, error)) if *error > budget.random() => source.to_string(),
+            _ => "random".to_owned(),
+        };
+        columns.push(Column::words(
+            format!("largest, of {name}"),
+            budgets.iter().map(largest).collect(),
+        ));
+    }
+    Ok(Some(Table {
+        name: "budget".to_owned(),
+        title: "Budget of uncertainty".to_owned(),
+        columns,
+    }))
 }

@@ -1,0 +1,124 @@
+//! What makes the uncertainty of one line: random error and common errors by their sources.
+
+use super::uncertainty::{ComplexCovariance, LineCovariance, coverage_factor};
+use super::{ErrorSource, ModulusLine, StandardError};
+use crate::error::CmodError;
+
+/// A quantity of a line that has a budget.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BudgetedQuantity {
+    /// E' \[Pa\].
+    StorageModulus,
+    /// E'' \[Pa\].
+    LossModulus,
+    /// E''/E'.
+    LossFactor,
+}
+
+impl BudgetedQuantity {
+    fn of(self, error: &StandardError) -> f64 {
+        match self {
+            Self::StorageModulus => error.storage_modulus,
+            Self::LossModulus => error.loss_modulus,
+            Self::LossFactor => error.loss_factor,
+        }
+    }
+}
+
+/// Budget of one quantity of a line (JCGM 100).
+///
+/// ```
+/// # use cmod::estimate::BudgetedQuantity;
+/// # use cmod::two_point::SpecimenUncertainty;
+/// # use cmod::{Specimen, TwoPoint};
+/// # use num_complex::Complex64;
+/// # let specimen = Specimen { length: 0.799, diameter: 0.0158, density: 912.0, accelerometer_mass: 2.9e-3 };
+/// # let ratio = [Complex64::new(0.0116, 0.1001), Complex64::new(-0.0202, 0.1019)];
+/// let method = TwoPoint::new(specimen)?.with_specimen_uncertainty(SpecimenUncertainty {
+///     length: 3e-4,
+///     density: 5.0,
+///     ..SpecimenUncertainty::default()
+/// })?;
+/// let estimate = method.estimate(&[500.0, 510.0], &ratio, &[1e-6; 2])?;
+/// let line = &estimate.lines()[0];
+/// let budget = line.budget(BudgetedQuantity::StorageModulus);
+/// let squares: f64 = budget.sources().iter().map(|(_, error)| error * error).sum::<f64>() + budget.random().powi(2);
+/// assert!((squares.sqrt() / line.standard_error.storage_modulus - 1.0).abs() < 1e-12);
+/// let (density, _) = budget.sources()[0];
+/// assert_eq!(density.to_string(), "density");
+/// // known variances: the factor is that of the normal distribution
+/// assert!((budget.expanded_uncertainty(0.95)? / budget.standard_uncertainty() - 1.960).abs() < 1e-3);
+/// # Ok::<(), cmod::CmodError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    random: f64,
+    sources: Vec<(ErrorSource, f64)>,
+    degrees_of_freedom: Option<f64>,
+}
+
+impl Budget {
+    /// Standard error by noise alone.
+    #[must_use]
+    pub fn random(&self) -> f64 {
+        self.random
+    }
+
+    /// Standard uncertainties by the common sources, the largest first. Lateral inertia that was not taken out has a bound instead.
+    #[must_use]
+    pub fn sources(&self) -> &[(ErrorSource, f64)] {
+        &self.sources
+    }
+
+    /// Root sum of squares of all.
+    #[must_use]
+    pub fn standard_uncertainty(&self) -> f64 {
+        let common = self.sources.iter().map(|(_, error)| *error);
+        common.fold(self.random, f64::hypot)
+    }
+
+    /// Effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated uncertainties have infinitely many, the random error
+    /// u_r those of its variance. `None` if that is known, too.
+    #[must_use]
+    pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
+        let freedom = self.degrees_of_freedom?;
+        let effective = (self.standard_uncertainty() / self.random).powi(4) * freedom;
+        effective.is_finite().then_some(effective)
+    }
+
+    /// The standard uncertainty times the factor that covers with this `probability`.
+    ///
+    /// # Errors
+    /// As [`coverage_factor`].
+    pub fn expanded_uncertainty(&self, probability: f64) -> Result<f64, CmodError> {
+        let factor = coverage_factor(probability, self.effective_degrees_of_freedom())?;
+        Ok(factor * self.standard_uncertainty())
+    }
+}
+
+impl ModulusLine {
+    /// The budget of one of its quantities, to first order.
+    #[must_use]
+    pub fn budget(&self, quantity: BudgetedQuantity) -> Budget {
+        let systematic = self.uncertainty.systematic.iter();
+        let mut sources: Vec<(ErrorSource, f64)> = systematic
+            .filter(|shift| shift.source != ErrorSource::LateralInertia)
+            .map(|shift| {
+                let error = self.standard_error_of(&LineCovariance {
+                    modulus: ComplexCovariance::of_shift(shift.modulus),
+                    propagation_coefficient: ComplexCovariance::of_shift(
+                        shift.propagation_coefficient,
+                    ),
+                });
+                (shift.source, quantity.of(&error))
+            })
+            .collect();
+        sources.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Budget {
+            random: quantity.of(&self.random_error()),
+            sources,
+            degrees_of_freedom: self.uncertainty.degrees_of_freedom,
+        }
+    }
+}
