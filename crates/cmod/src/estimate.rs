@@ -100,16 +100,6 @@ impl ModulusEstimate {
         }
     }
 
-    /// The same estimate with other lines that have a modulus.
-    pub(crate) fn with_lines(&self, lines: Vec<ModulusLine>) -> Self {
-        Self {
-            method: self.method.clone(),
-            limits: self.limits,
-            lines,
-            refused: self.refused.clone(),
-        }
-    }
-
     /// The method and its settings.
     #[must_use]
     pub fn method(&self) -> &Method {

@@ -186,8 +186,9 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     for doubt in &measured.doubts {
         outcome.doubt(doubt.as_str());
     }
-    if let Some(calibrated) = found.calibration {
-        calibration::state(&mut outcome, sheet, &measured, calibrated);
+    match found.calibration {
+        Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
+        None => calibration::state_none(&mut outcome, &measured),
     }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);

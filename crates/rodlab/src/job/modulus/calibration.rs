@@ -4,7 +4,7 @@ use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
 use super::ModulusSheet;
-use super::measured::Measured;
+use super::measured::{Measured, SensorError};
 use super::method::MethodSheet;
 use crate::Outcome;
 use crate::digits::significant;
@@ -13,6 +13,21 @@ use crate::outcome::Quantity;
 /// A size by its standard deviation beyond which the record contradicts what was stated: one in a thousand of right records.
 const CONTRADICTS: f64 = 3.29;
 
+/// Mean square of what is left unexplained, by that of noise, beyond which it is said.
+const UNEXPLAINED: f64 = 1.5;
+
+/// Says that the errors of the sensors stand as they were stated, where the lines do not tell them.
+pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
+    let several = measured.sensors.len() > 1;
+    let uncertain = |sensor: &SensorError| sensor.gain > 0.0 || sensor.delay > 0.0;
+    if several && measured.sensors.iter().any(uncertain) {
+        outcome.warnings.push(
+            "The lines do not tell the errors of the sensors: these are in the errors as they were stated. Calibrate the sensors against each other."
+                .to_owned(),
+        );
+    }
+}
+
 /// States what was found of every source that the sheet gives a standard uncertainty.
 pub(super) fn state(
     outcome: &mut Outcome,
@@ -20,6 +35,12 @@ pub(super) fn state(
     measured: &Measured,
     found: &SelfCalibration,
 ) {
+    if found.mean_square() > UNEXPLAINED {
+        outcome.warnings.push(format!(
+            "What neither a smooth modulus nor the stated errors explain is {} times as large as noise: the lines tell less of the sensors by as much.",
+            significant(found.mean_square().sqrt(), 2)
+        ));
+    }
     for source in found.sources() {
         let Some(of_sensors) = OfSensors::of(source.source, sheet, measured) else {
             continue;

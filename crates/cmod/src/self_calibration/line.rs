@@ -1,0 +1,88 @@
+//! A line about a smooth modulus, and what of it no modulus explains.
+
+use num_complex::Complex64;
+
+use super::vectors::{dot, subtract};
+use crate::estimate::{ErrorSource, SystematicShift};
+
+/// A line about a smooth modulus. Its derivatives know nothing of the noise, which those at the modulus of the line itself do: where the data tell
+/// little of a source, that correlation would be taken for its error.
+pub(crate) struct LinearisedLine {
+    pub(crate) modulus: Complex64,
+    /// E|δE|² \[Pa²\].
+    pub(crate) variance: f64,
+    pub(crate) shifts: Vec<SystematicShift>,
+    /// What is left unexplained by any modulus, where more was measured than that needs.
+    pub(crate) misfit: Option<Misfit>,
+}
+
+/// Least squares of what no modulus explains, in units of the noise, by errors of the measured sources.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Misfit {
+    /// Products of the derivatives with each other, by rows.
+    pub(crate) normal: Vec<f64>,
+    /// Products of the derivatives with what is left.
+    pub(crate) gradient: Vec<f64>,
+    /// Sum of squares of what is left.
+    pub(crate) square: f64,
+    pub(crate) degrees_of_freedom: f64,
+}
+
+impl Misfit {
+    /// Sum over the lines, of which errors of the sizes `removed` were taken out, with these errors in it.
+    pub(super) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
+        let n = removed.len();
+        let mut sum = Self {
+            normal: vec![0.0; n * n],
+            gradient: vec![0.0; n],
+            ..Self::default()
+        };
+        for misfit in lines.iter().filter_map(|line| line.misfit.as_ref()) {
+            subtract(&mut sum.normal, -1.0, &misfit.normal);
+            subtract(&mut sum.gradient, -1.0, &misfit.gradient);
+            sum.square += misfit.square;
+            sum.degrees_of_freedom += misfit.degrees_of_freedom;
+        }
+        let before = sum
+            .normal
+            .chunks_exact(n.max(1))
+            .map(|row| dot(row, removed));
+        let before: Vec<f64> = before.collect();
+        sum.square += 2.0 * dot(&sum.gradient, removed) + dot(&before, removed);
+        subtract(&mut sum.gradient, -1.0, &before);
+        sum
+    }
+
+    /// Sum of squares that is left with errors of these `sizes` taken out.
+    pub(super) fn left(&self, sizes: &[f64]) -> f64 {
+        let rows = self.normal.chunks_exact(self.gradient.len().max(1));
+        let quadratic: f64 = rows
+            .zip(sizes)
+            .map(|(row, size)| size * dot(row, sizes))
+            .sum();
+        (self.square - 2.0 * dot(&self.gradient, sizes) + quadratic).max(0.0)
+    }
+}
+
+/// The sources of all lines that have a standard uncertainty, those that were `measured` first.
+pub(super) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
+    let mut sources = measured.to_vec();
+    for shift in lines.iter().flat_map(|line| &line.shifts) {
+        if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
+            sources.push(shift.source);
+        }
+    }
+    sources
+}
+
+/// The part of the `shifts` of a line by `source`; 0 where it does not depend on it.
+pub(super) fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
+    let mut sum = SystematicShift::new(source, Complex64::ZERO, Complex64::ZERO);
+    for shift in shifts {
+        if shift.source == source {
+            sum.modulus += shift.modulus;
+            sum.propagation_coefficient += shift.propagation_coefficient;
+        }
+    }
+    sum
+}
