@@ -21,16 +21,16 @@
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
 mod calibration;
-pub(crate) mod common;
 mod expectation;
 mod jet;
 pub mod pooling;
+pub(crate) mod ratio_error;
 mod settings;
 mod spectra;
 mod start;
 
-pub use common::RatioError;
 pub(crate) use jet::Jet;
+pub use ratio_error::RatioError;
 pub use settings::SectionUncertainty;
 pub(crate) use settings::{Changed, Settings};
 pub use spectra::{RatioLines, RatioOfSpectra};
@@ -169,7 +169,7 @@ impl MeasuredRatio<'_> {
 
     /// E|δΨ|² by noise and by the sensors, to count waves by.
     pub(super) fn whole_variance(&self) -> f64 {
-        self.variance + common::variance(self.common, self.index, self.ratio)
+        self.variance + ratio_error::variance(self.common, self.index, self.ratio)
     }
 }
 
@@ -301,7 +301,7 @@ pub(crate) fn solved(
     all.extend(violations);
     let relative_density = equation.settings().uncertainty().density / density;
     let mut systematic = settings::shifts(equation, (gamma, modulus), omega, relative_density);
-    systematic.extend(common::shifts(
+    systematic.extend(ratio_error::shifts(
         measured.common,
         measured.index,
         (gamma, modulus),

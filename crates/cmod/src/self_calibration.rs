@@ -106,12 +106,6 @@ impl SelfCalibration {
         &self.estimate
     }
 
-    /// The estimate alone.
-    #[must_use]
-    pub fn into_estimate(self) -> ModulusEstimate {
-        self.estimate
-    }
-
     /// Mean square of what neither a smooth modulus nor the errors explain, by that of the noise: 1 if noise is all there is. Where it is more, the sizes
     /// have standard errors that are larger by its root.
     #[must_use]

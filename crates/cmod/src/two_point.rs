@@ -31,7 +31,7 @@ use crate::estimate::{
     ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
     Solution, SystematicShift, VarianceFreedom,
 };
-use crate::section_ratio::{RatioAbout, RatioError, RatioLines, RatioMethod, common};
+use crate::section_ratio::{RatioAbout, RatioError, RatioLines, RatioMethod, ratio_error};
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
@@ -279,7 +279,7 @@ impl TwoPoint {
         // waves are counted where neither noise nor the sensors hide them
         let variance: Vec<f64> = measured
             .iter()
-            .map(|line| line.variance + common::variance(line.common, line.index, line.ratio))
+            .map(|line| line.variance + ratio_error::variance(line.common, line.index, line.ratio))
             .collect();
         let record = SpecimenRecord {
             length: self.specimen.length,
@@ -354,7 +354,7 @@ impl TwoPoint {
 
         let slopes = equation.slopes(gamma_length);
         let mut systematic = self.systematic(&slopes, gamma, modulus);
-        systematic.extend(common::shifts(
+        systematic.extend(ratio_error::shifts(
             measured.common,
             measured.index,
             (gamma, modulus),

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
-use super::projection::{GaugeError, Projection};
+use super::projection::Projection;
 use super::spectra::{GaugeSpectra, GaugedRod, WhiteLine};
-use super::uncertainty::GaugeUncertainty;
+use super::uncertainty::{GaugeError, GaugeUncertainty};
 use super::{MultiPoint, ThreePoint};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
@@ -143,29 +143,28 @@ struct GaugeExperiment<'a, M> {
 }
 
 impl<M: GaugeMethod> GaugeExperiment<'_, M> {
-    /// ln of the factor on the spectra of `gauge` that takes errors of the sizes `removed` out of them.
-    fn logarithm(&self, gauge: usize, omega: f64, removed: &[f64]) -> Complex64 {
-        let sources = self.sources.iter().zip(removed);
+    /// Each error of one standard uncertainty, at `omega`.
+    fn errors(&self, omega: f64) -> impl Iterator<Item = GaugeError> {
+        let sources = self.sources.iter();
         sources
-            .map(|((source, uncertainty), size)| match source {
-                ErrorSource::GaugeFactor(own) if *own == gauge => {
-                    Complex64::new(-size * uncertainty, 0.0)
-                }
-                ErrorSource::GaugeDelay(own) if *own == gauge => {
-                    Complex64::new(0.0, omega * size * uncertainty)
-                }
-                _ => Complex64::ZERO,
-            })
-            .sum()
+            .filter_map(move |(source, uncertainty)| GaugeError::of(*source, *uncertainty, omega))
+    }
+
+    /// Factor on the spectra of `gauge` that takes errors of the sizes `removed` out of them.
+    fn factor(&self, gauge: usize, omega: f64, removed: &[f64]) -> Complex64 {
+        let own = self.errors(omega).zip(removed);
+        let own = own.filter(|(error, _)| error.gauge == gauge);
+        own.map(|(error, size)| -*size * error.by_value)
+            .sum::<Complex64>()
+            .exp()
     }
 
     fn positions(&self, removed: &[f64]) -> Vec<f64> {
         let mut positions = self.method.rod().positions.clone();
-        for ((source, uncertainty), size) in self.sources.iter().zip(removed) {
-            if let ErrorSource::GaugePosition(gauge) = source
-                && let Some(position) = positions.get_mut(*gauge)
-            {
-                *position += size * uncertainty;
+        // no position depends on the frequency
+        for (error, size) in self.errors(0.0).zip(removed) {
+            if let Some(position) = positions.get_mut(error.gauge) {
+                *position += size * error.by_slope;
             }
         }
         positions
@@ -177,7 +176,7 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
         let corrected = |spectrum: &Vec<Complex64>, gauge: usize| -> Vec<Complex64> {
             let lines = spectrum.iter().zip(self.spectra.frequency_hz);
             lines
-                .map(|(value, f)| value * self.logarithm(gauge, TAU * f, removed).exp())
+                .map(|(value, f)| value * self.factor(gauge, TAU * f, removed))
                 .collect()
         };
         let tests: Vec<Vec<Vec<Complex64>>> = self
@@ -210,30 +209,12 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
         let mut white = WhiteLine::for_spectra(self.spectra, n_gauges);
         white.load(self.spectra, line.index).ok()?;
         let factors: Vec<Complex64> = (0..n_gauges)
-            .map(|gauge| self.logarithm(gauge, omega, removed).exp())
+            .map(|gauge| self.factor(gauge, omega, removed))
             .collect();
         for (value, factor) in white.values.iter_mut().zip(factors.iter().cycle()) {
             *value *= factor;
         }
-        let errors: Vec<GaugeError> = self
-            .sources
-            .iter()
-            .filter_map(|(source, uncertainty)| {
-                let (gauge, by_value, by_slope) = match source {
-                    ErrorSource::GaugePosition(gauge) => (*gauge, Complex64::ZERO, *uncertainty),
-                    ErrorSource::GaugeFactor(gauge) => (*gauge, (*uncertainty).into(), 0.0),
-                    ErrorSource::GaugeDelay(gauge) => {
-                        (*gauge, Complex64::new(0.0, -omega * uncertainty), 0.0)
-                    }
-                    _ => return None,
-                };
-                Some(GaugeError {
-                    gauge,
-                    by_value,
-                    by_slope,
-                })
-            })
-            .collect();
+        let errors: Vec<GaugeError> = self.errors(omega).collect();
         let mut projection = Projection::new(&self.positions(removed));
         let about = projection.about(gamma, &white, &errors)?;
         let density = self.method.rod().density;

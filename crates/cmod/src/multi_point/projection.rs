@@ -13,7 +13,7 @@
 use num_complex::Complex64;
 
 use super::spectra::WhiteLine;
-use super::uncertainty::GaugeInfluence;
+use super::uncertainty::{GaugeError, GaugeInfluence};
 use crate::estimate::Termination;
 
 /// Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
@@ -58,15 +58,6 @@ pub(super) struct Minimum {
     /// The objective at γ, or a negligible step from it; `None` if something else was evaluated after it.
     pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
-}
-
-/// An error of one gauge: by so much of its value, and of the slope there, it measures more.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct GaugeError {
-    pub(super) gauge: usize,
-    pub(super) by_value: Complex64,
-    /// \[m\].
-    pub(super) by_slope: f64,
 }
 
 /// A line about some γ, in units of its noise.

@@ -32,6 +32,34 @@ pub struct GaugeUncertainty {
     pub delays: Vec<f64>,
 }
 
+/// An error of one gauge: by so much of its value, and of the slope there, it measures more.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GaugeError {
+    pub(super) gauge: usize,
+    pub(super) by_value: Complex64,
+    /// \[m\].
+    pub(super) by_slope: f64,
+}
+
+impl GaugeError {
+    /// That of a source which is wrong by its standard `uncertainty`, at `omega`; `None` if it is not of a gauge.
+    pub(super) fn of(source: ErrorSource, uncertainty: f64, omega: f64) -> Option<Self> {
+        let (gauge, by_value, by_slope) = match source {
+            ErrorSource::GaugePosition(gauge) => (gauge, Complex64::ZERO, uncertainty),
+            ErrorSource::GaugeFactor(gauge) => (gauge, uncertainty.into(), 0.0),
+            ErrorSource::GaugeDelay(gauge) => {
+                (gauge, Complex64::new(0.0, -omega * uncertainty), 0.0)
+            }
+            _ => return None,
+        };
+        Some(Self {
+            gauge,
+            by_value,
+            by_slope,
+        })
+    }
+}
+
 /// How one gauge moves γ.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct GaugeInfluence {
@@ -111,16 +139,9 @@ impl GaugeUncertainty {
             SystematicShift::new(ErrorSource::Density, shift, Complex64::ZERO)
         });
         let of_gauges = self.of_gauges().filter_map(|(source, uncertainty)| {
-            let of = |gauge: usize| influence.get(gauge);
-            let of_gamma = uncertainty
-                * match source {
-                    ErrorSource::GaugePosition(gauge) => of(gauge)?.position,
-                    ErrorSource::GaugeFactor(gauge) => of(gauge)?.scale,
-                    ErrorSource::GaugeDelay(gauge) => {
-                        of(gauge)?.scale * Complex64::new(0.0, -omega)
-                    }
-                    _ => return None,
-                };
+            let error = GaugeError::of(source, uncertainty, omega)?;
+            let influence = influence.get(error.gauge)?;
+            let of_gamma = error.by_slope * influence.position + error.by_value * influence.scale;
             let of_modulus = -2.0 * modulus / gamma * of_gamma;
             Some(SystematicShift::new(source, of_modulus, of_gamma))
         });

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{RatioLines, RatioMethod, common};
+use super::{RatioLines, RatioMethod, ratio_error};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
@@ -90,7 +90,7 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         let about = self.method.ratio_about(line.frequency_hz, gamma)?;
         let by_ratio = -2.0 * about.modulus / gamma * about.by_ratio;
         let mut shifts = about.shifts;
-        shifts.extend(common::shifts(
+        shifts.extend(ratio_error::shifts(
             self.lines.common,
             line.index,
             (gamma, about.modulus),

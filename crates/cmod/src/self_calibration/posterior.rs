@@ -1,5 +1,6 @@
 //! Sizes of common errors by least squares with their stated uncertainties as priors.
 
+use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
@@ -121,7 +122,6 @@ fn ridge(
             (of_lines + of_misfit) / mean_square
         }
     });
-    use faer::linalg::solvers::Solve as _;
     let solved = normal.llt(Side::Lower).ok()?.solve(right);
     let sizes: Vec<f64> = (0..n).map(|i| solved[(i, n)]).collect();
     // rounding leaves the inverse unsymmetric in its last digits

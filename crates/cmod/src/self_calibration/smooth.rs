@@ -106,11 +106,11 @@ impl SmoothModulus {
 
     /// Each function on the `lines`, as large as its coefficient may be expected at most.
     fn terms(&self, lines: &[&ModulusLine]) -> Vec<Vec<Complex64>> {
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let modulus = largest(&mut lines.iter().map(|line| line.modulus.norm()));
         let on_lines = |function: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
             let values = lines.iter().map(|line| function(TAU * line.frequency_hz));
             let mut values: Vec<Complex64> = values.collect();
-            let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-            let modulus = largest(&mut lines.iter().map(|line| line.modulus.norm()));
             let scale =
                 LARGEST_TERM * modulus / largest(&mut values.iter().map(|value| value.norm()));
             for value in &mut values {

@@ -65,12 +65,12 @@ fn calibrated_ratio(
         lines_per_independent_line: ratio.lines_per_independent_line,
     };
     let method = ratio_method(sheet, measured, ratio)?;
-    let modulus = method.estimate_ratio(&lines).map_err(refused)?;
     let calibration = SelfCalibration::of_ratio(method.as_ref(), &lines).map_err(refused)?;
     Ok(Estimated {
-        modulus: calibration
-            .as_ref()
-            .map_or(modulus, |found| found.estimate().clone()),
+        modulus: match &calibration {
+            Some(found) => found.estimate().clone(),
+            None => method.estimate_ratio(&lines).map_err(refused)?,
+        },
         calibration,
     })
 }
