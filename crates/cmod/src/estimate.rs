@@ -161,6 +161,7 @@ impl ModulusEstimate {
                     | Violation::SeriesTruncated { .. }
                     | Violation::NearSingular { .. }
                     | Violation::NodeAtMiddleGauge { .. }
+                    | Violation::SignalTooWeak { .. }
             )
         };
         self.lines
@@ -332,6 +333,9 @@ pub enum Refusal {
     /// The wave is none of the first branch of the theory by which lateral inertia was to be removed.
     #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
     LateralInertia,
+    /// Damping was added to the records, and too few lines tell how the modulus varies to take it off.
+    #[error("too few lines determine how the modulus varies, which takes the added damping off")]
+    NotContinued,
     /// The iteration ran to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]
     NoRoot,

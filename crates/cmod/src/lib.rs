@@ -111,6 +111,7 @@
 
 pub mod branch;
 pub mod checks;
+mod complex_frequency;
 mod error;
 pub mod estimate;
 pub mod free_end;

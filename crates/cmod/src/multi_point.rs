@@ -39,14 +39,19 @@ use std::f64::consts::TAU;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::branch::BranchDoubt;
-use crate::error::{CmodError, check_positive};
+use crate::complex_frequency::ComplexFrequency;
+use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, VarianceFreedom};
+use crate::self_calibration::continuation;
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;
 use projection::{Projection, TestWaves};
 use spectra::WhiteLine;
 use waves::LineOfWaves;
+
+/// Noise of a valid line by its signal, root mean squares of all gauges: 10 dB.
+pub const MOST_NOISE: f64 = 0.3;
 
 /// Three or more gauges at any positions, by least squares.
 ///
@@ -82,6 +87,10 @@ pub struct MultiPoint {
     limits: AcceptanceLimits,
     noise_freedom: Option<VarianceFreedom>,
     uncertainty: GaugeUncertainty,
+    /// The last position is that of a free end.
+    has_free_end: bool,
+    /// σ [1/s].
+    added_damping: f64,
 }
 
 impl MultiPoint {
@@ -98,7 +107,56 @@ impl MultiPoint {
             limits: AcceptanceLimits::default(),
             noise_freedom: None,
             uncertainty: GaugeUncertainty::default(),
+            has_free_end: false,
+            added_damping: 0.0,
         })
+    }
+
+    /// The method for a `rod` with two or more gauges before its free end at `free_end` \[m\], where the strain is 0 and a motion has no slope. One
+    /// shot on a long bar with two gauges is evaluated so, also where its waves overlap:
+    ///
+    /// ```text
+    /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the last gauge.
+    pub fn before_free_end(mut rod: GaugedRod, free_end: f64) -> Result<Self, CmodError> {
+        if rod.positions.len() < 2 {
+            return Err(CmodError::GaugeCount {
+                found: rod.positions.len(),
+                expected: "2 or more before a free end",
+            });
+        }
+        if rod.positions.iter().any(|x| !(*x < free_end)) {
+            return Err(CmodError::NonPhysical {
+                quantity: "position of the free end [m]",
+                value: free_end,
+                expected: "one beyond the last gauge: count positions towards the free end",
+            });
+        }
+        rod.positions.push(free_end);
+        Ok(Self {
+            has_free_end: true,
+            ..Self::new(rod)?
+        })
+    }
+
+    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor e^{-σt} on all gauges alike: for records
+    /// that end while the rod rings. The spectra are then values on the lines s = σ + iω, and so is the modulus that follows from them,
+    ///
+    /// ```text
+    /// E(s) = ρs²/γ(s)² .
+    /// ```
+    ///
+    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal modulus through all lines. The waves stay those on
+    /// the lines s.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and not negative.
+    pub fn with_added_damping(mut self, added_damping: f64) -> Result<Self, CmodError> {
+        self.added_damping = check_not_negative("added damping [1/s]", added_damping)?;
+        Ok(self)
     }
 
     /// The same for a noise that was measured itself, with these degrees of freedom of each gauge on a line. The errors then have those of
@@ -144,7 +202,7 @@ impl MultiPoint {
     /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
     /// each gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
-        self.uncertainty = uncertainty.check(&self.rod)?;
+        self.uncertainty = uncertainty.check(self.n_gauges(), self.has_free_end)?;
         Ok(self)
     }
 
@@ -165,11 +223,56 @@ impl MultiPoint {
     /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
     /// [`CmodError::NegativeNoise`]. A line that is not finite is [refused](ModulusEstimate::refused) alone.
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
-        let n_gauges = self.rod.positions.len();
-        spectra.check(n_gauges)?;
-        let redundant = 2 * (spectra.tests.len() * (n_gauges - 2) - 1);
+        let mut estimate = self.on_lines(spectra)?;
+        if self.added_damping > 0.0 {
+            let on_lines = &estimate.modulus;
+            let continued = continuation::on_axis(
+                on_lines,
+                self.added_damping,
+                self.rod.diameter,
+                self.rod.aperture(),
+            )?;
+            // the fits of lines that have no modulus on the axis go with them
+            let mut kept = continued.lines().iter().peekable();
+            let mut keep = on_lines
+                .lines()
+                .iter()
+                .map(|line| kept.next_if(|next| next.index == line.index).is_some());
+            let keep: Vec<bool> = keep.by_ref().collect();
+            let mut of_fit = keep.iter();
+            estimate
+                .fits
+                .retain(|_| of_fit.next().copied().unwrap_or(false));
+            let n_tests = estimate.n_tests;
+            let mut of_waves = keep
+                .iter()
+                .flat_map(|keep| std::iter::repeat_n(*keep, n_tests));
+            estimate
+                .amplitudes
+                .retain(|_| of_waves.next().unwrap_or(false));
+            estimate.modulus = continued;
+        }
+        Ok(estimate)
+    }
+
+    /// Number of gauges, without a free end.
+    fn n_gauges(&self) -> usize {
+        self.rod.positions.len() - usize::from(self.has_free_end)
+    }
+
+    /// The waves in its gauges and, where it is used, the condition at the free end.
+    fn projection(&self) -> Projection {
+        let is_slope = self.has_free_end && self.quantity != Quantity::Strain;
+        Projection::with_last_row(&self.rod.positions, is_slope)
+    }
+
+    /// The estimate on the lines s = σ + iω.
+    fn on_lines(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
+        spectra.check(self.n_gauges())?;
+        let n_rows = self.rod.positions.len();
+        let redundant = 2 * (spectra.tests.len() * (n_rows - 2) - 1);
         let most_misfit = self.most_misfit(redundant)?;
-        let mut white = WhiteLine::for_spectra(spectra, n_gauges);
+        let mut white = WhiteLine::for_spectra(spectra, n_rows);
         let mut refused = Vec::new();
         let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
         for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
@@ -187,9 +290,16 @@ impl MultiPoint {
         let mut lines = Vec::with_capacity(usable.len());
         let mut fits = Vec::with_capacity(usable.len());
         let mut amplitudes: Vec<TestWaves> = Vec::with_capacity(usable.len() * n_tests);
-        let mut projection = Projection::new(&self.rod.positions);
+        let mut projection = self.projection();
         let aperture = self.rod.aperture();
-        let start = start::wave_speed(&mut projection, spectra, &usable, aperture, self.wave_speed);
+        let start = start::wave_speed(
+            &mut projection,
+            spectra,
+            &usable,
+            aperture,
+            self.wave_speed,
+            self.added_damping,
+        );
         let mut expectation = None;
         for &index in &usable {
             let Some(&frequency_hz) = spectra.frequency_hz.get(index) else {
@@ -208,7 +318,7 @@ impl MultiPoint {
             };
             let omega = TAU * frequency_hz;
             let expectation = expectation.get_or_insert_with(|| {
-                let distance = aperture / (n_gauges - 1) as f64;
+                let distance = aperture / (n_rows - 1) as f64;
                 Expectation::new(start.slowness, distance, omega)
             });
             if let Err(reason) = white.load(spectra, index) {
@@ -281,7 +391,8 @@ impl MultiPoint {
         (start, most_misfit): (Option<BranchDoubt>, f64),
         amplitudes: &mut Vec<TestWaves>,
     ) -> Result<(SolvedLine, LineFit, Option<VarianceFreedom>), Refusal> {
-        let omega = TAU * frequency_hz;
+        let frequency = ComplexFrequency::new(frequency_hz, self.added_damping);
+        let omega = frequency.omega();
         let minimum = projection
             .minimise(expectation.gamma(omega), white)
             .ok_or(Refusal::Undetermined)?;
@@ -327,9 +438,16 @@ impl MultiPoint {
                 limit: most_misfit,
             });
         }
+        let noise_to_signal = white.noise_to_signal();
+        if noise_to_signal > MOST_NOISE {
+            violations.push(Violation::SignalTooWeak {
+                noise_to_signal,
+                limit: MOST_NOISE,
+            });
+        }
         let line = SolvedLine {
             index,
-            frequency_hz,
+            frequency,
             gamma,
             variance,
             influence,
@@ -346,7 +464,7 @@ impl MultiPoint {
             degrees_of_freedom,
             second_order: details.curvature * variance.sqrt(),
             waves: LineOfWaves {
-                frequency_hz,
+                frequency,
                 gamma,
                 gamma_variance: variance,
                 covariance: (

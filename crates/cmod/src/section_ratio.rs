@@ -40,6 +40,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
+use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
     ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, SystematicShift,
@@ -310,7 +311,7 @@ pub(crate) fn solved(
     let bend = 0.5 * (ratio.second * by_ratio * by_ratio + 3.0 * by_ratio / gamma).norm();
     Ok(Solution {
         index: measured.index,
-        frequency_hz: measured.frequency_hz,
+        frequency: ComplexFrequency::on_axis(measured.frequency_hz),
         gamma,
         density,
         diameter,

@@ -27,13 +27,25 @@
 //! more than noise explains. What the record says nothing of keeps its stated uncertainty. The errors that are left are correlated; they are stated as independent
 //! ones, the columns of Cholesky's factor of P: that of a source comes with what goes along with it in the sources after it.
 //!
+//! # Added damping
+//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the rod rings, the lines are those of s = σ + iω, which takes the place of iω
+//! in the smooth modulus. The same modulus takes each line to the axis,
+//!
+//! ```text
+//! E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)] ,
+//! ```
+//!
+//! with the error of the difference by the posterior covariance of the coefficients.
+//!
 //! Theory: `docs/theory/self-calibration.md`.
 
+pub(crate) mod continuation;
 mod line;
 mod posterior;
 mod smooth;
 mod vectors;
 
+pub use continuation::lines_per_independent_line;
 pub(crate) use line::{LinearisedLine, Misfit};
 
 use num_complex::Complex64;
@@ -60,6 +72,8 @@ const SETTLED: f64 = 0.02;
 const NEARLY_SETTLED: f64 = 0.3;
 /// Lines that take part at most, evenly chosen.
 const MOST_LINES: usize = 1000;
+/// Standard deviation of the largest contribution of a term of the smooth modulus in the band, by the largest modulus there.
+const LARGEST_TERM: f64 = 10.0;
 /// A line takes part if its random error is at most this part of the modulus: with more it is not linear in the ratio.
 const LARGEST_ERROR: f64 = 0.03;
 
@@ -122,6 +136,9 @@ impl SelfCalibration {
 
 /// What was measured, with the errors of its sources.
 pub(crate) trait Experiment {
+    /// Damping σ that was added to the records: the modulus is that on the lines s = σ + iω [1/s].
+    fn added_damping(&self) -> f64;
+
     /// The estimate from what was measured, without errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
@@ -198,7 +215,12 @@ fn found_from(
                 let line = about(line, line.propagation_coefficient, &removed);
                 line.map(|line| linearised.push(line)).is_some()
             });
-            let Some(smoothing) = Smoothing::of(&lines, &linearised) else {
+            let Some(smoothing) = Smoothing::of(
+                &lines,
+                &linearised,
+                experiment.added_damping(),
+                LARGEST_TERM,
+            ) else {
                 return Ok(None);
             };
             let moduli = linearised.drain(..).map(|line| line.modulus);
@@ -213,7 +235,14 @@ fn found_from(
         let before = removed.clone();
         let mut found = None;
         for _ in 0..MOST_ROUNDS {
-            let Some(posterior) = Posterior::of(&lines, &linearised, measured, &removed) else {
+            let posterior = Posterior::of(
+                &lines,
+                &linearised,
+                measured,
+                &removed,
+                experiment.added_damping(),
+            );
+            let Some(posterior) = posterior else {
                 return Ok(None);
             };
             let moved = posterior.distance(&removed);

@@ -26,6 +26,7 @@ use num_complex::Complex64;
 use rodwave::medium::modulus_from_propagation;
 
 use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
+use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
     ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
@@ -364,7 +365,7 @@ impl TwoPoint {
         let relative_sensitivity = -2.0 / (gamma_length * slopes.first);
         Solution {
             index: measured.index,
-            frequency_hz: measured.frequency_hz,
+            frequency: ComplexFrequency::on_axis(measured.frequency_hz),
             gamma,
             density,
             diameter,

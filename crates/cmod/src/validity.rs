@@ -215,6 +215,14 @@ pub enum Violation {
         /// What is accepted.
         limit: f64,
     },
+    /// The signal of the gauges hardly exceeds their noise, and the errors to first order mean little.
+    #[error("noise is {noise_to_signal:.2} of the signal of the gauges, expected at most {limit}")]
+    SignalTooWeak {
+        /// Noise by signal, root mean squares.
+        noise_to_signal: f64,
+        /// What is accepted.
+        limit: f64,
+    },
     /// Two waves do not explain what the gauges have seen within their noise.
     #[error(
         "misfit of two waves: chi-square {chi_square:.1} of {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"

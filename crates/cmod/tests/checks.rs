@@ -23,9 +23,6 @@ use cmod::{
     SeparatePulses,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::RaisedCosine;
@@ -33,6 +30,7 @@ use rodwave::experiment::strains_in_a_frame::{Excitation, FrameMember};
 use rodwave::medium::Medium;
 use rodwave::modulus::{ComplexModulus, Elastic, GeneralisedMaxwell, MaxwellBranch};
 use rodwave::synthesis::DampedSynthesis;
+use testbed::noise::Noise;
 
 const LENGTH: f64 = 1.2;
 const DIAMETER: f64 = 0.0106;
@@ -79,22 +77,6 @@ impl ComplexModulus for ConstantBoth {
     }
 }
 
-struct Random(ChaCha8Rng);
-
-impl Random {
-    fn seeded(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.0)
-    }
-
-    fn circular(&mut self, deviation: f64) -> Complex64 {
-        deviation * Complex64::new(self.normal(), self.normal()) * 0.5_f64.sqrt()
-    }
-}
-
 /// Strains at three sections, with noise, and what they make of the modulus.
 struct SpectraOfTest {
     frequency_hz: Vec<f64>,
@@ -103,7 +85,7 @@ struct SpectraOfTest {
 }
 
 impl SpectraOfTest {
-    fn of<M>(medium: &M, distances: [f64; 3], random: &mut Random) -> Self
+    fn of<M>(medium: &M, distances: [f64; 3], random: &mut Noise) -> Self
     where
         M: WaveMedium<AngularFrequency> + Clone + 'static,
     {
@@ -128,7 +110,7 @@ impl SpectraOfTest {
             .collect();
         for strain in &mut strains {
             for (value, level) in strain.iter_mut().zip(&level) {
-                *value += random.circular(*level);
+                *value += random.circular((*level).powi(2));
             }
         }
         Self {
@@ -175,7 +157,7 @@ impl SpectraOfTest {
 }
 
 /// Histories of the three strains with noise, sampled every 2 µs, 1.2 ms of it before the blow.
-fn histories(random: &mut Random, persistence: f64) -> Vec<Vec<f64>> {
+fn histories(random: &mut Noise, persistence: f64) -> Vec<Vec<f64>> {
     let positions = DISTANCES.map(|distance| LENGTH - distance);
     let member = FrameMember::analytic(
         &relaxing(),
@@ -207,7 +189,7 @@ fn noisy(
     clean: impl Iterator<Item = f64>,
     deviation: f64,
     persistence: f64,
-    random: &mut Random,
+    random: &mut Noise,
 ) -> Vec<f64> {
     let fresh = (1.0 - persistence * persistence).sqrt();
     let mut noise = random.normal();
@@ -266,7 +248,7 @@ fn failures(outcomes: &[CheckOutcome]) -> Vec<Check> {
 
 #[test]
 fn a_right_record_passes() {
-    let mut random = Random::seeded(5);
+    let mut random = Noise::seeded(5);
     let spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
     let outcomes = all(&spectra, &histories(&mut random, 0.0));
     for outcome in outcomes {
@@ -276,7 +258,7 @@ fn a_right_record_passes() {
 
 #[test]
 fn a_gauge_out_of_place_leaves_a_force_at_the_free_end() {
-    let mut random = Random::seeded(6);
+    let mut random = Noise::seeded(6);
     let mut distances = DISTANCES;
     distances[2] += 1e-3;
     let spectra = SpectraOfTest::of(&relaxing(), distances, &mut random);
@@ -286,7 +268,7 @@ fn a_gauge_out_of_place_leaves_a_force_at_the_free_end() {
 
 #[test]
 fn a_gauge_the_wrong_way_round_is_named() {
-    let mut random = Random::seeded(7);
+    let mut random = Noise::seeded(7);
     let mut histories = histories(&mut random, 0.0);
     for value in &mut histories[1] {
         *value = -*value;
@@ -303,7 +285,7 @@ fn a_gauge_the_wrong_way_round_is_named() {
     // An early or a late wave is another matter.
     assert!(!causality(&histories, USUAL_LEVEL).has_failed());
     // A wave below the noise says nothing.
-    let mut random = Random::seeded(8);
+    let mut random = Noise::seeded(8);
     let silence: Vec<Vec<f64>> = (0..3)
         .map(|_| noisy([0.0; 2000].into_iter(), 1.0, 0.0, &mut random))
         .collect();
@@ -312,7 +294,7 @@ fn a_gauge_the_wrong_way_round_is_named() {
 
 #[test]
 fn a_channel_that_is_early_is_not_causal() {
-    let mut random = Random::seeded(9);
+    let mut random = Noise::seeded(9);
     let mut histories = histories(&mut random, 0.0);
     // 80 µs. The wave needs 0.63 ms to this section, 5 % more than the front, and rises slowly: earlier by less than some
     // 40 µs it is not impossible.
@@ -327,7 +309,7 @@ fn a_channel_that_is_early_is_not_causal() {
 #[test]
 fn a_delay_between_channels_leaves_a_force_at_the_free_end() {
     for delay in [-1e-6, 1e-6] {
-        let mut random = Random::seeded(10);
+        let mut random = Noise::seeded(10);
         let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
         for (value, f) in spectra.strains[2].iter_mut().zip(&spectra.frequency_hz) {
             *value *= Complex64::from_polar(1.0, -TAU * f * delay);
@@ -339,7 +321,7 @@ fn a_delay_between_channels_leaves_a_force_at_the_free_end() {
 
 #[test]
 fn a_modulus_that_is_not_causal_fails_kramers_and_kronig_only() {
-    let mut random = Random::seeded(11);
+    let mut random = Noise::seeded(11);
     let law = Medium::new(DENSITY, ConstantBoth { loss_factor: 0.07 }).unwrap();
     let spectra = SpectraOfTest::of(&law, DISTANCES, &mut random);
     let outcomes = all(&spectra, &histories(&mut random, 0.0));
@@ -349,7 +331,7 @@ fn a_modulus_that_is_not_causal_fails_kramers_and_kronig_only() {
 /// Spectra that were made with the other kernel: the material seems to give energy.
 #[test]
 fn negative_losses_are_not_passive() {
-    let mut random = Random::seeded(12);
+    let mut random = Noise::seeded(12);
     let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
     for value in spectra.strains.iter_mut().flatten() {
         *value = value.conj();
@@ -380,7 +362,7 @@ fn elastic_wave(seed: u64) -> ModulusEstimate {
         .rod(&medium, section, LENGTH)
         .end(Termination::semi_infinite(&medium, section))
         .unwrap();
-    let mut random = Random::seeded(seed);
+    let mut random = Noise::seeded(seed);
     let frequency_hz: Vec<f64> = (1..=60).map(|j| 150.0 * f64::from(j)).collect();
     let sections = [0.2, 0.7].map(|x| chain.section(0, x).unwrap());
     let ratio: Vec<Complex64> = frequency_hz
@@ -388,7 +370,7 @@ fn elastic_wave(seed: u64) -> ModulusEstimate {
         .map(|f| {
             let [first, second] =
                 [&sections[0], &sections[1]].map(|s| s.state(TAU * f).unwrap().normal_force);
-            second / first + random.circular(0.01)
+            second / first + random.circular(1e-4)
         })
         .collect();
     SeparatePulses::new(PulsedRod {
@@ -408,7 +390,7 @@ fn assert_rate(name: &str, alarms: usize) {
 
 #[test]
 fn false_alarms_come_at_the_stated_level() {
-    let mut random = Random::seeded(13);
+    let mut random = Noise::seeded(13);
     let alarms = (0..400)
         .filter(|_| {
             SpectraOfTest::of(&relaxing(), DISTANCES, &mut random)
@@ -440,7 +422,7 @@ fn false_alarms_come_at_the_stated_level() {
 /// For Kramers and Kronig the level is an upper bound, as the nearest of many materials takes up some of the noise.
 #[test]
 fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
-    let mut random = Random::seeded(14);
+    let mut random = Noise::seeded(14);
     let (mut alarms, mut sum) = (0, 0.0);
     for _ in 0..60 {
         let estimate = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random).estimate();
@@ -498,7 +480,7 @@ fn records_that_cannot_be_checked_are_refused() {
 
 /// Spectra of few hits, drawn directly: a pulse at two sections with noise in both, what it makes of the modulus by its own lines or with
 /// neighbours.
-fn of_few_hits(random: &mut Random, hits: usize, pooled: bool) -> ModulusEstimate {
+fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate {
     let (medium, distance) = (relaxing(), 0.4);
     let frequency_hz: Vec<f64> = (1..=150).map(|j| 60.0 * f64::from(j)).collect();
     let (mut ratio, mut coherence, mut power) = (Vec::new(), Vec::new(), Vec::new());
@@ -506,10 +488,10 @@ fn of_few_hits(random: &mut Random, hits: usize, pooled: bool) -> ModulusEstimat
         let passage = (-medium.propagation_coefficient(TAU * f) * distance).exp();
         let (mut cross, mut first, mut second) = (Complex64::new(0.0, 0.0), 0.0, 0.0);
         for _ in 0..hits {
-            let pulse = 1.0 + random.circular(0.3);
+            let pulse = 1.0 + random.circular(0.09);
             let (later, earlier) = (
-                passage * pulse + random.circular(NOISE),
-                pulse + random.circular(NOISE),
+                passage * pulse + random.circular(NOISE.powi(2)),
+                pulse + random.circular(NOISE.powi(2)),
             );
             cross += later * earlier.conj();
             first += later.norm_sqr();
@@ -561,7 +543,7 @@ fn r14_variances_of_few_hits_fail_no_right_record() {
     for (hits, pooled) in [(2, false), (3, false), (3, true), (5, true)] {
         let (mut kramers, mut passive) = (0, 0);
         for seed in 0..40 {
-            let mut random = Random::seeded(900 + seed);
+            let mut random = Noise::seeded(900 + seed);
             let estimate = of_few_hits(&mut random, hits, pooled);
             kramers += u32::from(kramers_kronig(&estimate, 0.05).unwrap().has_failed());
             passive += u32::from(passivity(&estimate, 0.05).unwrap().has_failed());
@@ -573,7 +555,7 @@ fn r14_variances_of_few_hits_fail_no_right_record() {
 /// And they see what is wrong: a modulus that is no relaxing one.
 #[test]
 fn r14_few_hits_still_see_a_modulus_that_is_none() {
-    let mut random = Random::seeded(17);
+    let mut random = Noise::seeded(17);
     let estimate = of_few_hits(&mut random, 3, true);
     assert!(!kramers_kronig(&estimate, 0.01).unwrap().has_failed());
     // nothing that relaxes stiffens and softens by 2 % every kilohertz
@@ -612,7 +594,7 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
 fn r14_noise_from_a_short_silence_fails_no_right_record() {
     let (mut kept, mut taken) = (0, 0);
     for seed in 0..30 {
-        let mut random = Random::seeded(300 + seed);
+        let mut random = Noise::seeded(300 + seed);
         let mut spectra = SpectraOfTest::of(&relaxing(), DISTANCES, &mut random);
         for noise in spectra.noise.iter_mut().flatten() {
             let chi_square: f64 = (0..10).map(|_| random.normal().powi(2)).sum();
@@ -641,7 +623,7 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
 }
 
 /// Three gauges with a noise that is known by a silence of a few segments: ten degrees of freedom for fifteen lines.
-fn of_gauges(random: &mut Random, loss: f64) -> ModulusEstimate {
+fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     let positions = [0.0, 0.15, 0.35];
     let frequency_hz: Vec<f64> = (1..=120).map(|j| 60.0 * f64::from(j) + 800.0).collect();
     let mut strains = vec![Vec::new(); positions.len()];
@@ -651,7 +633,7 @@ fn of_gauges(random: &mut Random, loss: f64) -> ModulusEstimate {
         let gamma = Complex64::I * TAU * *f * (DENSITY / modulus).sqrt();
         for (strain, x) in strains.iter_mut().zip(positions) {
             let waves = (-gamma * x).exp() + 0.5 * (gamma * (x - 1.3)).exp();
-            strain.push(waves + random.circular(NOISE));
+            strain.push(waves + random.circular(NOISE.powi(2)));
         }
     }
     let noise: Vec<Vec<f64>> = positions
@@ -685,10 +667,10 @@ fn of_gauges(random: &mut Random, loss: f64) -> ModulusEstimate {
 #[test]
 fn r14_kramers_and_kronig_alarm_at_their_level() {
     let seeds: u64 = std::env::var("SEEDS").map_or(30, |text| text.parse().unwrap());
-    let case = |name: &str, of: &dyn Fn(&mut Random, f64) -> ModulusEstimate| {
+    let case = |name: &str, of: &dyn Fn(&mut Noise, f64) -> ModulusEstimate| {
         let (mut sum, mut below, mut seen) = (0.0, [0; 4], 0);
         for seed in 0..seeds {
-            let mut random = Random::seeded(7000 + seed);
+            let mut random = Noise::seeded(7000 + seed);
             let outcome = kramers_kronig(&of(&mut random, 1.0), 0.05).unwrap();
             sum += outcome.statistic;
             for (below, level) in below.iter_mut().zip([0.01, 0.05, 0.2, 0.5]) {

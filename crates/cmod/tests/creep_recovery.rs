@@ -13,7 +13,7 @@ use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 const TRUTH: ThreeElementParameters = ThreeElementParameters {
     series_modulus: 3100e6,

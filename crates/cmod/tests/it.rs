@@ -22,7 +22,6 @@ mod lateral_inertia;
 mod materials;
 mod multi_point;
 mod neighbours;
-mod noise;
 mod reference_lmfit;
 mod reference_mpmath;
 mod rheology;

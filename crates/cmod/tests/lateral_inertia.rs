@@ -14,7 +14,7 @@ use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
 
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 const DENSITY: f64 = 912.0;
 const DIAMETER: f64 = 0.0158;

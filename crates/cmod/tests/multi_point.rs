@@ -5,4 +5,5 @@ mod advice;
 mod coverage;
 mod exact;
 mod frame;
+mod free_end;
 mod refusals;

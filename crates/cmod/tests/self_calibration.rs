@@ -12,7 +12,7 @@ use cmod::{
 };
 use num_complex::Complex64;
 
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 const GAIN: f64 = 0.014;
 const DELAY: f64 = 3e-6;

@@ -103,7 +103,10 @@ pub use provenance::{ContentHash, Provenance};
 pub use record::Record;
 pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
-pub use spectra::{AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch, completed_motion};
+pub use spectra::{
+    AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch, completed_motion,
+    damping_of_ringing, from_rest,
+};
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};

@@ -6,12 +6,14 @@ mod averager;
 mod detrend;
 pub(crate) mod ending;
 mod rest_noise;
+mod ringing;
 mod welch;
 
 pub use averager::SpectrumAverager;
 pub use detrend::Detrend;
 pub use ending::completed_motion;
 pub use rest_noise::RestNoise;
+pub use ringing::{damping_of_ringing, from_rest};
 pub use welch::Welch;
 
 use num_complex::Complex64;

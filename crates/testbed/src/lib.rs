@@ -12,6 +12,8 @@
 pub mod claim;
 pub mod difference;
 pub mod generated;
+pub mod long_bar;
 pub mod measured;
+pub mod noise;
 pub mod papers;
 pub mod ron_text;

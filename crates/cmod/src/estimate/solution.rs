@@ -3,7 +3,6 @@
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
-use rodwave::medium::modulus_from_propagation;
 use rodwave::slenderness::elementary_theory_error;
 
 use super::uncertainty::{
@@ -11,13 +10,14 @@ use super::uncertainty::{
 };
 use super::{ModulusLine, Refusal, Termination};
 use crate::branch::ResolvedRoot;
+use crate::complex_frequency::ComplexFrequency;
 use crate::validity::{Acceptance, GREATEST_SECOND_ORDER, Validity, Violation};
 
 /// γ of one line and all that goes with it.
 pub(crate) struct Solution {
     pub(crate) index: usize,
-    pub(crate) frequency_hz: f64,
-    /// γ [1/m].
+    pub(crate) frequency: ComplexFrequency,
+    /// γ [1/m], at that frequency.
     pub(crate) gamma: Complex64,
     /// ρ [kg/m³].
     pub(crate) density: f64,
@@ -43,9 +43,11 @@ impl Solution {
     /// The line, judged. Refused if one of its numbers is not finite.
     pub(crate) fn into_line(self, acceptance: &Acceptance) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
-        let omega = TAU * self.frequency_hz;
-        let modulus =
-            modulus_from_propagation(gamma, omega, self.density).map_err(|_| Refusal::NoRoot)?;
+        let frequency_hz = self.frequency.hz();
+        let modulus = self
+            .frequency
+            .modulus(gamma, self.density)
+            .map_err(|_| Refusal::NoRoot)?;
         let mut violations = self.violations;
         if self.second_order > GREATEST_SECOND_ORDER {
             violations.push(Violation::NearSingular {
@@ -80,16 +82,16 @@ impl Solution {
         let standard_error = StandardError::of(
             modulus,
             gamma,
-            self.frequency_hz,
+            frequency_hz,
             &uncertainty.total_covariance(),
         );
         let mut line = ModulusLine {
             index: self.index,
-            frequency_hz: self.frequency_hz,
+            frequency_hz,
             propagation_coefficient: gamma,
             modulus,
             loss_factor: modulus.im / modulus.re,
-            phase_velocity: omega / gamma.im,
+            phase_velocity: TAU * frequency_hz / gamma.im,
             standard_error,
             uncertainty,
             error_amplification: self.error_amplification,

@@ -129,6 +129,8 @@ pub enum ErrorSource {
     GaugeFactor(usize),
     /// Delay of the channel of a gauge, counted from 0.
     GaugeDelay(usize),
+    /// Position of a free end whose condition is used.
+    FreeEnd,
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
     /// Lateral inertia that the theory of the waves leaves in the modulus: all of it in one-dimensional theory.
@@ -144,6 +146,7 @@ impl fmt::Display for ErrorSource {
             }
             Self::GaugeFactor(index) => return write!(formatter, "sensitivity of gauge {index}"),
             Self::GaugeDelay(index) => return write!(formatter, "delay of gauge {index}"),
+            Self::FreeEnd => "position of the free end",
             Self::GainRatio => "ratio of the sensitivities",
             Self::Delay => "delay between the channels",
             Self::PoissonRatio => "poisson's ratio",

@@ -68,6 +68,7 @@ pub fn predict<L: PropagationLaw>(
         weights: vec![1.0; positions.len()],
         variance: 1.0,
         power: 0.0,
+        has_free_end: false,
     };
     let prediction = |&frequency_hz: &f64| {
         let gamma = medium.propagation_coefficient(TAU * frequency_hz);

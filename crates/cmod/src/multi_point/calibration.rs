@@ -1,17 +1,17 @@
 //! Sensitivities, delays and positions of gauges from the lines themselves.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex64;
-use rodwave::medium::modulus_from_propagation;
 
 use super::projection::Projection;
 use super::spectra::{GaugeSpectra, GaugedRod, WhiteLine};
 use super::uncertainty::{GaugeError, GaugeUncertainty};
-use super::{MultiPoint, ThreePoint};
+use super::{MultiPoint, Quantity, ThreePoint};
+use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
-use crate::self_calibration::{Experiment, LinearisedLine, Misfit, SelfCalibration, found};
+use crate::self_calibration::{
+    Experiment, LinearisedLine, Misfit, SelfCalibration, continuation, found,
+};
 
 /// A method that finds the modulus from the spectra of gauges.
 pub trait GaugeMethod: Sized {
@@ -27,7 +27,23 @@ pub trait GaugeMethod: Sized {
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// The complex modulus from gauges at these `positions` \[m\]: by least squares where the method takes none but its own.
+    /// Whether the last of the rod's positions is that of a free end.
+    fn has_free_end(&self) -> bool {
+        false
+    }
+
+    /// Quantity of the gauges.
+    fn quantity(&self) -> Quantity {
+        Quantity::Strain
+    }
+
+    /// Damping σ that was added to the records [1/s].
+    fn added_damping(&self) -> f64 {
+        0.0
+    }
+
+    /// The complex modulus from gauges at these `positions` \[m\]: by least squares where the method takes none but its own. It is that on the lines
+    /// s = σ + iω of the added damping σ.
     ///
     /// # Errors
     /// Those of the method and of the positions.
@@ -51,6 +67,18 @@ impl GaugeMethod for MultiPoint {
         Ok(self.estimate(spectra)?.modulus)
     }
 
+    fn has_free_end(&self) -> bool {
+        self.has_free_end
+    }
+
+    fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    fn added_damping(&self) -> f64 {
+        self.added_damping
+    }
+
     fn estimate_at(
         &self,
         positions: Vec<f64>,
@@ -59,7 +87,7 @@ impl GaugeMethod for MultiPoint {
         let mut moved = self.clone();
         moved.rod.positions = positions;
         moved.rod.check()?;
-        moved.estimate_modulus(spectra)
+        Ok(moved.on_lines(spectra)?.modulus)
     }
 }
 
@@ -131,7 +159,17 @@ impl SelfCalibration {
             spectra,
             sources,
         };
-        found(&measured, &experiment)
+        let mut found = found(&measured, &experiment)?;
+        if let Some(found) = &mut found
+            && method.added_damping() > 0.0
+        {
+            found.continue_to_axis(
+                method.added_damping(),
+                method.rod().diameter,
+                method.rod().aperture(),
+            )?;
+        }
+        Ok(found)
     }
 }
 
@@ -143,26 +181,31 @@ struct GaugeExperiment<'a, M> {
 }
 
 impl<M: GaugeMethod> GaugeExperiment<'_, M> {
-    /// Each error of one standard uncertainty, at `omega`.
-    fn errors(&self, omega: f64) -> impl Iterator<Item = GaugeError> {
+    /// Each error of one standard uncertainty, at s = σ + iω.
+    fn errors(&self, s: Complex64) -> impl Iterator<Item = GaugeError> {
         let sources = self.sources.iter();
+        let rod = self.method.rod();
         sources
-            .filter_map(move |(source, uncertainty)| GaugeError::of(*source, *uncertainty, omega))
+            .filter_map(move |(source, uncertainty)| GaugeError::of(*source, *uncertainty, s, rod))
     }
 
     /// Factor on the spectra of `gauge` that takes errors of the sizes `removed` out of them.
-    fn factor(&self, gauge: usize, omega: f64, removed: &[f64]) -> Complex64 {
-        let own = self.errors(omega).zip(removed);
+    fn factor(&self, gauge: usize, s: Complex64, removed: &[f64]) -> Complex64 {
+        let own = self.errors(s).zip(removed);
         let own = own.filter(|(error, _)| error.gauge == gauge);
         own.map(|(error, size)| -*size * error.by_value)
             .sum::<Complex64>()
             .exp()
     }
 
+    fn frequency(&self, hz: f64) -> ComplexFrequency {
+        ComplexFrequency::new(hz, self.method.added_damping())
+    }
+
     fn positions(&self, removed: &[f64]) -> Vec<f64> {
         let mut positions = self.method.rod().positions.clone();
         // no position depends on the frequency
-        for (error, size) in self.errors(0.0).zip(removed) {
+        for (error, size) in self.errors(Complex64::ZERO).zip(removed) {
             if let Some(position) = positions.get_mut(error.gauge) {
                 *position += size * error.by_slope;
             }
@@ -172,11 +215,15 @@ impl<M: GaugeMethod> GaugeExperiment<'_, M> {
 }
 
 impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
+    fn added_damping(&self) -> f64 {
+        self.method.added_damping()
+    }
+
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError> {
         let corrected = |spectrum: &Vec<Complex64>, gauge: usize| -> Vec<Complex64> {
             let lines = spectrum.iter().zip(self.spectra.frequency_hz);
             lines
-                .map(|(value, f)| value * self.factor(gauge, TAU * f, removed))
+                .map(|(value, f)| value * self.factor(gauge, self.frequency(*f).laplace(), removed))
                 .collect()
         };
         let tests: Vec<Vec<Vec<Complex64>>> = self
@@ -204,21 +251,23 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
         gamma: Complex64,
         removed: &[f64],
     ) -> Option<LinearisedLine> {
-        let omega = TAU * line.frequency_hz;
-        let n_gauges = self.method.rod().positions.len();
-        let mut white = WhiteLine::for_spectra(self.spectra, n_gauges);
+        let frequency = self.frequency(line.frequency_hz);
+        let s = frequency.laplace();
+        let n_rows = self.method.rod().positions.len();
+        let mut white = WhiteLine::for_spectra(self.spectra, n_rows);
         white.load(self.spectra, line.index).ok()?;
-        let factors: Vec<Complex64> = (0..n_gauges)
-            .map(|gauge| self.factor(gauge, omega, removed))
+        let factors: Vec<Complex64> = (0..n_rows)
+            .map(|gauge| self.factor(gauge, s, removed))
             .collect();
         for (value, factor) in white.values.iter_mut().zip(factors.iter().cycle()) {
             *value *= factor;
         }
-        let errors: Vec<GaugeError> = self.errors(omega).collect();
-        let mut projection = Projection::new(&self.positions(removed));
+        let errors: Vec<GaugeError> = self.errors(s).collect();
+        let is_slope = self.method.has_free_end() && self.method.quantity() != Quantity::Strain;
+        let mut projection = Projection::with_last_row(&self.positions(removed), is_slope);
         let about = projection.about(gamma, &white, &errors)?;
         let density = self.method.rod().density;
-        let modulus = modulus_from_propagation(gamma, omega, density).ok()?;
+        let modulus = frequency.modulus(gamma, density).ok()?;
         let by_gamma = -2.0 * modulus / gamma;
         let of_gauges = self.sources.iter().zip(&about.moves);
         let mut shifts: Vec<SystematicShift> = of_gauges
@@ -231,13 +280,18 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
         shifts.extend(others.copied());
         Some(LinearisedLine {
             modulus: modulus + by_gamma * about.step,
-            variance: white.variance * by_gamma.norm_sqr() / about.information,
+            // lines that go together tell less than as many independent ones
+            variance: white.variance * by_gamma.norm_sqr() / about.information
+                * continuation::lines_per_independent_line(
+                    self.spectra.frequency_hz,
+                    self.method.added_damping(),
+                ),
             shifts,
             misfit: Some(Misfit {
                 normal: about.normal,
                 gradient: about.gradient,
                 square: about.square,
-                degrees_of_freedom: (2 * (white.n_tests() * (n_gauges - 2) - 1)) as f64,
+                degrees_of_freedom: (2 * (white.n_tests() * (n_rows - 2) - 1)) as f64,
             }),
         })
     }

@@ -30,8 +30,8 @@ impl Expectation {
         }
     }
 
-    /// γ expected at ω.
-    pub(super) fn gamma(&self, omega: f64) -> Complex64 {
+    /// γ expected at `omega`, which is ω - iσ where damping was added.
+    pub(super) fn gamma(&self, omega: Complex64) -> Complex64 {
         Complex64::new(self.slowness.re.max(0.0), self.slowness.im) * omega
     }
 
@@ -41,8 +41,8 @@ impl Expectation {
     }
 
     /// What speaks against `gamma`, found at ω.
-    pub(super) fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
-        let advance = self.advance(omega);
+    pub(super) fn doubt(&self, omega: Complex64, gamma: Complex64) -> Option<BranchDoubt> {
+        let advance = self.advance(omega.re);
         let expected = self.gamma(omega).im * self.distance;
         let found = gamma.im * self.distance;
         if advance > PI {
@@ -55,14 +55,14 @@ impl Expectation {
     }
 
     /// One more line, with the `information` 1/var γ. The weight of a line fades to 1/e over a quarter wave.
-    pub(super) fn update(&mut self, omega: f64, gamma: Complex64, information: f64) {
-        let kept = self.weight * (-self.advance(omega) / FRAC_PI_2).exp();
-        let new = omega * omega * information;
+    pub(super) fn update(&mut self, omega: Complex64, gamma: Complex64, information: f64) {
+        let kept = self.weight * (-self.advance(omega.re) / FRAC_PI_2).exp();
+        let new = omega.norm_sqr() * information;
         let weight = kept + new;
         if weight > 0.0 && weight.is_finite() {
             self.slowness = (kept * self.slowness + new * (gamma / omega)) / weight;
             self.weight = weight;
-            self.last_omega = omega;
+            self.last_omega = omega.re;
         }
     }
 }

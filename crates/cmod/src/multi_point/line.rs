@@ -1,20 +1,18 @@
 //! From a propagation coefficient and its variance to a line of the result.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex64;
-use rodwave::medium::modulus_from_propagation;
 
 use super::spectra::GaugedRod;
 use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::ResolvedRoot;
+use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
 use crate::validity::{Acceptance, Violation, conditions};
 
 /// γ of one line and all that goes with it.
 pub(super) struct SolvedLine {
     pub(super) index: usize,
-    pub(super) frequency_hz: f64,
+    pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
@@ -37,15 +35,19 @@ impl SolvedLine {
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
-        let modulus = modulus_from_propagation(gamma, TAU * self.frequency_hz, rod.density)
+        let modulus = self
+            .frequency
+            .modulus(gamma, rod.density)
             .map_err(|_| Refusal::NoRoot)?;
-        let omega = TAU * self.frequency_hz;
-        let systematic = uncertainty.shifts(omega, (gamma, modulus), rod.density, &self.influence);
-        let mut violations = conditions(gamma, rod.diameter, rod.aperture());
-        violations.extend(self.violations);
+        let s = self.frequency.laplace();
+        let systematic = uncertainty.shifts(s, (gamma, modulus), rod, &self.influence);
+        let mut violations = self.violations;
+        if self.frequency.is_on_axis() {
+            violations.splice(0..0, conditions(gamma, rod.diameter, rod.aperture()));
+        }
         Solution {
             index: self.index,
-            frequency_hz: self.frequency_hz,
+            frequency: self.frequency,
             gamma,
             density: rod.density,
             diameter: rod.diameter,

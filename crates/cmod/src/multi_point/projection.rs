@@ -81,6 +81,8 @@ pub(super) struct Projection {
     /// x - x₁ and x_n - x.
     from_first: Vec<f64>,
     to_last: Vec<f64>,
+    /// Of the forward wave in each row: -1 where a motion has no slope at a free end.
+    forward_signs: Vec<f64>,
     aperture: f64,
     forward: Vec<Complex64>,
     backward: Vec<Complex64>,
@@ -95,10 +97,20 @@ pub(super) struct Projection {
 
 impl Projection {
     pub(super) fn new(positions: &[f64]) -> Self {
+        Self::with_last_row(positions, false)
+    }
+
+    /// With the free end of a rod with gauges of motion as the last row, if `is_slope`.
+    pub(super) fn with_last_row(positions: &[f64], is_slope: bool) -> Self {
         let first = positions.first().copied().unwrap_or_default();
         let last = positions.last().copied().unwrap_or_default();
         let column = || vec![Complex64::ZERO; positions.len()];
+        let mut forward_signs = vec![1.0; positions.len()];
+        if let Some(sign) = forward_signs.last_mut().filter(|_| is_slope) {
+            *sign = -1.0;
+        }
         Self {
+            forward_signs,
             from_first: positions.iter().map(|x| x - first).collect(),
             to_last: positions.iter().map(|x| last - x).collect(),
             aperture: last - first,
@@ -121,14 +133,15 @@ impl Projection {
         let mut forward_power = 0.0;
         let mut backward_power = 0.0;
         let mut shared = Complex64::ZERO;
-        for ((x, w), (f, b)) in self
+        for (((x, sign), w), (f, b)) in self
             .from_first
             .iter()
+            .zip(&self.forward_signs)
             .zip(weights)
             .zip(self.forward.iter_mut().zip(&mut self.backward))
         {
             let wave = (-gamma * x).exp();
-            *f = wave * w;
+            *f = wave * (sign * w);
             // e^{-γ(x_n - x)}: one exponential serves both columns
             *b = whole * wave.conj() * (w / wave.norm_sqr());
             forward_power += f.norm_sqr();

@@ -144,6 +144,10 @@ impl GaugeSpectra<'_> {
     }
 }
 
+/// Weight of the condition at a free end by the largest of a gauge. In the variances it leaves 1e-6 of what an exact condition would not have;
+/// rounding grows to 1e-13.
+const WEIGHT_OF_FREE_END: f64 = 1e3;
+
 /// One line of all tests, divided by the noise of each gauge.
 pub(super) struct WhiteLine {
     /// (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
@@ -154,13 +158,17 @@ pub(super) struct WhiteLine {
     pub(super) variance: f64,
     /// Sum of the squares of the values.
     pub(super) power: f64,
+    /// The last row is the free end, where the strain is 0.
+    pub(super) has_free_end: bool,
 }
 
 impl WhiteLine {
-    pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_gauges: usize) -> Self {
+    /// For `n_rows` rows: one more than there are gauges where the last is a free end.
+    pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
         Self {
-            values: Vec::with_capacity(spectra.tests.len() * n_gauges),
-            weights: Vec::with_capacity(n_gauges),
+            has_free_end: n_rows > spectra.noise.len(),
+            values: Vec::with_capacity(spectra.tests.len() * n_rows),
+            weights: Vec::with_capacity(n_rows),
             variance: 1.0,
             power: 0.0,
         }
@@ -172,7 +180,14 @@ impl WhiteLine {
 
     /// Mean power of a value.
     pub(super) fn mean_power(&self) -> f64 {
-        self.power / self.values.len() as f64
+        let rows = self.weights.len().max(1);
+        let gauges = rows - usize::from(self.has_free_end);
+        self.power / (self.values.len() / rows * gauges) as f64
+    }
+
+    /// Noise by signal, root mean squares of all gauges.
+    pub(super) fn noise_to_signal(&self) -> f64 {
+        (self.variance / self.mean_power()).sqrt()
     }
 
     /// Takes line `index` of the spectra.
@@ -194,6 +209,10 @@ impl WhiteLine {
         } else {
             return Err(Refusal::NoiseOfSomeGauges);
         }
+        if self.has_free_end {
+            let largest = self.weights.iter().copied().fold(0.0, f64::max);
+            self.weights.push(WEIGHT_OF_FREE_END * largest);
+        }
         self.values.clear();
         self.power = 0.0;
         for test in spectra.tests {
@@ -205,6 +224,9 @@ impl WhiteLine {
                 let value = spectrum[index] * weight;
                 self.power += value.norm_sqr();
                 self.values.push(value);
+            }
+            if self.has_free_end {
+                self.values.push(Complex64::ZERO);
             }
         }
         if !self.power.is_finite() {

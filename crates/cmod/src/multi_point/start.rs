@@ -5,13 +5,13 @@
 //! to one wavelength between the outermost gauges, is least. The misfit enters by its logarithm, and the worst third of the
 //! lines not at all, so that bad lines cannot decide. The best speeds are compared once more on more lines.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex64;
 
+use super::MOST_NOISE;
 use super::projection::Projection;
 use super::spectra::{GaugeSpectra, WhiteLine};
 use crate::branch::BranchDoubt;
+use crate::complex_frequency::ComplexFrequency;
 
 /// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
 const SLOWEST: f64 = 20.0;
@@ -49,12 +49,14 @@ pub(super) fn wave_speed(
     usable: &[usize],
     aperture: f64,
     guess: Option<f64>,
+    added_damping: f64,
 ) -> Option<Start> {
     let (slowest, fastest) = guess.map_or((SLOWEST, FASTEST), |speed| {
         (speed / GUESS_FACTOR, speed * GUESS_FACTOR)
     });
     let mut search = Search {
         line: WhiteLine::for_spectra(spectra, projection.n_gauges()),
+        added_damping,
         projection,
         spectra,
         usable,
@@ -131,6 +133,7 @@ struct Search<'a> {
     usable: &'a [usize],
     aperture: f64,
     line: WhiteLine,
+    added_damping: f64,
     misfits: Vec<f64>,
 }
 
@@ -151,10 +154,14 @@ impl Search<'_> {
         let stride = within.len().div_ceil(count).max(1);
         self.misfits.clear();
         for index in within.iter().rev().step_by(stride) {
-            if self.line.load(self.spectra, *index).is_err() {
+            // noise fits any speed
+            if self.line.load(self.spectra, *index).is_err()
+                || self.line.noise_to_signal() > MOST_NOISE
+            {
                 continue;
             }
-            let gamma = slowness * (TAU * frequency(index));
+            let gamma =
+                slowness * ComplexFrequency::new(frequency(index), self.added_damping).omega();
             let Some(misfit) = self.projection.misfit(gamma, &self.line) else {
                 return f64::INFINITY;
             };
@@ -176,6 +183,8 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     const POSITIONS: [f64; 3] = [0.0, 0.08, 0.2];
@@ -204,6 +213,7 @@ mod tests {
             &usable,
             0.2,
             None,
+            0.0,
         )
         .unwrap()
     }

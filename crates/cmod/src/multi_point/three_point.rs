@@ -15,6 +15,7 @@ use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
 use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::{BranchTracker, SpecimenRecord};
+use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
     Method, ModulusEstimate, Refusal, RefusedLine, Termination, VarianceFreedom,
@@ -167,7 +168,7 @@ impl ThreePoint {
     /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
     /// each gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
-        self.uncertainty = uncertainty.check(&self.rod)?;
+        self.uncertainty = uncertainty.check(self.rod.positions.len(), false)?;
         Ok(self)
     }
 
@@ -267,7 +268,7 @@ impl ThreePoint {
         }
         SolvedLine {
             index: ratio.index,
-            frequency_hz: ratio.frequency_hz,
+            frequency: ComplexFrequency::on_axis(ratio.frequency_hz),
             gamma: gamma_a / a,
             variance: ratio.variance / (a * a * sinh.norm_sqr()),
             influence: ratio.influence(gamma_a / a, a),

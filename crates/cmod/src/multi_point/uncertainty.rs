@@ -13,7 +13,7 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// density:           dE/E = dρ/ρ
 /// position of j:     dE/E = -(2/γ) (∂γ/∂x_j) dx_j
 /// sensitivity of j:  dE/E = -(2/γ) (∂γ/∂ln q_j) u_j
-/// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-iω dt_j)
+/// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-s dt_j)
 /// ```
 ///
 /// Where a gauge is off by dx it measures q(x) + q'(x) dx, and γ follows as from any other error of that gauge: of several gauges
@@ -30,6 +30,8 @@ pub struct GaugeUncertainty {
     pub factors: Vec<f64>,
     /// Of the delay of the channel of each gauge \[s\].
     pub delays: Vec<f64>,
+    /// Of the position of the free end \[m\], where the rod has one that is used.
+    pub free_end: f64,
 }
 
 /// An error of one gauge: by so much of its value, and of the slope there, it measures more.
@@ -42,13 +44,20 @@ pub(super) struct GaugeError {
 }
 
 impl GaugeError {
-    /// That of a source which is wrong by its standard `uncertainty`, at `omega`; `None` if it is not of a gauge.
-    pub(super) fn of(source: ErrorSource, uncertainty: f64, omega: f64) -> Option<Self> {
+    /// That of a source which is wrong by its standard `uncertainty`, at s = σ + iω; `None` if it is not of one of the `rod`'s gauges.
+    pub(super) fn of(
+        source: ErrorSource,
+        uncertainty: f64,
+        s: Complex64,
+        rod: &GaugedRod,
+    ) -> Option<Self> {
         let (gauge, by_value, by_slope) = match source {
             ErrorSource::GaugePosition(gauge) => (gauge, Complex64::ZERO, uncertainty),
             ErrorSource::GaugeFactor(gauge) => (gauge, uncertainty.into(), 0.0),
-            ErrorSource::GaugeDelay(gauge) => {
-                (gauge, Complex64::new(0.0, -omega * uncertainty), 0.0)
+            ErrorSource::GaugeDelay(gauge) => (gauge, -s * uncertainty, 0.0),
+            ErrorSource::FreeEnd => {
+                let last = rod.positions.len().checked_sub(1)?;
+                (last, Complex64::ZERO, uncertainty)
             }
             _ => return None,
         };
@@ -70,7 +79,18 @@ pub(super) struct GaugeInfluence {
 }
 
 impl GaugeUncertainty {
-    pub(super) fn check(self, rod: &GaugedRod) -> Result<Self, CmodError> {
+    pub(super) fn check(self, n_gauges: usize, has_free_end: bool) -> Result<Self, CmodError> {
+        check_not_negative(
+            "uncertainty of the position of the free end [m]",
+            self.free_end,
+        )?;
+        if self.free_end > 0.0 && !has_free_end {
+            return Err(CmodError::NonPhysical {
+                quantity: "uncertainty of the position of the free end [m]",
+                value: self.free_end,
+                expected: "0: no free end is used",
+            });
+        }
         check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
         for (quantity, values, expected) in [
             (
@@ -92,7 +112,7 @@ impl GaugeUncertainty {
             for value in values {
                 check_not_negative(quantity, *value)?;
             }
-            if !values.is_empty() && values.len() != rod.positions.len() {
+            if !values.is_empty() && values.len() != n_gauges {
                 return Err(CmodError::GaugeCount {
                     found: values.len(),
                     expected,
@@ -108,6 +128,7 @@ impl GaugeUncertainty {
             .into_iter()
             .flatten()
             .any(|value| *value > 0.0)
+            || self.free_end > 0.0
     }
 
     /// Sources of the gauges with their standard uncertainties, but for those that are exact: positions, sensitivities, delays.
@@ -124,22 +145,23 @@ impl GaugeUncertainty {
         of(&self.positions, ErrorSource::GaugePosition)
             .chain(of(&self.factors, ErrorSource::GaugeFactor))
             .chain(of(&self.delays, ErrorSource::GaugeDelay))
+            .chain((self.free_end > 0.0).then_some((ErrorSource::FreeEnd, self.free_end)))
     }
 
-    /// Shifts of a line at `omega` with `gamma` and `modulus` in a rod of this `density`, from the influence of each gauge.
+    /// Shifts of a line at `s` with `gamma` and `modulus` in this `rod`, from the influence of each gauge.
     pub(super) fn shifts(
         &self,
-        omega: f64,
+        s: Complex64,
         (gamma, modulus): (Complex64, Complex64),
-        density: f64,
+        rod: &GaugedRod,
         influence: &[GaugeInfluence],
     ) -> Vec<SystematicShift> {
         let of_density = (self.density > 0.0).then(|| {
-            let shift = modulus * (self.density / density);
+            let shift = modulus * (self.density / rod.density);
             SystematicShift::new(ErrorSource::Density, shift, Complex64::ZERO)
         });
         let of_gauges = self.of_gauges().filter_map(|(source, uncertainty)| {
-            let error = GaugeError::of(source, uncertainty, omega)?;
+            let error = GaugeError::of(source, uncertainty, s, rod)?;
             let influence = influence.get(error.gauge)?;
             let of_gamma = error.by_slope * influence.position + error.by_value * influence.scale;
             let of_modulus = -2.0 * modulus / gamma * of_gamma;

@@ -1,10 +1,9 @@
 //! The two waves at a section, with their covariance.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex64;
 
 use super::projection::TestWaves;
+use crate::complex_frequency::ComplexFrequency;
 
 /// What the gauges measure. All of these obey the same equation (paper B, after eq. 7); the choice only tells how to turn
 /// the waves of one into those of another.
@@ -66,7 +65,7 @@ impl WavesAtSection {
 /// What of a line the waves need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineOfWaves {
-    pub(super) frequency_hz: f64,
+    pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
     /// Variance E|δγ|² [1/m²].
     pub(super) gamma_variance: f64,
@@ -89,7 +88,7 @@ pub(super) fn waves_at(
     let (x_measured, t_measured) = measured.derivatives();
     let (x_wanted, t_wanted) = wanted.derivatives();
     let order = x_wanted - x_measured;
-    let in_time = Complex64::new(0.0, TAU * line.frequency_hz).powi(t_wanted - t_measured);
+    let in_time = line.frequency.laplace().powi(t_wanted - t_measured);
     let wave = |(amplitude, drift): (Complex64, Complex64), way: f64, sign: f64| {
         let factor = in_time * (sign * line.gamma).powi(order) * (-line.gamma * way).exp();
         let by_gamma = -drift + amplitude * (f64::from(order) / line.gamma - way);

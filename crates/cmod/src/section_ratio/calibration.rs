@@ -64,6 +64,10 @@ struct RatioExperiment<'a, M: ?Sized> {
 }
 
 impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
+    fn added_damping(&self) -> f64 {
+        0.0
+    }
+
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError> {
         let mut ratio = self.lines.ratio.to_vec();
         for (error, size) in self.lines.common.iter().zip(removed) {

@@ -4,6 +4,7 @@ use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
+use super::LARGEST_TERM;
 use super::line::{LinearisedLine, Misfit, shift_of, sources_of};
 use super::smooth::Smoothing;
 use super::vectors::{dot, length, without};
@@ -31,9 +32,10 @@ impl Posterior {
         about: &[LinearisedLine],
         measured: &[ErrorSource],
         removed: &[f64],
+        added_damping: f64,
     ) -> Option<Self> {
         let sources = sources_of(about, measured);
-        let smoothing = Smoothing::of(lines, about)?;
+        let smoothing = Smoothing::of(lines, about, added_damping, LARGEST_TERM)?;
         let rows = 2 * lines.len();
         let freedom = rows as f64 - smoothing.parameters;
         let unknowns = smoothing.parameters + sources.len() as f64;

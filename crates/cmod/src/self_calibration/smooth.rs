@@ -1,12 +1,11 @@
 //! What a smooth and causal modulus can follow of values on lines, and what it cannot.
 
-use std::f64::consts::TAU;
-
 use faer::Mat;
 use num_complex::Complex64;
 
 use super::line::LinearisedLine;
 use super::vectors::{dot, subtract};
+use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 
 /// Quotient of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of ten, which
@@ -14,27 +13,40 @@ use crate::estimate::ModulusLine;
 const GRID: f64 = 1.5;
 /// The grid goes so far beyond the band.
 const BEYOND: f64 = 1000.0;
-/// Standard deviation of the largest contribution of a term in the band, by the largest modulus there.
-const LARGEST_TERM: f64 = 10.0;
 
 /// Least squares of a smooth modulus through lines, in units of their noise.
 pub(super) struct Smoothing {
     weights: Vec<f64>,
     /// Orthonormal directions of all smooth moduli, over the lines and the priors of the coefficients.
     basis: Vec<Vec<f64>>,
+    functions: SmoothModulus,
     /// Number of parameters that the lines determine.
     pub(super) parameters: f64,
 }
 
 impl Smoothing {
-    /// `None` without lines, or where a value is not finite.
-    pub(super) fn of(lines: &[&ModulusLine], about: &[LinearisedLine]) -> Option<Self> {
+    /// With values on the lines s = σ + iω of the `added_damping` σ, and terms whose contribution has the standard deviation `largest_term` by the
+    /// largest modulus. `None` without lines, or where a value is not finite.
+    pub(super) fn of(
+        lines: &[&ModulusLine],
+        about: &[LinearisedLine],
+        added_damping: f64,
+        largest_term: f64,
+    ) -> Option<Self> {
         let weight = |line: &LinearisedLine| (2.0 / line.variance).sqrt();
         let weights: Vec<f64> = about.iter().map(weight).collect();
-        let columns: Vec<Vec<f64>> = SmoothModulus::on(lines)?
-            .terms(lines)
-            .into_iter()
-            .map(|term| whitened(&weights, term.into_iter()))
+        let laplace =
+            |line: &&ModulusLine| ComplexFrequency::new(line.frequency_hz, added_damping).laplace();
+        let places: Vec<Complex64> = lines.iter().map(laplace).collect();
+        let largest = lines.iter().map(|line| line.modulus.norm());
+        let largest = largest_term * largest.fold(0.0, f64::max);
+        let functions = SmoothModulus::on(&places, largest)?;
+        let terms: Vec<Vec<Complex64>> = places.iter().map(|s| functions.at(*s)).collect();
+        let columns: Vec<Vec<f64>> = (0..functions.scales.len())
+            .map(|term| {
+                let values = terms.iter().filter_map(|line| line.get(term).copied());
+                whitened(&weights, values)
+            })
             .collect();
         let rows = 2 * lines.len();
         let basis = basis(&columns, rows)?;
@@ -45,7 +57,37 @@ impl Smoothing {
             weights,
             parameters: basis.iter().map(of_lines).sum(),
             basis,
+            functions,
         })
+    }
+
+    /// Parts of whitened `values` along the directions.
+    pub(super) fn parts(&self, values: &[f64]) -> Vec<f64> {
+        self.basis
+            .iter()
+            .map(|direction| dot(direction, values))
+            .collect()
+    }
+
+    /// The smooth modulus at `to` less that at `from` \[1/s\], by the part along each direction. The rows of the priors are the coefficients of the functions
+    /// in each direction.
+    pub(super) fn difference(&self, from: Complex64, to: Complex64) -> Vec<Complex64> {
+        let rows = 2 * self.weights.len();
+        let terms = self
+            .functions
+            .at(to)
+            .into_iter()
+            .zip(self.functions.at(from));
+        let terms: Vec<Complex64> = terms.map(|(to, from)| to - from).collect();
+        let along = |direction: &Vec<f64>| -> Complex64 {
+            let coefficients = direction.iter().skip(rows);
+            terms
+                .iter()
+                .zip(coefficients)
+                .map(|(term, c)| term * c)
+                .sum()
+        };
+        self.basis.iter().map(along).collect()
     }
 
     /// Values of the lines by their noise, real and imaginary parts in turn, and 0 for the priors.
@@ -84,53 +126,52 @@ fn whitened(weights: &[f64], values: impl Iterator<Item = Complex64>) -> Vec<f64
     whitened.flat_map(|value| [value.re, value.im]).collect()
 }
 
-/// Functions of frequency whose sums any smooth and causal modulus in a band is.
+/// Functions of s whose sums any smooth and causal modulus in a band is.
 struct SmoothModulus {
     relaxation_times: Vec<f64>,
+    /// \[rad/s\].
     highest: f64,
+    /// Of each function, by which it is as large in the band as its coefficient may be expected at most.
+    scales: Vec<f64>,
 }
 
 impl SmoothModulus {
-    /// `None` without lines.
-    fn on(lines: &[&ModulusLine]) -> Option<Self> {
-        let lowest = TAU * lines.first()?.frequency_hz;
-        let highest = TAU * lines.last()?.frequency_hz;
+    /// With terms up to `largest` \[Pa\] at increasing places s; `None` without any.
+    fn on(places: &[Complex64], largest: f64) -> Option<Self> {
+        let lowest = places.first()?.im;
+        let highest = places.last()?.im;
         let shortest = (BEYOND * highest).recip();
         let longest = BEYOND / lowest;
         let relaxation_times = std::iter::successors(Some(shortest), |tau| Some(GRID * tau));
-        Some(Self {
-            relaxation_times: relaxation_times.take_while(|tau| *tau <= longest).collect(),
+        let relaxation_times: Vec<f64> =
+            relaxation_times.take_while(|tau| *tau <= longest).collect();
+        let mut functions = Self {
+            scales: vec![1.0; 3 + relaxation_times.len()],
+            relaxation_times,
             highest,
-        })
+        };
+        let mut sizes = vec![0.0_f64; functions.scales.len()];
+        for s in places {
+            for (size, value) in sizes.iter_mut().zip(functions.at(*s)) {
+                *size = size.max(value.norm());
+            }
+        }
+        functions.scales = sizes.iter().map(|size| largest / size).collect();
+        Some(functions)
     }
 
-    /// Each function on the `lines`, as large as its coefficient may be expected at most.
-    fn terms(&self, lines: &[&ModulusLine]) -> Vec<Vec<Complex64>> {
-        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let modulus = largest(&mut lines.iter().map(|line| line.modulus.norm()));
-        let on_lines = |function: &dyn Fn(f64) -> Complex64| -> Vec<Complex64> {
-            let values = lines.iter().map(|line| function(TAU * line.frequency_hz));
-            let mut values: Vec<Complex64> = values.collect();
-            let scale =
-                LARGEST_TERM * modulus / largest(&mut values.iter().map(|value| value.norm()));
-            for value in &mut values {
-                *value *= scale;
-            }
-            values
-        };
-        let relative = |omega: f64| omega / self.highest;
-        let mut terms = vec![
-            on_lines(&|_| Complex64::ONE),
-            on_lines(&|omega| Complex64::new(0.0, relative(omega))),
-            on_lines(&|omega| Complex64::new(relative(omega).powi(2), 0.0)),
-        ];
-        terms.extend(self.relaxation_times.iter().map(|tau| {
-            on_lines(&|omega| {
-                let phase = Complex64::new(0.0, omega * tau);
-                phase / (1.0 + phase)
-            })
-        }));
-        terms
+    /// Each function at s.
+    fn at(&self, s: Complex64) -> Vec<Complex64> {
+        let relative = s / self.highest;
+        let first = [Complex64::ONE, relative, -(relative * relative)];
+        let relaxation = self.relaxation_times.iter().map(|tau| {
+            let phase = s * tau;
+            phase / (1.0 + phase)
+        });
+        let all = first.into_iter().chain(relaxation);
+        all.zip(&self.scales)
+            .map(|(value, scale)| value * scale)
+            .collect()
     }
 }
 

@@ -11,7 +11,7 @@ use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen};
 use rodwave::medium::{Medium, PropagationLaw};
 
 use crate::golden::{Row, golden};
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 /// Mass of the accelerometers of paper A with their connectors [kg].
 pub(crate) const ACCELEROMETER: f64 = 2.9e-3;

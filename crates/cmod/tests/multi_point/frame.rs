@@ -12,7 +12,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
 use crate::materials;
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 pub(crate) const DENSITY: f64 = 919.0;
 pub(crate) const DIAMETER: f64 = 0.016;

@@ -21,7 +21,7 @@ use rodwave::synthesis::DampedSynthesis;
 use testbed::difference::largest;
 
 use super::rod::{DENSITY, DIAMETER, LENGTH, lines, polypropylene, with_end_mass};
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 const ACCELEROMETER: f64 = 2.9e-3;
 const INTERVAL: f64 = 4e-6;

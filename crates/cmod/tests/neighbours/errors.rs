@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::methods::{Belief, methods, resonances};
 use super::rod::{lines, polypropylene};
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 /// The ratio over four tests with noise of `noise` times the root mean square of the two signals of each line.
 fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> RatioOfSpectra {

@@ -12,7 +12,7 @@ use cmod::{
 use num_complex::Complex64;
 
 use super::rod::{DENSITY, DIAMETER, LENGTH, VirtualRod, polypropylene};
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 const END_MASS: f64 = 2.9e-3;
 pub(crate) const UNCERTAINTY: SectionUncertainty = SectionUncertainty {

@@ -4,7 +4,7 @@ use cmod::estimate::ErrorSource;
 
 use super::methods::{Belief, RIGHT, UNCERTAINTY, methods, resonances};
 use super::rod::{DENSITY, lines};
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 #[test]
 fn systematic_errors_are_those_of_wrong_descriptions() {

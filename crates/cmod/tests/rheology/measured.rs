@@ -7,7 +7,7 @@ use cmod::rheology::{ModulusData, ModulusPoint};
 use num_complex::Complex64;
 use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
 
-use crate::noise;
+use testbed::noise;
 
 /// Frequencies at equal ratios.
 pub(crate) fn logarithmic(from: f64, to: f64, lines: u32) -> Vec<f64> {

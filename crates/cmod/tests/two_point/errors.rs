@@ -15,7 +15,7 @@ use testbed::hold;
 
 use super::rod::acceleration_ratio;
 use crate::materials;
-use crate::noise::Noise;
+use testbed::noise::Noise;
 
 /// Test 2 of paper A.
 const SPECIMEN: Specimen = Specimen {

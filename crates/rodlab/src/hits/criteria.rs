@@ -14,7 +14,7 @@ use crate::outcome::Setting;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
-    /// What a hit looks like: `Hammer`, `Bar` or `BarPulses`; by default what the method of the job needs.
+    /// What a hit looks like: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default what the method of the job needs.
     pub kind: Option<HitKind>,
     /// Channel in which double hits are looked for; by default the one that tells when a hit begins, if that is a force.
     pub force_channel: Option<String>,
@@ -43,6 +43,8 @@ pub enum HitKind {
     Hammer,
     /// Waves that pass the sensors of a bar several times, in a record that is transformed as a whole.
     Bar,
+    /// The same in a record that may end while the bar rings.
+    RingingBar,
     /// Waves in a bar of which pulses are cut out: it may still ring at the end.
     BarPulses,
 }
@@ -52,7 +54,7 @@ impl HitKind {
         match self {
             Self::Hammer => Criteria::hammer(),
             Self::Bar => Criteria::bar(),
-            Self::BarPulses => Criteria::bar_pulses(),
+            Self::RingingBar | Self::BarPulses => Criteria::bar_pulses(),
         }
     }
 
@@ -60,6 +62,7 @@ impl HitKind {
         match self {
             Self::Hammer => "one short contact",
             Self::Bar => "waves in a bar",
+            Self::RingingBar => "waves in a bar that may ring at the end",
             Self::BarPulses => "pulses cut out of waves in a bar",
         }
     }

@@ -6,7 +6,7 @@ use labio::{
     RigidBody, SpectrumAverager, Window,
 };
 
-use super::sheet::{DetrendSheet, ExponentialWindowSheet, FrfSheet, WindowSheet};
+use super::sheet::{DetrendSheet, FrfSheet, WindowSheet};
 use crate::RodlabError;
 use crate::hits::{expect_noise, level_at_rest};
 use crate::job::Surroundings;
@@ -106,15 +106,10 @@ pub(super) fn added_damping(
     sheet: &FrfSheet,
     duration: f64,
 ) -> Result<Option<AddedDamping>, RodlabError> {
-    let window = match &sheet.exponential_window {
-        None => return Ok(None),
-        Some(ExponentialWindowSheet::EndWeight { weight }) => {
-            AddedDamping::to_end_weight(weight.si(), duration)
-        }
-        Some(ExponentialWindowSheet::TimeConstant { time }) => AddedDamping::new(1.0 / time.si()),
-    };
+    let window = sheet.exponential_window.as_ref();
     window
-        .map(Some)
+        .map(|window| window.over(duration))
+        .transpose()
         .map_err(|error| RodlabError::step("exponential_window", error))
 }
 

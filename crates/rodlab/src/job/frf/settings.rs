@@ -1,6 +1,6 @@
 //! What was chosen, by the sheet or by default.
 
-use super::sheet::{ExponentialWindowSheet, FrfSheet, WindowSheet};
+use super::sheet::{FrfSheet, WindowSheet};
 use crate::outcome::Setting;
 use crate::responses::MergeSheet;
 
@@ -49,13 +49,8 @@ pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
         format!("from {} to {}, edges of {}", w.start, w.end, w.taper)
     });
     say("force_window", force_window, sheet.force_window.is_none());
-    let exponential = match &sheet.exponential_window {
-        None => "none".to_owned(),
-        Some(ExponentialWindowSheet::EndWeight { weight }) => {
-            format!("{weight} on the last sample")
-        }
-        Some(ExponentialWindowSheet::TimeConstant { time }) => format!("time constant {time}"),
-    };
+    let exponential = sheet.exponential_window.as_ref();
+    let exponential = exponential.map_or("none".to_owned(), ToString::to_string);
     say(
         "exponential_window",
         exponential,

@@ -1,6 +1,8 @@
 //! The sheet of the job.
 
-use labio::{ForceWindow, ResponseKind, Window};
+use std::fmt;
+
+use labio::{AddedDamping, ForceWindow, LabioError, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
@@ -170,6 +172,25 @@ pub enum ExponentialWindowSheet {
         /// As `"40 ms"`.
         time: Exact<Duration>,
     },
+}
+
+impl ExponentialWindowSheet {
+    /// The window over hits of `duration` \[s\].
+    pub(in crate::job) fn over(&self, duration: f64) -> Result<AddedDamping, LabioError> {
+        match self {
+            Self::EndWeight { weight } => AddedDamping::to_end_weight(weight.si(), duration),
+            Self::TimeConstant { time } => AddedDamping::new(1.0 / time.si()),
+        }
+    }
+}
+
+impl fmt::Display for ExponentialWindowSheet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::EndWeight { weight } => write!(f, "{weight} on the last sample"),
+            Self::TimeConstant { time } => write!(f, "time constant {time}"),
+        }
+    }
 }
 
 /// What is taken off every hit.

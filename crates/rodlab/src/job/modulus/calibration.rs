@@ -121,6 +121,15 @@ impl OfSensors {
                 "mm",
                 1e3 * position(sheet, index)?,
             ),
+            ErrorSource::FreeEnd => (
+                "error of the position of the free end".to_owned(),
+                "mm",
+                1e3 * sheet
+                    .method
+                    .used_free_end()?
+                    .with_uncertainty()
+                    .uncertainty(),
+            ),
             _ => return None,
         };
         Some(Self { name, unit, stated })

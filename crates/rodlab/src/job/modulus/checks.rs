@@ -104,7 +104,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         );
     }
     if checks.has(CheckSheet::KramersKronig) {
-        let made = kramers_kronig_on(found.estimate, most_lines(found), level);
+        let made = kramers_kronig_on(found.estimate, most_lines(found, MOST_LINES), level);
         say(outcome, found, Check::KramersKronig, made);
     }
     if checks.has(CheckSheet::FreeEndNull) {
@@ -116,18 +116,17 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Lines that the check of Kramers and Kronig takes: of pulses in records that are silent elsewhere no more than are independent.
+/// Lines that a check or a law takes, at most `most`: no more than are independent, of pulses in records that are silent elsewhere and of damped records.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a number of lines by another above 0, and the cast saturates"
 )]
-fn most_lines(found: &Found<'_>) -> usize {
-    let Some(Spectra::Ratio(ratio)) = &found.measured.spectra else {
-        return MOST_LINES;
-    };
-    let independent = found.estimate.lines().len() as f64 / ratio.lines_per_independent_line;
-    MOST_LINES.min(independent as usize).max(1)
+pub(super) fn most_lines(found: &Found<'_>, most: usize) -> usize {
+    let alike = found.measured.spectra.as_ref();
+    let alike = alike.map_or(1.0, Spectra::lines_per_independent_line);
+    let independent = found.estimate.lines().len() as f64 / alike;
+    most.min(independent as usize).max(1)
 }
 
 /// The gauges against a free end, where the sheet says that the rod has one.
@@ -147,9 +146,13 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
+    // two gauges take the end for granted, and a propagation coefficient on the axis is not that of damped spectra
+    if gauges.len() == 2 || spectra.added_damping.is_some() {
+        return;
+    }
     let distances = gauges
         .iter()
-        .map(|gauge| (free_end.si() - gauge.at.with_uncertainty().value).abs());
+        .map(|gauge| (free_end.with_uncertainty().value - gauge.at.with_uncertainty().value).abs());
     let mut gamma = vec![Complex64::new(f64::NAN, 0.0); spectra.frequency_hz.len()];
     for line in found.estimate.valid() {
         gamma[line.index] = line.propagation_coefficient;

@@ -207,7 +207,9 @@ fn of_gauges(
     let limits = limits(sheet);
     let noise = gauges.noise_freedom();
     let of_sensors = |value: fn(&SensorError) -> f64| measured.sensors.iter().map(value).collect();
+    let free_end = sheet.method.used_free_end();
     let uncertain = |gauges: &[GaugeSheet]| GaugeUncertainty {
+        free_end: uncertainty(free_end),
         density: uncertainty(Some(&sheet.specimen.density)),
         positions: gauges
             .iter()
@@ -216,6 +218,7 @@ fn of_gauges(
         factors: of_sensors(|sensor| sensor.gain),
         delays: of_sensors(|sensor| sensor.delay),
     };
+    let decay_rate = gauges.decay_rate();
     with_gauge_spectra(gauges, |spectra| match &sheet.method {
         MethodSheet::ThreePoint { gauges } => ThreePoint::new(gauged_rod(sheet, gauges))
             .and_then(|method| method.with_limits(limits))
@@ -224,8 +227,9 @@ fn of_gauges(
             .and_then(|method| calibrated_gauges(&method, spectra)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
-        } => MultiPoint::new(gauged_rod(sheet, gauges))
+        } => multi_point(sheet, gauges)
             .and_then(|method| method.with_limits(limits))
+            .and_then(|method| method.with_added_damping(decay_rate))
             .and_then(|method| method.with_uncertainty(uncertain(gauges)))
             .and_then(|method| match wave_speed {
                 Some(speed) => method.with_wave_speed(speed.si()),
@@ -239,6 +243,15 @@ fn of_gauges(
         _ => Err(CmodError::NoLines),
     })
     .map_err(refused)
+}
+
+/// The method of gauges at any positions: with two before a free end that end is a condition.
+fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint, CmodError> {
+    let rod = gauged_rod(sheet, gauges);
+    match sheet.method.used_free_end() {
+        Some(free_end) => MultiPoint::before_free_end(rod, free_end.with_uncertainty().value),
+        None => MultiPoint::new(rod),
+    }
 }
 
 /// With the errors of the gauges found from the lines themselves.

@@ -39,6 +39,15 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
                 mass,
                 "specimen.accelerometer_mass",
                 &format!("{name} does not follow it"),
+            )?;
+            let MethodSheet::MultiPoint { free_end_at, .. } = &sheet.method else {
+                return Ok(());
+            };
+            let is_used = sheet.method.used_free_end().is_some();
+            exact(
+                free_end_at.as_ref().filter(|_| !is_used),
+                "method.free_end_at",
+                "three or more gauges are checked against an exact end",
             )
         }
     }

@@ -2,11 +2,15 @@
 
 use cmod::CmodError;
 use cmod::estimate::VarianceFreedom;
-use labio::{AveragedSpectra, Record, RestNoise, Window};
+use labio::{
+    AddedDamping, AveragedSpectra, Record, RestNoise, SpectrumAverager, Window, damping_of_ringing,
+    from_rest,
+};
 use num_complex::Complex64;
 
 use super::method::GaugeSheet;
 use crate::RodlabError;
+use crate::job::frf::ExponentialWindowSheet;
 
 /// What the methods of several gauges take.
 pub(super) struct Gauges {
@@ -17,6 +21,8 @@ pub(super) struct Gauges {
     pub(super) noise: Vec<Vec<f64>>,
     /// What the noise was read from, a gauge each.
     rest: Vec<RestNoise>,
+    /// Of hits that end while the rod rings.
+    pub(super) added_damping: Option<AddedDamping>,
 }
 
 impl Gauges {
@@ -31,6 +37,22 @@ impl Gauges {
         let own = rest.degrees_of_freedom(width) / self.frequency_hz.len() as f64;
         VarianceFreedom::new(line, own.min(line))
     }
+
+    /// Damping that was added to the hits [1/s].
+    pub(super) fn decay_rate(&self) -> f64 {
+        self.added_damping.map_or(0.0, |window| window.decay_rate())
+    }
+}
+
+/// Damping that is added to hits before their transform.
+pub(super) enum Damping {
+    None,
+    /// As the sheet states it.
+    Window(ExponentialWindowSheet),
+    /// As much as hits need that end while the rod rings, for lines from here on \[Hz\].
+    OfRinging {
+        lowest_hz: f64,
+    },
 }
 
 /// The phase of each line is counted from that of the first gauge: of one hit it is common to all gauges, and no method asks for it.
@@ -38,6 +60,7 @@ pub(super) fn of_hits(
     hits: &[&Record],
     gauges: &[GaugeSheet],
     silent: Option<usize>,
+    damping: &Damping,
 ) -> Result<Gauges, RodlabError> {
     let Some(silent) = silent else {
         return Err(RodlabError::request(
@@ -47,11 +70,35 @@ pub(super) fn of_hits(
         ));
     };
     let transforming = |error| RodlabError::step("the spectra of a hit", error);
+    let channels: Vec<&str> = gauges.iter().map(|gauge| gauge.channel.as_str()).collect();
+    let added_damping = match damping {
+        Damping::None => Ok(None),
+        Damping::Window(window) => {
+            let cut = hits.first().map_or(0.0, |hit| {
+                (hit.n_samples().saturating_sub(silent)) as f64 / hit.sampling_rate_hz()
+            });
+            window.over(cut).map(Some)
+        }
+        Damping::OfRinging { lowest_hz } => damping_of_ringing(hits, &channels, silent, *lowest_hz),
+    }
+    .map_err(|error| RodlabError::step("source.exponential_window", error))?;
     let mut frequency_hz = Vec::new();
     let mut duration = 0.0;
     let mut tests = Vec::with_capacity(hits.len());
     for hit in hits {
-        let spectra = AveragedSpectra::of([*hit], Window::Rectangular).map_err(transforming)?;
+        let cut;
+        let (hit, spectra) = match added_damping {
+            None => (*hit, AveragedSpectra::of([*hit], Window::Rectangular)),
+            Some(window) => {
+                cut = from_rest(hit, silent).map_err(transforming)?;
+                let mut averager = SpectrumAverager::for_records_like(&cut, Window::Rectangular)
+                    .and_then(|averager| averager.with_exponential_window(window))
+                    .map_err(transforming)?;
+                averager.add(&cut).map_err(transforming)?;
+                (&cut, averager.spectra())
+            }
+        };
+        let spectra = spectra.map_err(transforming)?;
         let first = gauges.first().map_or("", |gauge| gauge.channel.as_str());
         let energy = spectra.auto(first).map_err(transforming)?;
         let mut test = Vec::with_capacity(gauges.len());
@@ -71,7 +118,11 @@ pub(super) fn of_hits(
     for gauge in gauges {
         let rest = RestNoise::before(hits, &gauge.channel, silent)
             .map_err(|error| RodlabError::step("source.silent", error))?;
-        let at = |f: &f64| rest.amplitude_at(*f, duration);
+        let rate = hits.first().map_or(f64::NAN, |hit| hit.sampling_rate_hz());
+        let at = |f: &f64| match added_damping {
+            None => rest.amplitude_at(*f, duration),
+            Some(window) => rest.damped_amplitude_at(*f, window, duration, silent as f64 / rate),
+        };
         noise.push(frequency_hz.iter().map(at).collect());
         rests.push(rest);
     }
@@ -80,5 +131,6 @@ pub(super) fn of_hits(
         tests,
         noise,
         rest: rests,
+        added_damping,
     })
 }

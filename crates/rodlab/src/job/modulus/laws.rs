@@ -198,7 +198,10 @@ pub(super) fn fit(
             LawSheet::PowerLaw => Law::PowerLaw { density },
         })
         .collect();
-    let points = points(found, asked.most_lines.unwrap_or(MOST_LINES));
+    let points = points(
+        found,
+        super::checks::most_lines(found, asked.most_lines.unwrap_or(MOST_LINES)),
+    );
     let data = match ModulusData::from_lines(points.iter().copied()) {
         Ok(data) => data,
         Err(error) => {

@@ -7,17 +7,20 @@ pub(super) use hits::averaged_ratio;
 
 use cmod::estimate::VarianceFreedom;
 use cmod::multi_point::Quantity;
+use cmod::self_calibration::lines_per_independent_line;
 use labio::Record;
 use num_complex::Complex64;
 use serde::Deserialize;
 
+use super::gauges::Damping;
+use super::method::MethodSheet;
 use super::{ModulusSheet, gauges};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::figure::Figure;
 use crate::hits::HitsSheet;
 use crate::job::Surroundings;
-use crate::job::frf::BandSheet;
+use crate::job::frf::{BandSheet, ExponentialWindowSheet};
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{Duration, Exact, Ratio as RatioKind};
@@ -38,6 +41,10 @@ pub enum SourceSheet {
         /// the pre-trigger but for 0.2 ms, or for a fifth of it if that is less, where hits are cut by a trigger.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
+        /// Lets all gauges fall exponentially from the end of the silence on, for rods that ring longer than the record: `MultiPoint` takes it. By default
+        /// hits that end while the rod rings have as much as they need.
+        #[serde(default)]
+        exponential_window: Option<ExponentialWindowSheet>,
     },
     /// A ratio of spectra that another program has made.
     Ratio(RatioSheet),
@@ -170,13 +177,44 @@ pub(super) fn of(
             records,
             hits,
             silent,
-        } => hits::of_hits(sheet, (records, hits, silent.as_ref()), around, chosen)?,
+            exponential_window,
+        } => {
+            let damping = damping(sheet, exponential_window.as_ref())?;
+            hits::of_hits(
+                sheet,
+                (records, hits, silent.as_ref(), &damping),
+                around,
+                chosen,
+            )?
+        }
         SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, around, chosen)?,
     };
     if let Some(spectra) = &mut measured.spectra {
         spectra.cut(sheet.band.as_ref())?;
     }
     Ok(measured)
+}
+
+/// Damping that is added to the hits before their transform.
+fn damping(
+    sheet: &ModulusSheet,
+    window: Option<&ExponentialWindowSheet>,
+) -> Result<Damping, RodlabError> {
+    match (&sheet.method, window) {
+        (MethodSheet::MultiPoint { .. }, Some(window)) => Ok(Damping::Window(window.clone())),
+        (MethodSheet::MultiPoint { .. }, None) => Ok(Damping::OfRinging {
+            lowest_hz: sheet.band.as_ref().map_or(0.0, |band| band.from.si()),
+        }),
+        (_, None) => Ok(Damping::None),
+        (method, Some(window)) => Err(RodlabError::request(
+            "source.exponential_window",
+            window.to_string(),
+            format!(
+                "none with {}: only MultiPoint takes it off again",
+                method.name()
+            ),
+        )),
+    }
 }
 
 impl Measured {
@@ -205,6 +243,16 @@ impl Spectra {
         match self {
             Self::Ratio(ratio) => &ratio.frequency_hz,
             Self::Gauges(gauges) => &gauges.frequency_hz,
+        }
+    }
+
+    /// Lines by lines whose noise is independent.
+    pub(super) fn lines_per_independent_line(&self) -> f64 {
+        match self {
+            Self::Ratio(ratio) => ratio.lines_per_independent_line,
+            Self::Gauges(gauges) => {
+                lines_per_independent_line(&gauges.frequency_hz, gauges.decay_rate())
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use cmod::multi_point::Quantity;
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::sheet::{Coordinate, Exact, Length, NotFollowed, Stated, Time, Velocity};
+use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
 
 /// A method with what it needs.
 #[derive(Debug, Clone, Deserialize)]
@@ -66,16 +66,17 @@ pub enum MethodSheet {
         /// The gauges, in order of their positions.
         gauges: Vec<GaugeSheet>,
     },
-    /// Three gauges or more at any positions, by least squares.
+    /// Three gauges or more at any positions, or two before a free end, by least squares.
     MultiPoint {
         /// The gauges, in order of their positions.
         gauges: Vec<GaugeSheet>,
         /// A guess of the wave speed.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
-        /// Position of a free end, if the rod has one: then the gauges are checked against it.
+        /// Position of a free end beyond the last gauge, if the rod has one. Two gauges take it as the third condition; three or more are
+        /// checked against it.
         #[serde(default)]
-        free_end_at: Option<NotFollowed<Coordinate>>,
+        free_end_at: Option<Stated<Coordinate>>,
     },
 }
 
@@ -220,6 +221,18 @@ impl MethodSheet {
                     taken(gauge.channel.as_str(), &field, false)
                 })
                 .collect(),
+        }
+    }
+
+    /// Position of the free end that is a condition of the method: with two gauges.
+    pub(super) fn used_free_end(&self) -> Option<&Stated<Coordinate>> {
+        match self {
+            Self::MultiPoint {
+                gauges,
+                free_end_at,
+                ..
+            } if gauges.len() == 2 => free_end_at.as_ref(),
+            _ => None,
         }
     }
 

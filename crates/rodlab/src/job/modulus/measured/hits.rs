@@ -23,7 +23,12 @@ const FEWEST_HITS: usize = 2;
 
 pub(super) fn of_hits(
     sheet: &ModulusSheet,
-    (records, hits, silent): (&Records, &HitsSheet, Option<&Exact<Duration>>),
+    (records, hits, silent, damping): (
+        &Records,
+        &HitsSheet,
+        Option<&Exact<Duration>>,
+        &gauges::Damping,
+    ),
     around: &Surroundings<'_>,
     chosen: &mut Chosen,
 ) -> Result<Measured, RodlabError> {
@@ -42,6 +47,7 @@ pub(super) fn of_hits(
     };
     let kind = match &sheet.method {
         MethodSheet::SeparatePulses { .. } | MethodSheet::OneGauge { .. } => HitKind::BarPulses,
+        MethodSheet::MultiPoint { .. } => HitKind::RingingBar,
         _ => HitKind::Bar,
     };
     let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
@@ -125,7 +131,7 @@ pub(super) fn of_hits(
             reflected,
         )?),
         MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
-            Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent)?)
+            Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent, damping)?)
         }
     };
     measured.first_hit = found
@@ -139,6 +145,20 @@ pub(super) fn of_hits(
                 trigger: trigger_of(hit.hit, record),
             })
         });
+    if let gauges::Damping::Window(window) = damping {
+        chosen.stated("source.exponential_window", window);
+    } else if let Spectra::Gauges(gauges) = &spectra
+        && let Some(window) = gauges.added_damping
+    {
+        chosen.by_default(
+            "source.exponential_window",
+            format!("time constant {:.4} ms", 1e3 / window.decay_rate()),
+        );
+        measured.in_words.push(
+            "The hits end while the rod rings: all gauges were damped alike, and the damping was taken off the modulus."
+                .to_owned(),
+        );
+    }
     measured.spectra = Some(spectra);
     Ok(measured)
 }

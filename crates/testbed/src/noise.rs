@@ -5,24 +5,25 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-pub(crate) struct Noise(pub(crate) ChaCha8Rng);
+#[derive(Debug)]
+pub struct Noise(pub ChaCha8Rng);
 
 impl Noise {
-    pub(crate) fn seeded(seed: u64) -> Self {
+    pub fn seeded(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    pub(crate) fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
     /// E|z|² = `variance`, half in each part.
-    pub(crate) fn circular(&mut self, variance: f64) -> Complex64 {
+    pub fn circular(&mut self, variance: f64) -> Complex64 {
         (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
     }
 
     /// Spectra or ratios with a noise of this variance on each line.
-    pub(crate) fn on(&mut self, clean: &[Complex64], variance: &[f64]) -> Vec<Complex64> {
+    pub fn on(&mut self, clean: &[Complex64], variance: &[f64]) -> Vec<Complex64> {
         let lines = clean.iter().zip(variance);
         lines.map(|(value, v)| value + self.circular(*v)).collect()
     }

@@ -1,0 +1,159 @@
+//! From the lines s = σ + iω of records with added damping to the axis of frequencies.
+
+use num_complex::Complex64;
+
+use super::line::LinearisedLine;
+use super::smooth::Smoothing;
+use super::vectors::dot;
+use super::{SelfCalibration, taking_part};
+use crate::complex_frequency::ComplexFrequency;
+use crate::error::CmodError;
+use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine};
+use crate::validity::{Acceptance, Validity, Violation, conditions};
+
+/// Standard deviation of the largest contribution of a term in the band, by the largest modulus there. Of a passive material every term is positive, and none
+/// contributes more than the modulus.
+const LARGEST_TERM: f64 = 0.3;
+
+/// With fewer lines nothing tells how the modulus varies.
+const FEWEST_LINES: usize = 8;
+
+/// Lines by lines with independent noise, where `added_damping` σ \[1/s\] makes neighbours alike: of stationary noise
+///
+/// ```text
+/// Σ|ρ|² = ∫ df/(1 + (πf/σ)²)/Δf = σ/Δf .
+/// ```
+#[must_use]
+pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f64 {
+    match (frequency_hz.first(), frequency_hz.last()) {
+        (Some(first), Some(last)) if last > first => {
+            let spacing = (last - first) / (frequency_hz.len() - 1) as f64;
+            (added_damping / spacing).max(1.0)
+        }
+        _ => 1.0,
+    }
+}
+
+/// The modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate` on the lines s. Where the lines are too few for a smooth
+/// modulus all are refused.
+pub(crate) fn on_axis(
+    estimate: &ModulusEstimate,
+    added_damping: f64,
+    diameter: f64,
+    length: f64,
+) -> Result<ModulusEstimate, CmodError> {
+    let all: Vec<f64> = estimate
+        .lines()
+        .iter()
+        .map(|line| line.frequency_hz)
+        .collect();
+    let alike = lines_per_independent_line(&all, added_damping);
+    let lines = taking_part(estimate);
+    let about: Vec<LinearisedLine> = lines
+        .iter()
+        .map(|line| LinearisedLine {
+            modulus: line.modulus,
+            variance: alike * line.uncertainty.random.modulus.mean_square(),
+            shifts: Vec::new(),
+            misfit: None,
+        })
+        .collect();
+    let smoothing = Smoothing::of(&lines, &about, added_damping, LARGEST_TERM);
+    let smoothing = smoothing.filter(|_| lines.len() >= FEWEST_LINES);
+    let continuation = smoothing.map(|smoothing| {
+        let moduli = smoothing.whitened(lines.iter().map(|line| line.modulus));
+        let rest = smoothing.rest_of(&moduli);
+        let freedom = 2.0 * lines.len() as f64 - smoothing.parameters;
+        Continuation {
+            parts: smoothing.parts(&moduli),
+            // correlated noise counts for less: the weights have its share
+            mean_square: (alike * dot(&rest, &rest) / freedom.max(1.0)).max(1.0),
+            smoothing,
+            added_damping,
+        }
+    });
+    let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
+    let mut continued = Vec::with_capacity(estimate.lines().len());
+    let mut refused = estimate.refused().to_vec();
+    for line in estimate.lines() {
+        let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
+        if acceptance.degrees_of_freedom() != degrees_of_freedom {
+            acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
+        }
+        let on_axis = continuation.as_ref().and_then(|continuation| {
+            let mut line = continuation.on_axis(line)?;
+            let mut violations = conditions(line.propagation_coefficient, diameter, length);
+            violations.extend_from_slice(line.validity.violations());
+            line.validity = Validity::from_violations(violations);
+            line.revised(&acceptance, |_: &Violation| true)
+        });
+        match on_axis {
+            Some(line) => continued.push(line),
+            None => refused.push(RefusedLine {
+                index: line.index,
+                frequency_hz: line.frequency_hz,
+                reason: Refusal::NotContinued,
+            }),
+        }
+    }
+    refused.sort_by_key(|line| line.index);
+    Ok(ModulusEstimate::new(
+        estimate.method().clone(),
+        *estimate.limits(),
+        continued,
+        refused,
+    ))
+}
+
+/// A smooth modulus through the lines s.
+struct Continuation {
+    smoothing: Smoothing,
+    parts: Vec<f64>,
+    mean_square: f64,
+    added_damping: f64,
+}
+
+impl Continuation {
+    fn on_axis(&self, line: &ModulusLine) -> Option<ModulusLine> {
+        let frequency = ComplexFrequency::new(line.frequency_hz, self.added_damping);
+        let axis = Complex64::new(0.0, frequency.laplace().im);
+        let along = self.smoothing.difference(frequency.laplace(), axis);
+        let step: Complex64 = along.iter().zip(&self.parts).map(|(d, c)| d * c).sum();
+        let of_step = along
+            .iter()
+            .map(|d| ComplexCovariance::of_shift(d * self.mean_square.sqrt()))
+            .fold(ComplexCovariance::default(), |sum, own| sum + own);
+        let modulus = line.modulus + step;
+        // E = ρs²/γ²
+        let turn = (axis / frequency.laplace()) * (line.modulus / modulus).sqrt();
+        let gamma = line.propagation_coefficient * turn;
+        if !(modulus.is_finite() && gamma.is_finite() && gamma != Complex64::ZERO) {
+            return None;
+        }
+        let mut continued = line.clone();
+        continued.modulus = modulus;
+        continued.propagation_coefficient = gamma;
+        let uncertainty = &mut continued.uncertainty;
+        let random = &mut uncertainty.random;
+        random.modulus = random.modulus + of_step;
+        random.propagation_coefficient =
+            random.propagation_coefficient.through(turn) + of_step.through(-0.5 * gamma / modulus);
+        for shift in &mut uncertainty.systematic {
+            shift.propagation_coefficient *= turn;
+        }
+        Some(continued)
+    }
+}
+
+impl SelfCalibration {
+    /// Takes the estimate, which is on the lines s, to the axis.
+    pub(crate) fn continue_to_axis(
+        &mut self,
+        added_damping: f64,
+        diameter: f64,
+        length: f64,
+    ) -> Result<(), CmodError> {
+        self.estimate = on_axis(&self.estimate, added_damping, diameter, length)?;
+        Ok(())
+    }
+}

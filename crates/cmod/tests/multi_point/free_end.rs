@@ -1,0 +1,292 @@
+//! Two gauges or more before a free end, and records that end while the bar rings.
+
+use std::f64::consts::TAU;
+
+use cmod::estimate::{ErrorSource, Refusal};
+use cmod::multi_point::Quantity;
+use cmod::self_calibration::SelfCalibration;
+use cmod::validity::AcceptanceLimits;
+use cmod::{CmodError, GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoint};
+use num_complex::Complex64;
+use testbed::claim::{Claims, Within};
+use testbed::hold;
+use testbed::long_bar::LongBar;
+
+const WIDE: AcceptanceLimits = AcceptanceLimits {
+    storage_modulus: 0.5,
+    loss_factor: 1.0,
+    ..AcceptanceLimits::ONE_DIMENSIONAL
+};
+
+fn rod(positions: &[f64]) -> GaugedRod {
+    GaugedRod {
+        positions: positions.to_vec(),
+        diameter: 0.02,
+        density: 1190.0,
+    }
+}
+
+/// E of the glassy bar on the axis.
+fn exact(frequency_hz: f64) -> Complex64 {
+    (LongBar::glassy().modulus)(Complex64::new(0.0, TAU * frequency_hz))
+}
+
+/// Largest relative error over the valid lines, of which there are at least so many.
+fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
+    assert!(
+        estimate.valid().count() >= least,
+        "{}",
+        estimate.valid().count()
+    );
+    let errors = estimate.valid().map(|line| {
+        let exact = exact(line.frequency_hz);
+        (line.modulus - exact).norm() / exact.norm()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+/// Waves on the line s before an end at 2.5 m, of strain or of displacement; what is common to the gauges is left out.
+fn waves(
+    positions: &[f64],
+    frequency_hz: &[f64],
+    damping: f64,
+    quantity: Quantity,
+) -> Vec<Vec<Complex64>> {
+    let at = |x: &f64| {
+        let value = |f: &f64| {
+            let s = Complex64::new(damping, TAU * f);
+            let gamma = s * (1190.0 / (LongBar::glassy().modulus)(s)).sqrt();
+            let way = gamma * (2.5 - x);
+            if quantity == Quantity::Strain {
+                way.sinh()
+            } else {
+                way.cosh()
+            }
+        };
+        frequency_hz.iter().map(value).collect()
+    };
+    positions.iter().map(at).collect()
+}
+
+#[test]
+fn exact_lines_before_a_free_end_give_the_modulus() {
+    let mut claims = Claims::default();
+    let frequency_hz: Vec<f64> = (5..250).map(|j| 50.0 * f64::from(j)).collect();
+    for (what, positions, quantity, within) in [
+        (
+            "two strain gauges and a free end: |dE|/|E|",
+            &[1.6, 2.0][..],
+            Quantity::Strain,
+            1e-10,
+        ),
+        (
+            "two sensors of motion and a free end: |dE|/|E|",
+            &[1.6, 2.0],
+            Quantity::Velocity,
+            1e-10,
+        ),
+        (
+            "four strain gauges and a free end: |dE|/|E|",
+            &[1.0, 1.3, 1.7, 2.0],
+            Quantity::Strain,
+            1e-10,
+        ),
+    ] {
+        let spectra = waves(positions, &frequency_hz, 0.0, quantity);
+        // what the noise is weighs the lines and marks those near singular ones
+        let noise = vec![vec![1e-7; frequency_hz.len()]; positions.len()];
+        let method = MultiPoint::before_free_end(rod(positions), 2.5).unwrap();
+        let estimate = method
+            .with_quantity(quantity)
+            .estimate(&GaugeSpectra {
+                frequency_hz: &frequency_hz,
+                tests: &[&spectra],
+                noise: &noise,
+            })
+            .unwrap();
+        claims.by("sinh γd₁/sinh γd₂, cosh γd₁/cosh γd₂").claim(
+            what,
+            "-",
+            0.0,
+            Within(within, "rounding, 1e3 times by the weight of the end"),
+            Ok(largest_error(estimate.modulus(), 100)),
+        );
+    }
+    hold!(claims);
+}
+
+/// Without noise only the smooth modulus is between E(s) and E(iω): the same law where σ is 0, 300 and 1500 per second.
+#[test]
+fn added_damping_is_taken_off_the_modulus() {
+    let mut claims = Claims::default();
+    let frequency_hz: Vec<f64> = (10..300).map(|j| 50.0 * f64::from(j)).collect();
+    for (what, damping, within) in [
+        ("σ = 300 1/s, 0.5 to 15 kHz: |dE|/|E|", 300.0, 2e-6),
+        ("σ = 1500 1/s, 0.5 to 15 kHz: |dE|/|E|", 1500.0, 2e-5),
+    ] {
+        let spectra = waves(&[1.6, 2.0], &frequency_hz, damping, Quantity::Strain);
+        let noise = vec![vec![1e-6; frequency_hz.len()]; 2];
+        let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
+            .and_then(|method| method.with_limits(WIDE))
+            .and_then(|method| method.with_added_damping(damping))
+            .unwrap();
+        let estimate = method
+            .estimate(&GaugeSpectra {
+                frequency_hz: &frequency_hz,
+                tests: &[&spectra],
+                noise: &noise,
+            })
+            .unwrap();
+        // without the step the loss factor is 0.0127 σ/ω too small, 0.006 at 500 Hz
+        claims.by("E(s) of constant loss").claim(
+            what,
+            "-",
+            0.0,
+            Within(
+                within,
+                "what the prior of the smooth modulus leaves at its lower end",
+            ),
+            Ok(largest_error(estimate.modulus(), 200)),
+        );
+    }
+    hold!(claims);
+}
+
+/// Spectra of a shot from the end of its silence on, on the line s, with the noise that the silence has.
+struct Shot {
+    frequency_hz: Vec<f64>,
+    spectra: Vec<Vec<Complex64>>,
+    noise: Vec<Vec<f64>>,
+}
+
+impl Shot {
+    fn of(bar: &LongBar, gains: &[f64], seed: u64, damping: f64) -> Self {
+        let rows = bar.shot(gains, seed);
+        let n_silent = (0.9e-3 * bar.rate) as usize;
+        let duration = (bar.n_samples - n_silent) as f64 / bar.rate;
+        let frequency_hz: Vec<f64> = (5..110).map(|line| f64::from(line) / duration).collect();
+        let transform = |row: &Vec<f64>, f: &f64| -> Complex64 {
+            let turn = (-Complex64::new(damping, TAU * f) / bar.rate).exp();
+            // Horner's rule
+            let samples = row[n_silent..].iter().rev();
+            samples.fold(Complex64::ZERO, |sum, x| sum * turn + x) / bar.rate
+        };
+        let spectra = rows
+            .iter()
+            .map(|row| frequency_hz.iter().map(|f| transform(row, f)).collect());
+        let amplitude = |row: &Vec<f64>| {
+            let silence = &row[..n_silent];
+            let power = silence.iter().map(|x| x * x).sum::<f64>() / silence.len() as f64;
+            (power / bar.rate / (2.0 * damping)).sqrt()
+        };
+        Self {
+            spectra: spectra.collect(),
+            noise: rows
+                .iter()
+                .map(|row| vec![amplitude(row); frequency_hz.len()])
+                .collect(),
+            frequency_hz,
+        }
+    }
+
+    fn calibrated(&self, factor: f64, damping: f64) -> SelfCalibration {
+        let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
+            .and_then(|method| method.with_limits(WIDE))
+            .and_then(|method| method.with_added_damping(damping))
+            .and_then(|method| {
+                method.with_uncertainty(GaugeUncertainty {
+                    factors: vec![0.0, factor],
+                    ..GaugeUncertainty::default()
+                })
+            })
+            .unwrap();
+        let spectra = GaugeSpectra {
+            frequency_hz: &self.frequency_hz,
+            tests: &[&self.spectra],
+            noise: &self.noise,
+        };
+        SelfCalibration::of_gauges(&method, &spectra)
+            .unwrap()
+            .unwrap()
+    }
+}
+
+/// One shot on a bar that rings at the end of its record, 14 bits, the second gauge calibrated to 3 %.
+#[test]
+fn one_shot_on_a_ringing_bar_is_covered() {
+    let bar = LongBar::glassy();
+    let damping = 1100.0;
+    let (mut within, mut gains) = ([[0.0; 2]; 2], Vec::new());
+    let mut count = 0.0;
+    for seed in 0..40 {
+        let gain = 0.03 * (f64::from(seed) / 13.0 - 1.5);
+        let shot = Shot::of(&bar, &[1.0, 1.0 + gain], u64::from(seed as u32), damping);
+        let found = shot.calibrated(0.03, damping);
+        let of_gain = found.sources()[0];
+        assert_eq!(of_gain.source, ErrorSource::GaugeFactor(1));
+        gains.push((0.03 * of_gain.size - gain.ln_1p()) / (0.03 * of_gain.standard_error));
+        for line in found.estimate().valid() {
+            let exact = exact(line.frequency_hz);
+            let storage = (line.modulus.re - exact.re) / line.standard_error.storage_modulus;
+            let loss = (line.loss_factor - exact.im / exact.re) / line.standard_error.loss_factor;
+            for (of_quantity, z) in within.iter_mut().zip([storage, loss]) {
+                of_quantity[0] += f64::from(z.abs() <= 1.0);
+                of_quantity[1] += f64::from(z.abs() <= 1.96);
+            }
+            count += 1.0;
+        }
+    }
+    assert!(count > 2500.0, "{count} lines");
+    // some 12 lines have common noise, and 40 shots 300 values of their own: 2.7 and 1.3 %, three of each; at the lower end errors are stated too large
+    for [one, two] in within {
+        assert!((0.60..0.80).contains(&(one / count)), "{}", one / count);
+        assert!((0.91..0.99).contains(&(two / count)), "{}", two / count);
+    }
+    let outside = gains.iter().filter(|z: &&f64| z.abs() > 1.96).count();
+    assert!(outside <= 6, "{gains:?}");
+}
+
+#[test]
+fn bars_that_cannot_be_evaluated_are_refused() {
+    let text = |positions: &[f64], end| {
+        MultiPoint::before_free_end(rod(positions), end)
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        text(&[1.6], 2.5),
+        "1 gauges, expected 2 or more before a free end"
+    );
+    assert_eq!(
+        text(&[1.6, 2.0], 1.8),
+        "position of the free end [m] is 1.8, expected one beyond the last gauge: count positions towards the free end"
+    );
+    assert!(matches!(
+        MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
+            .unwrap()
+            .with_added_damping(-1.0),
+        Err(CmodError::NonPhysical { .. })
+    ));
+    // six lines do not tell how the modulus varies
+    let frequency_hz: Vec<f64> = (20..26).map(|j| 50.0 * f64::from(j)).collect();
+    let spectra = waves(&[1.6, 2.0], &frequency_hz, 500.0, Quantity::Strain);
+    let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
+        .and_then(|method| method.with_added_damping(500.0))
+        .and_then(|method| method.with_wave_speed(1400.0))
+        .unwrap();
+    let estimate = method
+        .estimate(&GaugeSpectra {
+            frequency_hz: &frequency_hz,
+            tests: &[&spectra],
+            noise: &vec![vec![1e-6; 6]; 2],
+        })
+        .unwrap();
+    let refused = estimate.modulus().refused();
+    assert_eq!(refused.len(), 6);
+    assert!(
+        refused
+            .iter()
+            .all(|line| line.reason == Refusal::NotContinued)
+    );
+    assert!(estimate.fits().is_empty() && estimate.waves(0, 0, 1.8, Quantity::Strain).is_none());
+}
