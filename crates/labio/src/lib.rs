@@ -104,8 +104,8 @@ pub use record::Record;
 pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
 pub use spectra::{
-    AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch, completed_motion,
-    damping_of_ringing, from_rest,
+    AveragedSpectra, ChannelAtRest, Detrend, RestNoise, ShotRatio, SpectrumAverager, Welch,
+    completed_motion, damping_of_ringing, from_rest,
 };
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};

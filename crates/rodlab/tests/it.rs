@@ -35,6 +35,7 @@ mod recovery;
 mod report_in_browser;
 mod rich;
 mod simulate;
+mod single_shot;
 mod stated_uncertainty;
 mod struck_rods;
 mod tour;

@@ -40,10 +40,22 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
                 "specimen.accelerometer_mass",
                 &format!("{name} does not follow it"),
             )?;
-            let MethodSheet::MultiPoint { free_end_at, .. } = &sheet.method else {
+            let MethodSheet::MultiPoint {
+                gauges,
+                free_end_at,
+                ..
+            } = &sheet.method
+            else {
                 return Ok(());
             };
             let is_used = sheet.method.used_free_end().is_some();
+            if gauges.len() == 2 && !is_used {
+                return Err(RodlabError::request(
+                    "method.gauges",
+                    "2 gauges",
+                    "three or more, or two and the position of a free end in `free_end_at`",
+                ));
+            }
             exact(
                 free_end_at.as_ref().filter(|_| !is_used),
                 "method.free_end_at",

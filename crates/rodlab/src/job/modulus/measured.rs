@@ -2,8 +2,10 @@
 
 mod file;
 mod hits;
+mod shot;
 
 pub(super) use hits::averaged_ratio;
+pub(super) use shot::{Shot, ShotChannel};
 
 use cmod::estimate::VarianceFreedom;
 use cmod::multi_point::Quantity;

@@ -150,10 +150,14 @@ impl From<QuantitySheet> for Quantity {
     }
 }
 
-/// What `cmod` calls the quantity of a channel; `None` for what no gauge on a rod measures.
+/// What `cmod` calls the quantity of a channel, strain where it is proportional to that; `None` for what no gauge on a rod measures.
 pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     match quantity {
-        labio::Quantity::Strain => Some(QuantitySheet::Strain),
+        // of a uniform bar they are the strain but for a factor, which drops out
+        labio::Quantity::Strain
+        | labio::Quantity::Force
+        | labio::Quantity::Pressure
+        | labio::Quantity::Voltage => Some(QuantitySheet::Strain),
         labio::Quantity::Displacement => Some(QuantitySheet::Displacement),
         labio::Quantity::Velocity => Some(QuantitySheet::Velocity),
         labio::Quantity::Acceleration => Some(QuantitySheet::Acceleration),

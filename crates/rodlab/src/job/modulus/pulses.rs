@@ -4,7 +4,7 @@ use cmod::noise_of_cut_pulse;
 use labio::{AveragedSpectra, Channel, Record, Window};
 use ndarray::Array2;
 
-use super::measured::{Ratio, averaged_ratio};
+use super::measured::{Ratio, Shot, ShotChannel, averaged_ratio};
 use super::method::WindowSheet;
 use crate::RodlabError;
 use crate::sheet::{Exact, Time};
@@ -24,6 +24,7 @@ struct Cut<'a> {
 /// One pulse at two sections.
 pub(super) fn separate<'a>(
     hits: &[&Record],
+    silent: Option<usize>,
     first: &'a WindowSheet,
     second: &'a WindowSheet,
 ) -> Result<Ratio, RodlabError> {
@@ -35,6 +36,7 @@ pub(super) fn separate<'a>(
     };
     ratio(
         hits,
+        silent,
         &[cut(first, "method.first"), cut(second, "method.second")],
     )
 }
@@ -42,6 +44,7 @@ pub(super) fn separate<'a>(
 /// The incident and the reflected pulse at one section.
 pub(super) fn reflected(
     hits: &[&Record],
+    silent: Option<usize>,
     channel: &str,
     incident: &(Exact<Time>, Exact<Time>),
     reflected: &(Exact<Time>, Exact<Time>),
@@ -55,6 +58,7 @@ pub(super) fn reflected(
     let (incident, reflected) = ((&incident.0, &incident.1), (&reflected.0, &reflected.1));
     ratio(
         hits,
+        silent,
         &[
             cut(incident, "method.incident"),
             cut(reflected, "method.reflected"),
@@ -63,19 +67,27 @@ pub(super) fn reflected(
 }
 
 /// The later pulse by the earlier one. What the windows have cut off is no random error, but has its size: it is added to the
-/// variance that the coherence tells.
-fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
+/// variance that the coherence tells, or the silence before a single hit.
+fn ratio(
+    hits: &[&Record],
+    silent: Option<usize>,
+    cuts: &[Cut<'_>; 2],
+) -> Result<Ratio, RodlabError> {
     let mut pulses = Vec::with_capacity(hits.len());
     let mut edges = [[0.0; 2]; 2];
     let mut delay = 0.0;
     let mut repeated: f64 = 1.0;
+    let mut durations = [0.0; 2];
     for hit in hits {
         let Pulses {
             record: pulse,
             edges: edges_of_hit,
             centres: [earlier, later],
-            shortest,
+            lengths,
         } = pulses_of(hit, cuts)?;
+        durations = lengths.map(|length| length as f64 / hit.sampling_rate_hz());
+        let [earlier_length, later_length] = lengths;
+        let shortest = earlier_length.min(later_length);
         delay += (later - earlier) / hits.len() as f64;
         // noise as long as the shorter window, in a record that is silent elsewhere
         repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
@@ -86,7 +98,28 @@ fn ratio(hits: &[&Record], cuts: &[Cut<'_>; 2]) -> Result<Ratio, RodlabError> {
         }
         pulses.push(pulse);
     }
-    let mut ratio = averaged_ratio(&pulses, LATER, EARLIER, repeated)?;
+    let mut ratio = match (hits, silent, &pulses[..]) {
+        ([hit], Some(silent), [pulse]) => {
+            let [earlier, later] = cuts;
+            let channel = |at: &Cut<'_>, name, duration| ShotChannel {
+                name,
+                at_rest: at.channel.to_owned(),
+                duration,
+            };
+            let [of_earlier, of_later] = durations;
+            let shot = Shot {
+                hit,
+                silent,
+                record: pulse,
+            };
+            shot.ratio(
+                &channel(later, LATER, of_later),
+                &channel(earlier, EARLIER, of_earlier),
+                repeated,
+            )?
+        }
+        _ => averaged_ratio(&pulses, LATER, EARLIER, repeated)?,
+    };
     ratio.delay = (delay > 0.0).then_some(delay);
     let cutting = |error| RodlabError::step("the error of cut pulses", error);
     let averaging = |error| RodlabError::step("averaging the pulses", error);
@@ -118,8 +151,8 @@ struct Pulses {
     edges: [[f64; 2]; 2],
     /// Centre of the energy of each \[s\].
     centres: [f64; 2],
-    /// Samples of the shorter one.
-    shortest: usize,
+    /// Samples of each.
+    lengths: [usize; 2],
 }
 
 #[allow(
@@ -131,7 +164,7 @@ fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<Pulses, RodlabError> {
     let mut samples = Array2::zeros((2, hit.n_samples()));
     let mut edges = [[0.0; 2]; 2];
     let mut centres = [0.0; 2];
-    let mut shortest = usize::MAX;
+    let mut lengths = [0; 2];
     let mut channels = Vec::with_capacity(2);
     for (row, (cut, name)) in cuts.iter().zip([EARLIER, LATER]).enumerate() {
         let history = hit.channel(cut.channel).map_err(refused)?;
@@ -150,7 +183,7 @@ fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<Pulses, RodlabError> {
             }
         };
         edges[row] = [history[range.start], history[range.end - 1]];
-        shortest = shortest.min(range.len());
+        lengths[row] = range.len();
         let (mut energy, mut moment) = (0.0, 0.0);
         for index in range {
             samples[[row, index]] = history[index];
@@ -178,7 +211,7 @@ fn pulses_of(hit: &Record, cuts: &[Cut<'_>; 2]) -> Result<Pulses, RodlabError> {
         record: record.map_err(refused)?,
         edges,
         centres,
-        shortest,
+        lengths,
     })
 }
 

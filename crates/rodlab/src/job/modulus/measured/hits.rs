@@ -5,7 +5,7 @@ use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::two_point::variance_from_coherence;
 use labio::{AveragedSpectra, Record, Window};
 
-use super::{FirstHit, Measured, Ratio, SensorError, Spectra};
+use super::{FirstHit, Measured, Ratio, SensorError, Shot, ShotChannel, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::hits::{
@@ -17,8 +17,7 @@ use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
-/// Fewest hits of which a coherence can be formed. The spectra of gauges have their errors from the silence before a hit: of one hit,
-/// too.
+/// Fewest hits of which a coherence can be formed. The errors of one hit are from the silence before it, and so are those of gauges.
 const FEWEST_HITS: usize = 2;
 
 pub(super) fn of_hits(
@@ -74,13 +73,11 @@ pub(super) fn of_hits(
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
     };
-    let fewest = match &sheet.method {
-        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => 1,
-        _ => FEWEST_HITS,
-    };
+    let fewest = if silent.is_some() { 1 } else { FEWEST_HITS };
     if accepted.len() < fewest {
         let why = if fewest == FEWEST_HITS {
-            ": the coherence of one is 1 whatever was measured"
+            ": the coherence of one is 1 whatever was measured. State in `source.silent` how long the record is silent before the blow, and the \
+             errors of one hit are read there"
         } else {
             ""
         };
@@ -104,20 +101,15 @@ pub(super) fn of_hits(
         | MethodSheet::Resonances {
             impacted_end,
             free_end,
-        } => Spectra::Ratio(averaged_ratio(
-            accepted.iter().copied(),
-            impacted_end,
-            free_end,
-            1.0,
-        )?),
-        MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(averaged_ratio(
-            accepted.iter().copied(),
+        } => Spectra::Ratio(ratio_of(&accepted, silent, impacted_end, free_end)?),
+        MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(ratio_of(
+            &accepted,
+            silent,
             &first.channel,
             &second.channel,
-            1.0,
         )?),
         MethodSheet::SeparatePulses { first, second, .. } => {
-            Spectra::Ratio(pulses::separate(&accepted, first, second)?)
+            Spectra::Ratio(pulses::separate(&accepted, silent, first, second)?)
         }
         MethodSheet::OneGauge {
             section,
@@ -126,6 +118,7 @@ pub(super) fn of_hits(
             ..
         } => Spectra::Ratio(pulses::reflected(
             &accepted,
+            silent,
             &section.channel,
             incident,
             reflected,
@@ -161,6 +154,29 @@ pub(super) fn of_hits(
     }
     measured.spectra = Some(spectra);
     Ok(measured)
+}
+
+/// The ratio of two channels: of several hits with its variance by the coherence, of one by the silence before it.
+fn ratio_of(
+    hits: &[&Record],
+    silent: Option<usize>,
+    numerator: &str,
+    denominator: &str,
+) -> Result<Ratio, RodlabError> {
+    let ([hit], Some(silent)) = (hits, silent) else {
+        return averaged_ratio(hits.iter().copied(), numerator, denominator, 1.0);
+    };
+    let channel = |name| ShotChannel {
+        name,
+        at_rest: name.to_owned(),
+        duration: hit.duration(),
+    };
+    let shot = Shot {
+        hit,
+        silent,
+        record: hit,
+    };
+    shot.ratio(&channel(numerator), &channel(denominator), 1.0)
 }
 
 /// H1 with the denominator as input, and its variance by the coherence, pooled over neighbouring lines where the hits are few. So many lines
@@ -228,7 +244,7 @@ fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabErr
             return Err(RodlabError::request(taken.field, is(), expected));
         }
         if method::of_channel(quantity).is_none() {
-            let expected = "a channel of strain, acceleration, velocity or displacement";
+            let expected = "a channel of strain or of what is proportional to it (force, stress, volts), of acceleration, velocity or displacement";
             return Err(RodlabError::request(taken.field, is(), expected));
         }
         match first {

@@ -1,0 +1,218 @@
+//! One shot on a long bar: records by waves between free ends, gauges, a filter, noise and a converter, whose truth is known.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use num_complex::Complex64;
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Quantity, Verdict};
+use rodlab::sheet::Sheet;
+use rodlab::{Outcome, RodlabError};
+use tempfile::TempDir;
+use testbed::long_bar::LongBar;
+
+/// Gauges of 250 kHz in the columns of a table of text.
+fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
+    let line = |n: usize| {
+        let cells: Vec<String> = rows
+            .iter()
+            .map(|row| format!("{:e}", factor * row[n]))
+            .collect();
+        cells.join(",")
+    };
+    let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
+    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+}
+
+fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("bar.ron");
+    fs::write(&path, text).unwrap();
+    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
+}
+
+fn sheet(method: &str, units: [&str; 2], rest: &str) -> String {
+    let [first, second] = units;
+    format!(
+        r#"Modulus(
+    title: "One shot on a bar",
+    specimen: (diameter: "20 mm", density: "1190 kg/m3"),
+    lateral_inertia: (poisson_ratio: "0"),
+    method: {method},
+    source: Hits(
+        records: (files: ["shot.csv"], sampling_rate: "250 kHz", channels: [
+            (name: "g1", from: 1, {first}),
+            (name: "g2", from: 2, {second}),
+        ]),
+        {rest}
+    ),
+    band: (from: "700 Hz", to: "12 kHz"),
+    limits: (loss_factor: "100 %"),
+)"#
+    )
+}
+
+const STRAINS: [&str; 2] = [
+    r#"unit: "strain""#,
+    r#"unit: "strain", sensitivity: "1 ± 3 %""#,
+];
+const BEFORE_END: &str = r#"MultiPoint(gauges: [(channel: "g1", at: "1600 mm"), (channel: "g2", at: "2000 mm")], free_end_at: "2500 mm")"#;
+const SILENT: &str = r#"silent: "0.9 ms","#;
+
+fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
+    let table = outcome
+        .tables
+        .iter()
+        .find(|table| table.name == "modulus")
+        .unwrap();
+    let column = table
+        .columns
+        .iter()
+        .find(|column| column.name == name)
+        .unwrap();
+    let Cells::Numbers(numbers) = &column.cells else {
+        panic!("{name}")
+    };
+    numbers
+}
+
+/// Valid lines, and how many of them lie outside 1.96 stated errors of E' and of the loss factor.
+fn outside(outcome: &Outcome) -> [usize; 3] {
+    let table = outcome
+        .tables
+        .iter()
+        .find(|table| table.name == "modulus")
+        .unwrap();
+    let validity = table
+        .columns
+        .iter()
+        .find(|column| column.name == "validity")
+        .unwrap();
+    let Cells::Words(words) = &validity.cells else {
+        panic!("validity")
+    };
+    let mut found = [0; 3];
+    for line in (0..words.len()).filter(|line| words[*line] == "valid") {
+        let s = Complex64::new(0.0, TAU * column(outcome, "frequency")[line]);
+        let exact = (LongBar::glassy().modulus)(s);
+        let z = |name: &str, exact: f64, error: &str| {
+            (column(outcome, name)[line] - exact).abs() / column(outcome, error)[line]
+        };
+        found[0] += 1;
+        found[1] += usize::from(z("E'", exact.re / 1e9, "standard error of E'") > 1.96);
+        let loss = z(
+            "loss factor",
+            exact.im / exact.re,
+            "standard error of the loss factor",
+        );
+        found[2] += usize::from(loss > 1.96);
+    }
+    found
+}
+
+fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
+    let mut quantities = outcome.quantities.iter();
+    quantities
+        .find(|q| q.name == name)
+        .unwrap_or_else(|| panic!("{name}"))
+}
+
+#[test]
+fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
+    let folder = TempDir::new().unwrap();
+    write(
+        folder.path(),
+        &LongBar::glassy().shot(&[1.0, 1.025], 7),
+        1.0,
+    );
+    let text = sheet(BEFORE_END, STRAINS, SILENT);
+    let strains = run(folder.path(), &text).unwrap();
+    assert_eq!(strains.verdict, Verdict::Answered, "{:?}", strains.summary);
+    assert!(
+        strains
+            .summary
+            .iter()
+            .any(|line| line.starts_with("The hits end while the rod rings")),
+        "{:?}",
+        strains.summary
+    );
+    let [lines, storage, loss] = outside(&strains);
+    // one line in twenty, and some twelve go together
+    assert!(
+        lines > 35 && storage <= lines / 6 && loss <= lines / 6,
+        "{lines} {storage} {loss}"
+    );
+    let gain = quantity(&strains, "error of the sensitivity of gauge 2, found");
+    let (value, error) = (gain.value.unwrap(), gain.standard_error.unwrap());
+    assert!(
+        (value - 100.0 * 1.025_f64.ln()).abs() < 3.0 * error && error < 0.4,
+        "{gain:?}"
+    );
+
+    // the same bar as a laboratory has it that multiplies its strains by a modulus and the area
+    write(
+        folder.path(),
+        &LongBar::glassy().shot(&[1.0, 1.025], 7),
+        750.0,
+    );
+    let units = [
+        r#"unit: "kN""#,
+        r#"unit: "kN", sensitivity: "1 kN/kN ± 3 %""#,
+    ];
+    let forces = run(folder.path(), &sheet(BEFORE_END, units, SILENT)).unwrap();
+    let (a, b) = (column(&strains, "E'"), column(&forces, "E'"));
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
+
+    // a stated window in the place of the one that the ringing needs
+    let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"0.01 %\")),");
+    let stated = run(folder.path(), &sheet(BEFORE_END, units, &window)).unwrap();
+    let [lines, storage, loss] = outside(&stated);
+    assert!(
+        lines > 35 && storage <= lines / 6 && loss <= lines / 6,
+        "{lines} {storage} {loss}"
+    );
+}
+
+/// Pulses that have passed before anything returns: a short blow, gauges far from the end.
+#[test]
+fn one_shot_has_its_errors_from_the_silence() {
+    let folder = TempDir::new().unwrap();
+    let bar = LongBar {
+        pulse: [60e-6, 200e-6, 60e-6],
+        gauges: vec![0.5, 1.1],
+        ..LongBar::glassy()
+    };
+    write(folder.path(), &bar.shot(&[1.0, 1.0], 3), 1.0);
+    let units = [r#"unit: "strain""#, r#"unit: "strain""#];
+    let pulses = r#"SeparatePulses(first: (channel: "g1", from: "1.2 ms", to: "2.2 ms"), second: (channel: "g2", from: "1.65 ms", to: "2.65 ms"), distance: "600 mm")"#;
+    let outcome = run(folder.path(), &sheet(pulses, units, SILENT)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let [lines, storage, loss] = outside(&outcome);
+    assert!(
+        lines > 40 && storage <= lines / 6 && loss <= lines / 6,
+        "{lines} {storage} {loss}"
+    );
+
+    // without a silence that is known one hit says nothing of its errors
+    let outcome = run(folder.path(), &sheet(pulses, units, "")).unwrap();
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    assert!(reason.contains("State in `source.silent`"), "{reason}");
+}
+
+#[test]
+fn what_a_bar_cannot_have_is_said() {
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), &LongBar::glassy().shot(&[1.0, 1.0], 7), 1.0);
+    let said = |method: &str, rest: &str| match run(folder.path(), &sheet(method, STRAINS, rest)) {
+        Err(error) => error.to_string(),
+        Ok(outcome) => panic!("{:?}", outcome.summary),
+    };
+    insta::assert_snapshot!(said(&BEFORE_END.replace("2500 mm", "1800 mm"), SILENT), @"");
+    insta::assert_snapshot!(said(&BEFORE_END.replace(", free_end_at: \"2500 mm\"", ""), SILENT), @"");
+    let first = r#"FreeEnd(first: (channel: "g1", from_free_end: "900 mm"), second: (channel: "g2", from_free_end: "500 mm"))"#;
+    let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"1 %\")),");
+    insta::assert_snapshot!(said(first, &window), @"");
+}
