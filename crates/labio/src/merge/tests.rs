@@ -47,9 +47,9 @@ struct Hammer {
     peak: f64,
     contact: usize,
     noise: f64,
-    /// Of the force, added after it has acted.
+    /// Error of the force, added after it has acted.
     input_noise: f64,
-    /// Of the sensor of the response.
+    /// Error of the response sensor.
     gain: f64,
     n_hits: usize,
 }
