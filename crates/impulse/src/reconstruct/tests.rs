@@ -12,7 +12,7 @@ fn respond(force: &[f64]) -> Vec<f64> {
     ring(RADIUS, force)
 }
 
-/// The same of another radius r.
+/// A resonator like [`respond`] with another radius r.
 fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     let mut response: Vec<f64> = Vec::new();
     let past = |response: &[f64], n: usize, lag: usize| {
@@ -27,7 +27,7 @@ fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     response
 }
 
-/// Its frequency response in closed form.
+/// Frequency response of the resonator in closed form.
 fn frequency_response() -> Vec<Complex64> {
     (0..=N / 2)
         .map(|k| {
@@ -264,7 +264,7 @@ fn noisy(response: &[f64], level: f64, seed: u64) -> Vec<f64> {
     pairs.map(|(x, e)| x + level * e).collect()
 }
 
-/// Of a response that was integrated twice: it says little of high frequencies, so that a division needs regularisation.
+/// Lines of a response that was integrated twice: it contains little of high frequencies, so that a division needs regularisation.
 fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     let leak = 0.97;
     let mut response = respond(&half_sine());
@@ -408,7 +408,7 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     }
 }
 
-/// Against the conditions of the minimum, checked here with sums in time, and against descent along the gradient.
+/// Compares with the conditions of the minimum, checked here with sums in time, and with descent along the gradient.
 #[test]
 fn a_force_without_tension_is_the_minimum() {
     let (force, h) = (half_sine(), frequency_response());
@@ -569,7 +569,7 @@ struct HammerTest {
     decay_rate: f64,
 }
 
-/// What a reconstruction is off by in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
+/// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
 struct Off {
     peak: f64,
     impulse: f64,
@@ -761,7 +761,7 @@ fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
     );
 }
 
-/// The same with a penalty that takes 17 N off the peak by itself: the error holds it.
+/// A penalty that takes 17 N off the peak by itself: the error contains it.
 #[test]
 fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     let test = HammerTest {
@@ -825,7 +825,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     assert!((0.4..0.8).contains(&narrower), "{narrower}");
 }
 
-/// One sample and its neighbour, by hand: the profile of the first is that of a parabola until the second comes to zero, and then of a steeper one.
+/// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the second becomes zero, and then of a steeper
+/// one.
 #[test]
 fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     let problem = Constrained {
@@ -931,7 +932,8 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
 }
 
-/// The same body by its exact windowed impulse response: the only error is the white noise of the response, whose lines hang together under the window.
+/// Reconstruction by the exact windowed impulse response: the only error is the white noise of the response, whose lines are correlated
+/// under the window.
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
     use rand::{RngExt, SeedableRng};
