@@ -344,7 +344,7 @@ fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     assert!(ScaledModulus::new("none", zener, 0.0, &[]).is_err());
 }
 
-/// What comes around from the next period: the response on a period twice as long is the same.
+/// Wrap-around from the next period: the response on a period twice as long is the same.
 #[test]
 fn wrap_around_is_below_its_level() {
     let history = excitation();
@@ -395,7 +395,7 @@ fn times_between_samples_are_answered_either_way() {
     assert!(at(&[-1e-6]).is_none());
 }
 
-/// As many derivatives as parameters are asked for, or none is given.
+/// Number of derivatives: as many as parameters are requested, or none is given.
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);

@@ -157,7 +157,7 @@ fn virtual_test() -> RodTest {
     .unwrap()
 }
 
-/// What a fit, a comparison, profiles and standard samples say of a model with a fault.
+/// Results of a fit, a comparison, profiles and standard samples for a faulty model.
 fn said_of(fault: Fault) -> [String; 4] {
     fn said<T>(outcome: Result<T, MaxwellidError>) -> String {
         outcome.map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
