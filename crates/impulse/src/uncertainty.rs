@@ -49,9 +49,9 @@ impl StickProblem<'_> {
     ///
     /// # Validity
     ///
-    /// Errors of a line must be small compared with $`|G_1+G_2|`$, which need not hold where the sum is small.
-    /// [`StickUncertainty::monte_carlo`] does not linearise. Measured lines corrected by one weighed mass have common errors,
-    /// which are taken as independent here.
+    /// Errors of a line must be small compared with $`|G_1+G_2|`$, which need not hold near a resonance of the joined bodies,
+    /// where the sum is small. [`StickUncertainty::monte_carlo`] does not linearise. Measured lines corrected by one weighed mass
+    /// have common errors, which are taken as independent here.
     ///
     /// # Errors
     ///

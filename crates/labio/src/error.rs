@@ -150,10 +150,10 @@ pub enum LabioError {
         /// Index of the second.
         second: usize,
     },
-    /// No channel has the name asked for.
+    /// No channel has the requested name.
     #[error("there is no channel `{name}`, only {}", quoted(known))]
     UnknownChannel {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// The known names.
         known: Vec<String>,

@@ -31,8 +31,8 @@ pub enum Noise {
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// No: within the noise, values of another order of magnitude (or other exponents) explain the data as well. The value is
-    /// that at which the iteration stopped, not a property of the material.
+    /// Undetermined: within the noise, values of another order of magnitude (or other exponents) explain the data as well. The
+    /// value is that at which the iteration stopped, not a property of the material.
     NotIdentifiable,
     /// Bounded: only values above this one are excluded, at 95 % ([`crate::profile`]).
     BoundedAbove(f64),

@@ -36,7 +36,7 @@ pub struct Identification<M> {
     course: Course,
     /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs from that of the standard error.
     curved: Vec<bool>,
-    /// The same flags with weights and excitation renewed there.
+    /// Flags of the same kind, with weights and excitation renewed there.
     bent: Vec<bool>,
 }
 

@@ -30,7 +30,7 @@ use crate::sliding_window::SlidingWindow;
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
 
-/// Fewest cells of a grid: the time interpolation uses three later steps, before whose waves have arrived.
+/// Fewest cells of a grid: the time interpolation uses three later steps, whose waves must not have arrived yet.
 const FEWEST_CELLS: usize = 8;
 
 /// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal cells.
@@ -542,7 +542,7 @@ mod tests {
     use super::*;
     use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-    /// One march with the instructions of the processor at hand and one with those that every processor has.
+    /// Compares a march with the vector instructions of the processor with one without.
     fn digits_are_the_same<L: InelasticLaw<Flow: Clone>>(law: &L) {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
         let problem = DirectProblem::new(rod, 75).unwrap();

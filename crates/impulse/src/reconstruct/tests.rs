@@ -283,7 +283,7 @@ fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     (response, lines.collect())
 }
 
-/// Every way to choose comes near the best that its kind of regularisation can do, which only the truth knows.
+/// Methods of choice all come near the best parameter of their kind of regularisation, which is known only from the true force.
 #[test]
 fn the_chosen_parameter_is_near_the_best() {
     let (clean, h) = integrated();

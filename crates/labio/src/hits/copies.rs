@@ -485,7 +485,7 @@ mod tests {
         assert_eq!(near(&all), [(1, 3)]);
     }
 
-    /// Hits of a machine that strikes the same every time: they differ by noise only, and by nothing else.
+    /// Hits of a machine that strikes with the same force every time: they differ only by noise.
     #[test]
     fn r10_hits_that_differ_by_noise_only_are_no_copies() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

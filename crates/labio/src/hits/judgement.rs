@@ -329,9 +329,9 @@ impl Criteria {
 /// Constant signals that are allowed within a hit.
 #[derive(Debug, Clone, Copy)]
 struct Holds {
-    /// At rest, such as a force between two contacts.
+    /// Rest, as of a force between two contacts.
     rest: bool,
-    /// Away from rest, such as a strain while a long wave passes.
+    /// Plateaus away from rest, as of a strain while a long wave passes.
     plateaus: bool,
 }
 

@@ -40,9 +40,9 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
 ///
 /// # Validity
 ///
-/// The body must be at rest: the root mean square of each channel about its level in the last tenth must not exceed a thousandth
-/// of its peak and its noise. The padded samples have no noise: rest noise, which is taken for the whole length, is then
-/// overestimated by their fraction.
+/// The body must be at rest: the mean square of each channel about its level in the last tenth must not exceed twice that of its
+/// noise plus the square of a thousandth of its peak. The padded samples have no noise: rest noise, which is taken for the whole
+/// length, is then overestimated by their fraction.
 ///
 /// # Errors
 ///

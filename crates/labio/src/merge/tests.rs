@@ -253,7 +253,7 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!(merged.inflation.iter().all(|factor| *factor <= 1.0));
 }
 
-/// For any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three hits of each.
+/// Discrepancy for any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three hits of each.
 #[test]
 fn s13_the_discrepancy_has_the_mean_one() {
     for n_hits in [2, 3, 5, 10] {

@@ -149,7 +149,8 @@ const PRELIMINARY: f64 = 1e-4;
 /// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
 const SETTLED: f64 = 0.02;
 
-/// That change as a fraction of χ², for a law that is refuted in any case: its evidence is known to a ten-thousandth of its logarithm.
+/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its evidence is known to a ten-thousandth of its
+/// logarithm.
 const SETTLED_SHARE: f64 = 1e-4;
 
 /// Returns true if χ² does not change any more.

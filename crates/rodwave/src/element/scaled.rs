@@ -170,7 +170,7 @@ impl ScaledTransition {
 mod tests {
     use super::*;
 
-    /// Against the library's functions where these neither cancel nor overflow.
+    /// Compares with the library's functions where these neither cancel nor overflow.
     #[test]
     fn scaled_functions_are_the_hyperbolic_ones() {
         for (re, im) in [

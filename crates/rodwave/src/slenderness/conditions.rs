@@ -93,7 +93,7 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// At the limits themselves neither condition holds, as printed: λ "should exceed" 5D and "be less than" 5L.
+    /// Limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less than" 5L.
     #[test]
     fn conditions_are_strict() {
         let wave_number = std::f64::consts::TAU / 0.5;

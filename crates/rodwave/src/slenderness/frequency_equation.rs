@@ -281,7 +281,7 @@ mod tests {
         }
     }
 
-    /// On both sides of the switch to the limit the functions agree.
+    /// Functions agree on both sides of the switch to the limit.
     #[test]
     fn small_arguments_need_no_division() {
         let above: [Complex64; 4] = entire_bessel(1.01e-16.into()).unwrap();
@@ -324,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Nothing happens at p = 0, q = 0 or ν = 1/2, where the printed form is singular or trivial.
+    /// Functions are regular at p = 0, q = 0 or ν = 1/2, where the printed form is singular or trivial.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
         let nu = 0.3;
