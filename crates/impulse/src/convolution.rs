@@ -150,7 +150,7 @@ pub(crate) fn causal_convolution(kernel: &[f64], given: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Kernel and input without structure.
+    /// Irregular kernel and input.
     fn arrays(n: usize) -> (Vec<f64>, Vec<f64>) {
         let value = |k: usize, a: f64| (a * (k * k) as f64 + 0.3).sin();
         (0..n)

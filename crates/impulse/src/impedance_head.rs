@@ -100,7 +100,7 @@ impl ImpedanceHead {
 mod tests {
     use super::*;
 
-    /// A rigid body of 0.3 kg on a spring, and 5 g of head on it.
+    /// A rigid body of 0.3 kg on a spring, with 5 g of the head on it.
     #[test]
     fn the_mass_below_the_gauge_is_taken_off() {
         let (head, step_hz) = (0.005, 10.0);

@@ -433,9 +433,9 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second derivative of the cosine
-    /// jumps by 2/pi^2 (in units of samples^2) at half the band and at its end, and each jump d at theta leaves d pi/(theta n^3):
-    /// (0.41 + 0.20)/n^3. Two jumps a period, one sample of margin.
+    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second derivative of the cosine jumps by
+    /// 2/pi^2 (in units of samples^2) at half the band and at its end, and each jump d at theta leaves d pi/(theta n^3): (0.41 +
+    /// 0.20)/n^3. Two jumps per period, one sample of margin.
     fn rolled_ringing(n: usize) -> f64 {
         2.0 * 0.61 / (n as f64 - 1.0).powi(3)
     }

@@ -372,7 +372,7 @@ mod tests {
             .collect()
     }
 
-    /// Three inputs, the second with half of the first in it and the third with the first two, through gains; noise on the output.
+    /// Three inputs through gains, the second containing half of the first and the third the first two; noise on the output.
     fn spectra(n: usize, n_hits: usize, noise: f64, seed: u64) -> AveragedSpectra {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -533,7 +533,7 @@ mod tests {
         b * back / (1.0 - BODY[0] * back - BODY[1] * back * back)
     }
 
-    /// Random forces of shakers that hear each other, the body that they shake, and noise of all sensors; at rest in the first
+    /// Random forces of shakers with cross-talk, the body that they excite, and noise of all sensors; at rest in the first
     /// `silent` samples.
     fn shaken(
         n: usize,

@@ -139,7 +139,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Hits on a damper of mobility `mobility` whose velocity comes `delay` samples late, with noise of level `noise` on it.
+    /// Hits on a damper of mobility `mobility` whose velocity is delayed by `delay` samples, with noise of level `noise`.
     fn damper(mobility: f64, delay: usize, noise: f64) -> AveragedSpectra {
         damper_of(8, mobility, delay, noise, 2)
     }

@@ -72,7 +72,7 @@ mod tests {
     use crate::hits::{Criteria, Extent, Trigger, find_hits_in_blocks};
     use crate::{CalibratedBlocks, Provenance, Quantity, Rating, SensorChain, Welch};
 
-    /// Says that it has filled the block, and hands back one of `shape` in its place.
+    /// A faulty source that claims to have filled the block, and replaces it by one of `shape`.
     struct Careless {
         channels: Vec<Channel>,
         shape: (usize, usize),

@@ -366,7 +366,7 @@ mod tests {
         }
     }
 
-    /// The criterion of the increments is the mean of |r - wφ|, of which theirs is the least: less than that of the least squares.
+    /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is less than that of the least squares.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();

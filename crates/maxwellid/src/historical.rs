@@ -243,7 +243,7 @@ impl Inverse {
 mod tests {
     use super::*;
 
-    /// A quadratic bowl with axes of curvature 1 and 100, turned.
+    /// A quadratic bowl with axes of curvature 1 and 100, rotated.
     struct Bowl;
 
     impl LeastSquares for Bowl {

@@ -378,7 +378,7 @@ fn damped_step(svd: &ScaledDecomposition, scales: &[f64], damping: f64) -> Vec<f
 mod tests {
     use super::*;
 
-    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter that nothing depends on.
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter without effect.
     struct Valley;
 
     impl LeastSquares for Valley {

@@ -270,7 +270,7 @@ mod tests {
         assert!((radical_inverse(5, 3) - 7.0 / 9.0).abs() < 1e-15);
     }
 
-    /// Points in a plane of a space of three dimensions: two components hold everything, with unit variance and no correlation.
+    /// Points in a plane of a three-dimensional space: two components contain everything, with unit variance and no correlation.
     #[test]
     fn the_projection_is_white_and_finds_the_dimension() {
         let patterns: Vec<Vec<f64>> = (1..=50)

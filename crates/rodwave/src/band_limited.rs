@@ -375,7 +375,7 @@ mod tests {
         }
     }
 
-    /// Word by word: zero before the record, point symmetric about its end, a sum over 16 samples to either side.
+    /// Direct evaluation: zero before the record, point-symmetric about its end, a sum over 16 samples to either side.
     #[test]
     fn fine_points_have_the_digits_of_their_definition() {
         for count in [4_i32, 5, 17, 40] {

@@ -286,7 +286,7 @@ mod tests {
         }
     }
 
-    /// The fit is the projection: what it leaves is orthogonal to both waves, and changing either wave makes it worse.
+    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave increases it.
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];
@@ -306,7 +306,7 @@ mod tests {
         }
     }
 
-    /// Half a wavelength between undamped sections: only the sum of the waves is seen, and the result says so.
+    /// Half a wavelength between undamped sections: only the sum of the waves is determined, as the result states.
     #[test]
     fn sections_that_see_both_waves_alike() {
         let gamma = Complex64::new(0.0, std::f64::consts::PI);

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::{Quantity, Rating};
 
-    /// Three samples of two channels, one a block.
+    /// Three samples of two channels, one per block.
     #[derive(Debug)]
     struct Ramp(Vec<Channel>, f64);
 

@@ -378,7 +378,7 @@ mod tests {
         assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
     }
 
-    /// The lists may be changed, as by one who leaves the lines above a frequency out; all of them have to go along.
+    /// A caller may change the lists, for example to drop the lines above a frequency; all lists must then change together.
     #[test]
     fn lists_of_unlike_lengths_are_refused() {
         let cut = |change: fn(&mut FrequencyResponse)| {

@@ -14,8 +14,8 @@ fn channels() -> Vec<Channel> {
     ]
 }
 
-/// Hits of a hammer whose half-sine lasts `contact` samples, on a body that answers with half the force two samples later; noise on
-/// the response.
+/// Hits of a hammer whose half-sine lasts `contact` samples, on a body that responds with half the force two samples later; noise
+/// on the response.
 fn test_of(hammer: Hammer, seed: u64) -> AveragedSpectra {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut averager = SpectrumAverager::new(&channels(), N, RATE, Window::Rectangular).unwrap();
@@ -156,7 +156,7 @@ fn inverse_variances_weigh_as_least_squares_does() {
     assert!(merged.response.coherence.is_none());
 }
 
-/// Paper E's two hammers with noise of the force: above 1.5 kHz the heavy hammer has none, and H1 and its variance are nothing.
+/// Paper E's two hammers with noise of the force: above 1.5 kHz the force of the heavy hammer is zero, and so are H1 and its variance.
 #[test]
 fn s2_noise_of_the_force_does_not_win() {
     let noisy = Hammer {
@@ -193,7 +193,7 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// A test whose larger input is noise does not take the line, and a line that only such a test has is not coherent.
+/// Tests whose larger input is noise are not selected on a line, and a line that only such a test has is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     let noisy = Hammer {

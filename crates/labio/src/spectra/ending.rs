@@ -219,7 +219,7 @@ mod tests {
     use super::*;
     use crate::dft::forward;
 
-    /// A step and a ramp behind a record, added up far behind their end under a slow decay, which takes the place of the limit.
+    /// A step and a ramp after a record, summed far beyond its end under a slow decay, which replaces the limit.
     #[test]
     fn s1_what_follows_is_added_as_if_the_record_were_longer() {
         let (n, decay): (usize, f64) = (32, 0.98);

@@ -173,7 +173,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// White noise before and during the hits: the energy of its lines is what the silence promises.
+    /// White noise before and during the hits: the energy of its lines is that predicted from the silence.
     #[test]
     fn the_silence_before_tells_the_noise_of_the_lines() {
         let mut random = ChaCha8Rng::seed_from_u64(5);

@@ -327,7 +327,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
-        /// The blocks in which a stream comes do not matter.
+        /// Results do not depend on the blocks of a stream.
         #[test]
         fn a_stream_gives_the_numbers_of_the_record(
             n_samples in 3_usize..400,

@@ -322,7 +322,8 @@ mod tests {
         }
     }
 
-    /// The autocovariance behind the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a period, which is exact for it.
+    /// The autocovariance after the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a
+    /// period, which is exact for it.
     #[test]
     fn r02_noise_behind_the_filter_is_that_of_its_spectrum() {
         let noise = HistoryNoise::Coloured {
